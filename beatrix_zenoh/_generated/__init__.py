@@ -1,0 +1,1 @@
+"""Generated from schemas/*.toml by schemas/generate.py."""

@@ -1,0 +1,30 @@
+"""One family of errors: a reason from the contract's table and a sentence that says what to do."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Reason
+
+
+class BeatrixError(Exception):
+    """Root of all errors of this package.
+
+    `reason` is the entry of the contract's table, `message` the sentence for people; the same
+    sentence appears in SDK, command line, window and replies.
+    """
+
+    def __init__(self, reason: Reason, message: str) -> None:
+        super().__init__(message)
+        self.reason = reason
+        self.message = message
+
+
+class Refused(BeatrixError):
+    """The robot, or a check on its behalf, said no; nothing has moved."""
+
+
+class Interrupted(BeatrixError):
+    """A motion was accepted and ended somewhere else than asked: stopped, replaced, lost."""
+
+
+class NoAnswer(BeatrixError):
+    """Nobody answered: no router, no robot of this name, or no reply in time."""

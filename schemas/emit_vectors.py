@@ -1,0 +1,112 @@
+"""Golden bytes: schemas/vectors/*.json.
+
+The encoders here are written from the text of the contract and share nothing with
+`beatrix_zenoh`, so that the vectors check the library instead of repeating it.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+
+from contract import Contract
+
+MESSAGES: list[tuple[str, dict[str, object]]] = [
+    ("Vector3", {"x": 0.1, "y": -0.25, "z": 1.5}),
+    ("Steps", {"x": 0, "y": -129, "z": 70000}),
+    ("Head", {"yaw": 0.5, "pitch": -0.125, "roll": 0.0}),
+    ("MotionQuery", {"absolute": True, "position": {"x": 0.1, "y": -0.25, "z": 1.5}, "speed": {"x": 0.5, "y": 0.5, "z": 0.5}}),
+    ("MotionQuery", {"absolute": False, "position": {"x": 0.0, "y": 0.0, "z": -0.0625}, "speed": None}),
+    ("PoseQuery", {"absolute": True, "yaw": 0.5, "pitch": -0.125, "roll": 0.0, "speed": None}),
+    ("PoseQuery", {"absolute": False, "yaw": 0.0, "pitch": 0.1, "roll": 0.0, "speed": 1.0}),
+    ("CommandQuery", {"command": 1, "value": True}),
+    ("CommandQuery", {"command": -2, "value": False}),
+    ("CommandReply", {"result": False, "reason": "NOT_ENABLED", "message": "Die Motoren sind aus – ✓", "position": {"x": 0.0, "y": 0.0, "z": 0.0}}),
+    ("MotionReply", {"result": True, "phase": "accepted", "reason": "OK", "message": "", "motion": 65535, "duration": 1.25, "position": {"x": 0.5, "y": 0.5, "z": 0.5}}),
+    ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
+]
+
+FRAMES: list[tuple[str, int, dict[str, object]]] = [
+    ("HELLO", 1, {}),
+    ("PING", 255, {}),
+    ("MOVE", 7, {"flags": 1, "motion": 513, "target": [100, -200, 70000], "speed": [1400, 1, 65535]}),
+    ("MOVE", 0, {"flags": 0, "motion": 0, "target": [0, 0, 0], "speed": [256, 256, 256]}),
+    ("STOP", 3, {}),
+    ("EMERGENCY_STOP", 4, {}),
+    ("ENABLE", 5, {"value": 1}),
+    ("CALIBRATE", 6, {}),
+    ("SET_NAME", 9, {"name": "bea1"}),
+]
+
+
+def msgpack_int(value: int) -> bytes:
+    if 0 <= value < 128 or -32 <= value < 0:
+        return struct.pack("b" if value < 0 else "B", value)
+    forms = [(0xCC, "B"), (0xCD, "H"), (0xCE, "I"), (0xCF, "Q")] if value > 0 else [(0xD0, "b"), (0xD1, "h"), (0xD2, "i"), (0xD3, "q")]
+    for lead, form in forms:
+        try:
+            return bytes([lead]) + struct.pack(">" + form, value)
+        except struct.error:
+            continue
+    raise ValueError(value)
+
+
+def msgpack(value: object) -> bytes:
+    """MessagePack specification, the part our messages use; floats in single precision."""
+    match value:
+        case None:
+            return b"\xc0"
+        case bool():
+            return b"\xc3" if value else b"\xc2"
+        case int():
+            return msgpack_int(value)
+        case float():
+            return b"\xca" + struct.pack(">f", value)
+        case str():
+            data = value.encode()
+            return (bytes([0xA0 | len(data)]) if len(data) < 32 else bytes([0xD9, len(data)])) + data
+        case dict():
+            return bytes([0x80 | len(value)]) + b"".join(msgpack(k) + msgpack(v) for k, v in value.items())
+    raise TypeError(type(value))
+
+
+def crc16(data: bytes) -> int:
+    """CRC-16/MCRF4XX, bit by bit."""
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ 0x8408 if crc & 1 else crc >> 1
+    return crc
+
+
+def cobs(data: bytes) -> bytes:
+    """Consistent Overhead Byte Stuffing of less than 254 bytes."""
+    return b"".join(bytes([len(run) + 1]) + run for run in data.split(b"\0"))
+
+
+def payload(contract: Contract, frame: str, values: dict[str, object]) -> bytes:
+    out = b""
+    fields: list[dict[str, object]] = list(contract.serial["frame"][frame].get("fields", []))  # type: ignore[call-overload]
+    for field in fields:
+        value, kind = values[str(field["name"])], str(field["type"])
+        if kind == "char":
+            out += str(value).encode().ljust(int(str(field["count"])), b"\0")
+            continue
+        form = {"u8": "<B", "u16": "<H", "u32": "<I", "i32": "<i"}[kind]
+        out += b"".join(struct.pack(form, one) for one in (value if isinstance(value, list) else [value]))
+    return out
+
+
+def files(contract: Contract) -> dict[str, str]:
+    """Relative path -> text of the golden files."""
+    messages = [{"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in MESSAGES]
+    frames = []
+    for name, seq, values in FRAMES:
+        body = bytes([int(str(contract.serial["frame"][name]["type"])), seq]) + payload(contract, name, values)
+        wire = b"\0" + cobs(body + struct.pack("<H", crc16(body))) + b"\0"
+        frames.append({"frame": name, "seq": seq, "fields": values, "wire": wire.hex()})
+    return {
+        "schemas/vectors/messages.json": json.dumps(messages, indent=1, ensure_ascii=False) + "\n",
+        "schemas/vectors/serial.json": json.dumps(frames, indent=1) + "\n",
+    }

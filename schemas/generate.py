@@ -1,0 +1,48 @@
+"""Write every file that follows from schemas/*.toml; `--check` only compares.
+
+    python schemas/generate.py          write
+    python schemas/generate.py --check  exit 1 and name the files that differ
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+
+import emit_cpp
+import emit_python
+import emit_reference
+import emit_vectors
+from contract import ROOT, load
+
+
+def formatted(path: str, text: str) -> str:
+    """Python goes through the project's formatter, so that a checked-in file can be compared."""
+    if not path.endswith(".py"):
+        return text
+    command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(ROOT / path), "-"]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    check = parser.parse_args().check
+    contract = load()
+    emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
+    wanted = {path: formatted(path, text) for emitter in emitters for path, text in emitter.files(contract).items()}
+    stale = [path for path, text in wanted.items() if not (ROOT / path).exists() or (ROOT / path).read_text(encoding="utf-8") != text]
+    if check:
+        for path in stale:
+            print(f"{path} differs from schemas/*.toml: run `make generate`")
+        return 1 if stale else 0
+    for path in stale:
+        (ROOT / path).parent.mkdir(parents=True, exist_ok=True)
+        (ROOT / path).write_text(wanted[path], encoding="utf-8")
+        print("wrote", path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
