@@ -1,0 +1,52 @@
+# BEATRIX: `make demo` shows it, `make test` proves it; both set themselves up in .venv. `make help` lists the rest.
+
+MAKEFLAGS += --no-print-directory
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench firmware generate docs lock
+
+BIN := .venv/bin
+FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
+# The first Python that is new enough and really starts: a name on PATH may be an empty shim.
+PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
+SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH))
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
+
+demo: ## the robot's twin on this computer, doing what it can (needs Python 3.11, nothing else)
+	@$(SETUP) demo
+	$(BIN)/beatrix demo
+
+test: ## all tests, in parallel, with branch coverage
+	@$(SETUP) test
+	$(BIN)/pytest -n 2 --dist loadgroup --cov --cov-report=term --cov-fail-under=90
+
+check: ## everything that can be said without running BEATRIX: style, types, layers, contract, links, firmware
+	@$(SETUP) test
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy $(FOUND) schemas tools tests
+	$(BIN)/lint-imports
+	$(BIN)/python schemas/generate.py --check
+	$(BIN)/python tools/links.py
+	$(MAKE) -C firmware check
+
+bench: ## the figures of the design, measured on this computer
+	@$(SETUP) test
+	$(BIN)/python tools/bench.py
+
+firmware: ## build the firmware for every body it has
+	@$(SETUP) test
+	$(MAKE) -C firmware
+
+generate: ## write what follows from schemas/*.toml
+	@$(SETUP) test
+	$(BIN)/python schemas/generate.py
+
+docs: generate ## reference pages, and a look at every link between pages
+	$(BIN)/python tools/links.py
+
+lock: ## choose new versions of everything we depend on (needs uv)
+	uv pip compile pyproject.toml --all-extras --group pyproject.toml:dev --universal --python-version 3.11 \
+		--upgrade --no-header --quiet --output-file constraints.txt

@@ -1,0 +1,54 @@
+"""Check that every link between our markdown pages leads somewhere: `python tools/links.py`."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LINK = re.compile(r"\]\(([^()\s]+)\)")
+HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
+FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+
+
+def pages() -> list[Path]:
+    """All markdown pages of the repository."""
+    return [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+
+
+def prose(page: Path) -> str:
+    """Text of a page without its code blocks."""
+    return FENCED.sub("", page.read_text(encoding="utf-8"))
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors that GitHub gives the headings of a page."""
+    headings = HEADING.findall(prose(page))
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def broken_links(page: Path) -> Iterator[str]:
+    """Links of a page that lead nowhere; addresses on the web are not followed."""
+    for target in LINK.findall(prose(page)):
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        path, _, fragment = target.partition("#")
+        goal = page.parent / path if path else page
+        if not goal.exists():
+            yield f"{page.relative_to(ROOT)}: {target}: there is no such file"
+        elif fragment and goal.suffix == ".md" and fragment not in anchors(goal):
+            yield f"{page.relative_to(ROOT)}: {target}: there is no such heading"
+
+
+def main() -> int:
+    """Print the broken links; 1 if there are any."""
+    broken = [line for page in sorted(pages()) for line in broken_links(page)]
+    for line in broken:
+        print(line)
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
