@@ -1,0 +1,190 @@
+"""The house rules that no linter knows: sizes, sleeps, drift, and what the wheel carries."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import io
+import re
+import subprocess
+import sys
+import tokenize
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FILE_MAX = 300
+"""Lines of code a file: lines with a token that is neither comment nor docstring."""
+FUNCTION_MAX = 50
+"""Lines a function, from `def` to its end, docstring included."""
+PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
+"""Top-level names of the wheel. Another one could hide a student's own file."""
+SLEEPERS: dict[str, str] = {}
+"""Test files that may sleep, and why no event can be waited for instead."""
+BUILT = {"_generated", "build", "dist", "demo-out"}
+"""Folders that no person writes in."""
+
+NOT_CODE = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+}
+CPP_COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re.DOTALL)
+
+
+def sources(folders: str, *suffixes: str) -> list[Path]:
+    """Files under the folders that people wrote: nothing generated, built or hidden."""
+    generated = ROOT / "firmware/core/contract.h"
+    return sorted(
+        path
+        for top in ROOT.glob(folders)
+        if top.is_dir() and not top.name.startswith(".") and top.name not in BUILT
+        for path in top.rglob("*")
+        if path.suffix in suffixes
+        and path != generated
+        and not BUILT.intersection(path.relative_to(ROOT).parts)
+    )
+
+
+def docstring_lines(tree: ast.AST) -> set[int]:
+    """Lines taken by strings that stand alone: docstrings of modules, classes, functions and attributes."""
+    return {
+        line
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+
+
+def python_code_lines(text: str) -> int:
+    """Lines of a Python file that hold code."""
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in NOT_CODE:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    return len(lines - docstring_lines(ast.parse(text)))
+
+
+def cpp_code_lines(text: str) -> int:
+    """Lines of a C++ file that hold more than comment."""
+    bare = CPP_COMMENT_OR_STRING.sub(lambda match: match.group(1) or "", text)
+    return sum(1 for line in bare.splitlines() if line.strip())
+
+
+def long_functions(path: Path) -> Iterator[str]:
+    """Functions of a Python file that exceed the limit."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            length = (node.end_lineno or node.lineno) - node.lineno + 1
+            if length > FUNCTION_MAX:
+                yield f"{path.relative_to(ROOT)}:{node.lineno} {node.name}: {length} lines"
+
+
+def sleeps(path: Path) -> bool:
+    """Say whether a Python file calls, or imports, somebody's `sleep`."""
+    return any(
+        (isinstance(node, ast.Attribute) and node.attr == "sleep")
+        or (isinstance(node, ast.ImportFrom) and any(name.name == "sleep" for name in node.names))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ('"""Doc."""\n\n# why\nx = 1  # here\n', 1),
+        ('def f():\n    """Doc\n    goes on."""\n    return """a\n    b"""\n', 3),
+        ('x = 1\n"""Unit."""\n', 1),
+    ],
+)
+def test_code_is_counted_without_comments_and_docstrings(text: str, lines: int) -> None:
+    assert python_code_lines(text) == lines
+
+
+def test_cpp_code_is_counted_without_comments() -> None:
+    assert cpp_code_lines('// a\nint x; /* b\nc */\nauto s = "// not a comment";\n\n') == 2
+
+
+def test_python_files_stay_small() -> None:
+    counted = {path: python_code_lines(path.read_text(encoding="utf-8")) for path in sources("*", ".py")}
+    assert counted
+    assert [f"{path.relative_to(ROOT)}: {n}" for path, n in counted.items() if n > FILE_MAX] == []
+
+
+def test_firmware_files_stay_small() -> None:
+    files = sources("firmware", ".h", ".cpp", ".c", ".ino")
+    counted = {path: cpp_code_lines(path.read_text(encoding="utf-8")) for path in files}
+    assert [f"{path.relative_to(ROOT)}: {n}" for path, n in counted.items() if n > FILE_MAX] == []
+
+
+def test_functions_stay_short() -> None:
+    assert [line for path in sources("*", ".py") for line in long_functions(path)] == []
+
+
+def test_tests_wait_for_events_instead_of_sleeping() -> None:
+    found = {str(path.relative_to(ROOT)) for path in sources("tests", ".py") if sleeps(path)}
+    assert found == set(SLEEPERS), "wait for an event with a deadline, or add the file with its reason"
+
+
+@pytest.mark.parametrize("plugin", ["pytest_rerunfailures", "flaky"])
+def test_no_test_gets_a_second_chance(plugin: str) -> None:
+    assert importlib.util.find_spec(plugin) is None
+
+
+def test_generated_files_are_up_to_date() -> None:
+    command = [sys.executable, "schemas/generate.py", "--check"]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+def test_versions_are_pinned_by_name_and_not_by_address() -> None:
+    text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
+    assert "://" not in text
+    assert " @ " not in text
+
+
+def test_every_package_is_under_the_import_contracts() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    roots = project["tool"]["importlinter"]["root_packages"]
+    assert sorted(roots) == sorted(name for name in PACKAGES if (ROOT / name).is_dir()), (
+        "add the package to root_packages in pyproject.toml, and to source_modules of the contracts"
+        " that name what it must not import"
+    )
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Names in the wheel, built as it would be published."""
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    (path,) = folder.glob("*.whl")
+    return {name for name in zipfile.ZipFile(path).namelist() if ".dist-info/" not in name}
+
+
+@pytest.mark.xdist_group("wheel")
+def test_wheel_has_our_top_level_names_only(wheel: set[str]) -> None:
+    assert {name.split("/")[0] for name in wheel} == {name for name in PACKAGES if (ROOT / name).is_dir()}
+
+
+@pytest.mark.xdist_group("wheel")
+def test_wheel_carries_every_file_of_its_packages(wheel: set[str]) -> None:
+    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file())
+    wanted = {path.relative_to(ROOT).as_posix() for path in files if path.suffix != ".pyc"}
+    assert wanted - wheel == set()
+
+
+@pytest.mark.xdist_group("wheel")
+def test_wheel_carries_the_marker_of_typed_packages(wheel: set[str]) -> None:
+    assert "beatrix_zenoh/py.typed" in wheel
