@@ -131,7 +131,8 @@ def frame_class(name: str, table: dict[str, object]) -> str:
     lines += ["", "    @classmethod", f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:"]
     lines += ['        """Raises struct.error if the length does not fit."""']
     lines += [f"        values = {const}.unpack(payload)", f"        return cls({', '.join(unpack)})"]
-    return f'{const}: Final = Struct("{layout}")\n\n\n' + "\n".join(lines)
+    size = f'{name}_SIZE: Final = {const}.size\n"""Payload bytes of {name}."""\n'
+    return f'{const}: Final = Struct("{layout}")\n{size}\n\n' + "\n".join(lines)
 
 
 def serial(contract: Contract) -> str:
@@ -147,6 +148,8 @@ def serial(contract: Contract) -> str:
         out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table[key].items())
         out += f"\n\n{title.upper()}_REASON: Final[dict[{title}, Reason]] = {{\n"
         out += "".join(f"    {title}.{n}: Reason.{r['reason']},\n" for n, r in table[key].items()) + "}\n"
+        out += f"\n\n{title.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
+        out += "".join(f"    {title}.{n}: {r['doc']!r},\n" for n, r in table[key].items()) + "}\n"
     out += '\n\nclass State(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
     out += "".join(f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items())
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'

@@ -72,6 +72,20 @@ ERROR_REASON: Final[dict[Error, Reason]] = {
 }
 
 
+ERROR_TEXT: Final[dict[Error, str]] = {
+    Error.OK: "done",
+    Error.BAD_LENGTH: "payload length does not fit the type",
+    Error.BAD_VALUE: "a field is outside its range",
+    Error.UNKNOWN: "no such frame type",
+    Error.NOT_ENABLED: "motors are off",
+    Error.NOT_CALIBRATED: "home is not known",
+    Error.NOT_AT_REST: "arms are moving",
+    Error.GAP: "target brings neighbouring arms too close",
+    Error.YAW: "target turns the arms too far",
+    Error.SPEED: "speed is zero or above the firmware's limit",
+}
+
+
 class Outcome(IntEnum):
     """Codes of `outcome`."""
 
@@ -102,6 +116,18 @@ OUTCOME_REASON: Final[dict[Outcome, Reason]] = {
     Outcome.HOST_LOST: Reason.HOST_LOST,
     Outcome.DISABLED: Reason.NOT_ENABLED,
     Outcome.EMERGENCY: Reason.FAULT,
+}
+
+
+OUTCOME_TEXT: Final[dict[Outcome, str]] = {
+    Outcome.NONE: "no motion yet, or one is running",
+    Outcome.DONE: "target reached",
+    Outcome.STOPPED: "by STOP",
+    Outcome.GAP: "guard: arms came too close on the way",
+    Outcome.YAW: "guard: arms turned too far on the way",
+    Outcome.HOST_LOST: "no heartbeat",
+    Outcome.DISABLED: "motors were switched off in mid-move",
+    Outcome.EMERGENCY: "by EMERGENCY_STOP",
 }
 
 
@@ -148,6 +174,8 @@ class FrameType(IntEnum):
 
 
 _MOVE: Final = Struct("<BH3i3H")
+MOVE_SIZE: Final = _MOVE.size
+"""Payload bytes of MOVE."""
 
 
 class Move(NamedTuple):
@@ -174,6 +202,8 @@ class Move(NamedTuple):
 
 
 _ENABLE: Final = Struct("<B")
+ENABLE_SIZE: Final = _ENABLE.size
+"""Payload bytes of ENABLE."""
 
 
 class Enable(NamedTuple):
@@ -194,6 +224,8 @@ class Enable(NamedTuple):
 
 
 _SET_NAME: Final = Struct("<32s")
+SET_NAME_SIZE: Final = _SET_NAME.size
+"""Payload bytes of SET_NAME."""
 
 
 class SetName(NamedTuple):
@@ -214,6 +246,8 @@ class SetName(NamedTuple):
 
 
 _HELLO_REPLY: Final = Struct("<I3BI32s")
+HELLO_REPLY_SIZE: Final = _HELLO_REPLY.size
+"""Payload bytes of HELLO_REPLY."""
 
 
 class HelloReply(NamedTuple):
@@ -240,6 +274,8 @@ class HelloReply(NamedTuple):
 
 
 _ACK: Final = Struct("<B")
+ACK_SIZE: Final = _ACK.size
+"""Payload bytes of ACK."""
 
 
 class Ack(NamedTuple):
@@ -260,6 +296,8 @@ class Ack(NamedTuple):
 
 
 _TELEMETRY: Final = Struct("<IIBBH3i3iH")
+TELEMETRY_SIZE: Final = _TELEMETRY.size
+"""Payload bytes of TELEMETRY."""
 
 
 class Telemetry(NamedTuple):

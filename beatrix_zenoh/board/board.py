@@ -1,0 +1,265 @@
+"""The board behind a node: requests with time-outs and retries, telemetry, heartbeat, reconnection."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+
+from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import (
+    ERROR_REASON,
+    ERROR_TEXT,
+    Error,
+    FrameType,
+    HelloReply,
+    Move,
+    Telemetry,
+)
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+
+REPLY_BIT = 0x80
+STRAIGHT = 1
+READ_S = 0.05
+REOPEN_S = 0.3
+HELLO_S = 0.2
+REPLY_S = wire.REPLY_TIMEOUT / 1000
+HEARTBEAT_S = wire.HEARTBEAT_PERIOD / 1000
+LOST_S = 0.4
+"""Silence after which the board counts as lost; with the loop's period this stays under 0.5 s."""
+
+
+class Port(Protocol):
+    """Bytes to and from a board."""
+
+    @property
+    def name(self) -> str:
+        """What people call it: a device path, or `virtual:`."""
+
+    def write(self, data: bytes) -> None:
+        """Send all of it; OSError if the port has gone."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """What has come, waiting up to `timeout_s` for the first byte; OSError if the port has gone."""
+
+    def close(self) -> None:
+        """Free the device; wakes a reader."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """What is known of the board now."""
+
+    port: str
+    connected: bool
+    hello: HelloReply | None
+    rejected: int
+    retries: int
+
+    @property
+    def name(self) -> str:
+        """Robot name the board keeps, empty if none."""
+        return "" if self.hello is None else self.hello.name.rstrip(b"\0").decode("ascii", "replace")
+
+    @property
+    def version(self) -> str:
+        """Firmware version, empty if unknown."""
+        return "" if self.hello is None else ".".join(map(str, self.hello.version))
+
+    @property
+    def understood(self) -> bool:
+        """The firmware speaks this contract."""
+        return self.hello is not None and self.hello.contract == wire.CONTRACT
+
+
+class Board:
+    """A board on a port that may come and go.
+
+    `on_telemetry` is called on the board's own thread for every TELEMETRY, `on_link` whenever the
+    board was found or lost; both must be quick and must not call back into the board.
+    """
+
+    def __init__(
+        self,
+        open_port: Callable[[], Port],
+        on_telemetry: Callable[[Telemetry], None],
+        on_link: Callable[[], None],
+    ) -> None:
+        self._open_port = open_port
+        self._on_telemetry = on_telemetry
+        self._on_link = on_link
+        self._lock = threading.Lock()
+        self._news = threading.Condition()
+        self._pending: dict[int, queue.SimpleQueue[int]] = {}
+        self._port: Port | None = None
+        self._port_name = ""
+        self._decoder = Decoder()
+        self._hello: HelloReply | None = None
+        self._telemetry: Telemetry | None = None
+        self._connected = False
+        self._heard_s = self._sent_s = self._hello_s = 0.0
+        self._seq = 0
+        self._retries = 0
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="beatrix-board", daemon=True)
+        self._thread.start()
+
+    # -- state ----------------------------------------------------------------------------------
+
+    @property
+    def link(self) -> Link:
+        """The connection as it is now."""
+        return Link(self._port_name, self._connected, self._hello, self._decoder.rejected, self._retries)
+
+    @property
+    def telemetry(self) -> Telemetry | None:
+        """The newest telemetry; None before the first."""
+        return self._telemetry
+
+    def wait_for(self, holds: Callable[[Telemetry], bool], timeout_s: float) -> bool:
+        """Wait until telemetry fulfils `holds`; False if it does not within `timeout_s`."""
+        with self._news:
+            return self._news.wait_for(
+                lambda: self._telemetry is not None and holds(self._telemetry), timeout=timeout_s
+            )
+
+    # -- requests -------------------------------------------------------------------------------
+
+    def move(
+        self, motion: int, target: tuple[int, int, int], speed: tuple[int, int, int], *, straight: bool
+    ) -> None:
+        """Go to microsteps `target` at quarter microsteps per second `speed`; raises as `request`."""
+        frame = Move(STRAIGHT if straight else 0, motion, target, speed)
+        self.request(FrameType.MOVE, frame.pack())
+
+    def enable(self, *, on: bool) -> None:
+        """Switch the motors; raises as `request`."""
+        self.request(FrameType.ENABLE, bytes([on]))
+
+    def request(self, kind: FrameType, payload: bytes = b"") -> None:
+        """Send a request and wait for its acknowledgement; asks again if it is lost.
+
+        Raises:
+            Refused: the firmware said no.
+            NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
+        """
+        if self._hello is not None and not self.link.understood:
+            raise NoAnswer(Reason.CONTRACT_MISMATCH, mismatch_text(self._hello))
+        slot: queue.SimpleQueue[int] = queue.SimpleQueue()
+        with self._lock:
+            self._seq = seq = self._seq % 255 + 1
+            self._pending[seq] = slot
+        frame = encode(kind, seq, payload)
+        try:
+            for attempt in range(wire.TRIES):
+                self._retries += attempt > 0
+                self._write(frame)
+                with contextlib.suppress(queue.Empty):
+                    self._judge(kind, slot.get(timeout=REPLY_S))
+                    return
+        finally:
+            self._pending.pop(seq, None)
+        raise NoAnswer(
+            Reason.BOARD_LOST,
+            f"The board at {self._port_name or 'its port'} does not answer: is it plugged in and powered?",
+        )
+
+    @staticmethod
+    def _judge(kind: FrameType, code: int) -> None:
+        if code == Error.OK:
+            return
+        if code not in ERROR_REASON:
+            raise Refused(
+                Reason.CONTRACT_MISMATCH, f"The firmware answered {kind.name} with unknown error {code}."
+            )
+        error = Error(code)
+        raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")
+
+    def _write(self, frame: bytes) -> None:
+        port = self._port
+        if port is None:
+            raise NoAnswer(
+                Reason.BOARD_LOST,
+                f"No board at {self._port_name or 'its port'}: plug it in; the node finds it by itself.",
+            )
+        try:
+            port.write(frame)
+            self._sent_s = time.monotonic()
+        except OSError as error:
+            raise NoAnswer(Reason.BOARD_LOST, f"The board at {port.name} has gone ({error}).") from error
+
+    # -- the board's own thread -----------------------------------------------------------------
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            try:
+                port = self._open_port()
+            except (OSError, BeatrixError) as error:
+                self._port_name = str(error)
+                self._closed.wait(REOPEN_S)
+                continue
+            self._port, self._port_name, self._decoder = port, port.name, Decoder()
+            self._heard_s = self._hello_s = 0.0
+            with contextlib.suppress(OSError, NoAnswer):
+                self._talk(port)
+            self._port = None
+            self._set_connected(connected=False)
+            port.close()
+            self._closed.wait(0 if self._closed.is_set() else REOPEN_S)
+
+    def _talk(self, port: Port) -> None:
+        while not self._closed.is_set():
+            now = time.monotonic()
+            if not self._connected and now - self._hello_s > HELLO_S:
+                self._hello_s = now
+                self._write(encode(FrameType.HELLO, 0, b""))
+            elif now - self._sent_s > HEARTBEAT_S:
+                self._write(encode(FrameType.PING, 0, b""))
+            for frame in self._decoder.feed(port.read(READ_S)):
+                self._heard_s = time.monotonic()
+                self._receive(frame)
+            if time.monotonic() - self._heard_s > LOST_S:
+                self._set_connected(connected=False)
+
+    def _receive(self, frame: Frame) -> None:
+        if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
+            telemetry = Telemetry.unpack(frame.payload)
+            if self._hello is None or telemetry.boot != self._hello.boot:
+                self._set_connected(connected=False)  # another board, or it was reset: greet it first
+                return
+            with self._news:
+                self._telemetry = telemetry
+                self._news.notify_all()
+            self._set_connected(connected=True)
+            self._on_telemetry(telemetry)
+        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
+            self._hello = HelloReply.unpack(frame.payload)
+        elif frame.type & REPLY_BIT and frame.payload:
+            slot = self._pending.get(frame.seq)
+            if slot is not None:
+                slot.put(frame.payload[0])
+
+    def _set_connected(self, *, connected: bool) -> None:
+        if connected != self._connected:
+            self._connected = connected
+            self._on_link()
+
+    def close(self) -> None:
+        """Free the port; the board itself stays as it is."""
+        self._closed.set()
+        self._thread.join(timeout=2.0)
+
+
+def mismatch_text(hello: HelloReply) -> str:
+    """What to tell people whose firmware is of another version."""
+    return (
+        f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
+        f"{wire.CONTRACT:08x}: put both on one version (flash the firmware that came with this package)."
+    )

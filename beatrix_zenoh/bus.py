@@ -1,0 +1,324 @@
+"""Zenoh, and nobody else imports it: open, ask, serve, publish, watch presence, close.
+
+Every callback runs on Zenoh's own thread and only hands over; a slow one would stop the
+whole session. Congestion control is DROP everywhere: one frozen listener must not hold
+up the others.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import queue
+import socket
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Self
+
+import zenoh
+from zenoh.handlers import Callback
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.requests import Wording
+
+LEASE_MS = 2000
+"""A frozen session counts as gone after this long; the default of 10 s is too long for a moving robot."""
+ROUTER_PROBE_S = 1.0
+STALE_S = 0.02
+"""After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
+FOR_EVER_S = 24 * 3600.0
+
+PRIORITIES = {
+    "real_time": zenoh.Priority.REAL_TIME,
+    "interactive_high": zenoh.Priority.INTERACTIVE_HIGH,
+    "data": zenoh.Priority.DATA,
+    "data_low": zenoh.Priority.DATA_LOW,
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One reply to `ask`: the key it came on, payload, encoding, and whether it is an error reply."""
+
+    key: str
+    payload: bytes
+    encoding: str
+    error: bool
+
+
+class Incoming:
+    """A query to be answered; must end with `finish`, or the asker waits until its timeout."""
+
+    def __init__(self, query: zenoh.Query) -> None:
+        self._query: zenoh.Query | None = query
+        self.key = str(query.key_expr)
+        payload = query.payload
+        encoding = "" if query.encoding is None else str(query.encoding)
+        self.wording = Wording(
+            payload=b"" if payload is None else payload.to_bytes(),
+            encoding=encoding,
+            parameters=str(query.parameters),
+        )
+        source = query.source_info
+        self.session = "" if source is None else str(source.source_id.zid)
+        """Session of the asker, empty for clients that do not say."""
+
+    def reply(self, key: str, payload: bytes, encoding: str) -> None:
+        """Send one reply on the answerer's own concrete key; an asker who has gone is no error."""
+        if self._query is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._query.reply(key, payload, encoding=encoding)
+
+    def finish(self) -> None:
+        """Tell the asker that no more will come."""
+        if self._query is not None:
+            self._query.drop()
+            self._query = None
+
+
+class Publication:
+    """A declared publisher."""
+
+    def __init__(self, publisher: zenoh.Publisher) -> None:
+        self._publisher = publisher
+
+    @property
+    def watched(self) -> bool:
+        """Somebody subscribes to it."""
+        return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+
+    def put(self, payload: bytes) -> None:
+        """Publish; dropped for whoever cannot keep up."""
+        with contextlib.suppress(zenoh.ZError):  # the session may be closing
+            self._publisher.put(payload)
+
+
+class Question:
+    """An `ask` under way: replies as they come, each waited for with its own time-out."""
+
+    def __init__(self, session: zenoh.Session, key: str, payload: bytes | None, encoding: str | None) -> None:
+        self._inbox: queue.SimpleQueue[Answer | None] = queue.SimpleQueue()
+        self._cancel = zenoh.CancellationToken()
+        session.get(
+            key,
+            Callback(self._receive, drop=lambda: self._inbox.put(None), indirect=False),
+            payload=payload,
+            encoding=encoding,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=FOR_EVER_S,
+            source_info=zenoh.SourceInfo(session.id, 0),
+            cancellation_token=self._cancel,
+        )
+
+    def _receive(self, reply: zenoh.Reply) -> None:
+        good = reply.ok
+        if good is not None:
+            self._inbox.put(
+                Answer(str(good.key_expr), good.payload.to_bytes(), str(good.encoding), error=False)
+            )
+            return
+        bad = reply.err
+        if bad is not None:
+            self._inbox.put(Answer("", bad.payload.to_bytes(), str(bad.encoding), error=True))
+
+    def next(self, timeout_s: float) -> Answer | None:
+        """The next reply; None when there will be no more.
+
+        Raises:
+            TimeoutError: nothing came within `timeout_s`; the question stays open.
+        """
+        try:
+            return self._inbox.get(timeout=max(0.0, timeout_s))
+        except queue.Empty:
+            raise TimeoutError from None
+
+    def close(self) -> None:
+        """Wait for no more replies."""
+        self._cancel.cancel()
+
+
+class Bus:
+    """One Zenoh session: a client of an explicit router, no discovery, no shared memory."""
+
+    def __init__(self, session: zenoh.Session, endpoint: str) -> None:
+        self._session = session
+        self._declared: list[object] = []
+        self.endpoint = endpoint
+        self.session_id = str(session.zid())
+
+    # -- asking ---------------------------------------------------------------------------------
+
+    def question(self, key: str, payload: bytes | None = None, encoding: str | None = None) -> Question:
+        """Ask and collect replies one by one; close the question afterwards."""
+        return Question(self._session, key, payload, encoding)
+
+    def answers(self, key: str, timeout_s: float, payload: bytes | None = None) -> Iterator[Answer]:
+        """All good replies to a (wildcard) key within `timeout_s`."""
+        deadline = time.monotonic() + timeout_s
+        question = self.question(key, payload)
+        try:
+            while (answer := question.next(deadline - time.monotonic())) is not None:
+                if not answer.error:
+                    yield answer
+        except TimeoutError:
+            return
+        finally:
+            question.close()
+
+    # -- serving --------------------------------------------------------------------------------
+
+    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
+        """Answer queries on `key`; `handle` runs on Zenoh's thread and must only hand over."""
+        callback: Callback[zenoh.Query] = Callback(lambda query: handle(Incoming(query)), indirect=False)
+        self._declared.append(self._session.declare_queryable(key, callback, complete=True))
+
+    def publication(self, key: str, encoding: str, priority: str = "data") -> Publication:
+        """Declare a publication."""
+        publisher = self._session.declare_publisher(
+            key,
+            encoding=encoding,
+            priority=PRIORITIES[priority],
+            congestion_control=zenoh.CongestionControl.DROP,
+        )
+        self._declared.append(publisher)
+        return Publication(publisher)
+
+    def subscribe(self, key: str, handle: Callable[[str, bytes], None]) -> None:
+        """Hear publications: `handle(key, payload)` runs on Zenoh's thread and must only hand over."""
+
+        def receive(sample: zenoh.Sample) -> None:
+            handle(str(sample.key_expr), sample.payload.to_bytes())
+
+        self._declared.append(self._session.declare_subscriber(key, Callback(receive, indirect=False)))
+
+    def put(self, key: str, payload: bytes, encoding: str, priority: str = "data") -> None:
+        """Publish once."""
+        self._session.put(
+            key,
+            payload,
+            encoding=encoding,
+            priority=PRIORITIES[priority],
+            congestion_control=zenoh.CongestionControl.DROP,
+        )
+
+    # -- presence -------------------------------------------------------------------------------
+
+    def announce(self, key: str) -> None:
+        """Declare a liveliness token: it goes when this session does, however it ends."""
+        self._declared.append(self._session.liveliness().declare_token(key))
+
+    def present(self, key: str, timeout_s: float = 1.0) -> list[str]:
+        """Keys of the live tokens that match."""
+        replies = self._session.liveliness().get(key, timeout=timeout_s)
+        return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+
+    def watch(self, key: str, handle: Callable[[str, bool], None]) -> None:
+        """Hear of tokens that come and go, those already there first: `handle(key, alive)`."""
+
+        def receive(sample: zenoh.Sample) -> None:
+            handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+
+        liveliness = self._session.liveliness()
+        callback = Callback(receive, indirect=False)
+        self._declared.append(liveliness.declare_subscriber(key, callback, history=True))
+
+    def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
+        """Name and twin of every robot on line."""
+        tokens = self.present(keys.alive(robot="*", twin="*"), timeout_s)
+        return [(token.split("/")[1], token.split("/")[2]) for token in tokens]
+
+    def close(self) -> None:
+        """Undeclare everything and leave; may be called twice."""
+        self._declared.clear()
+        self._session.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def connect(endpoint: str, *, label: str = "") -> Bus:
+    """Open a session as client of the router at `endpoint`, for example `tcp/127.0.0.1:7447`.
+
+    Raises:
+        NoAnswer: NO_ROUTER, with what to do.
+    """
+    probe(endpoint)
+    config = zenoh.Config()
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [endpoint],
+        "connect/timeout_ms": 0,
+        "connect/retry": {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2},
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": LEASE_MS,
+        "metadata": {"name": label},
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        return Bus(zenoh.open(config), endpoint)
+    except zenoh.ZError as error:
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router? ({error})",
+        ) from error
+
+
+def probe(endpoint: str) -> None:
+    """Say in plain words why an endpoint cannot be reached: Zenoh's own text does not.
+
+    Raises:
+        NoAnswer: NO_ROUTER.
+    """
+    protocol, _, address = endpoint.partition("/")
+    host, _, port = address.partition("#")[0].rpartition(":")
+    if not host or not port.isdigit():
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"{endpoint!r} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
+        )
+    if protocol not in ("tcp", "tls"):
+        return  # nothing to knock at before the session itself
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=ROUTER_PROBE_S).close()
+    except (OSError, OverflowError) as error:
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"No router at {endpoint} ({error}). Start one with `beatrix router`, or name another with "
+            "--connect or BEATRIX_CONNECT.",
+        ) from error
+
+
+def open_router(listen: str) -> zenoh.Session:
+    """Be the router of a classroom: clients meet here. Close the session to end it.
+
+    Raises:
+        NoAnswer: NO_ROUTER, if the endpoint is taken or not ours.
+    """
+    config = zenoh.Config()
+    settings = {
+        "mode": "router",
+        "listen/endpoints": [listen],
+        "listen/exit_on_failure": True,
+        "scouting/multicast/enabled": False,
+        "scouting/delay": 0,
+        "adminspace/enabled": True,
+        "transport/shared_memory/enabled": False,
+    }
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"Cannot listen at {listen}: is another router running there? Choose another with --listen. ({error})",
+        ) from error

@@ -1,0 +1,45 @@
+"""Names of robots and seats: the words that stand in key expressions."""
+
+from __future__ import annotations
+
+import getpass
+import re
+import socket
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+
+PATTERN = re.compile(r"[a-z0-9-]{1,32}")
+TWINS = ("sim", "hw")
+
+
+def check_name(text: str, what: str = "robot") -> str:
+    """Return `text` if it may stand in a key.
+
+    Raises:
+        Refused: BAD_VALUE, with the nearest name that would be accepted.
+    """
+    if PATTERN.fullmatch(text):
+        return text
+    raise Refused(
+        Reason.BAD_VALUE,
+        f"{text!r} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
+    )
+
+
+def tidy(text: str) -> str:
+    """The nearest allowed name."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or "beatrix"
+
+
+def default_seat() -> str:
+    """The seat of somebody who did not say: the user's name."""
+    try:
+        return tidy(getpass.getuser())
+    except (OSError, KeyError, ImportError):  # no such user, as in some containers
+        return "somebody"
+
+
+def default_robot() -> str:
+    """The name of a simulation that was not given one: user-host, so that no two are alike."""
+    return tidy(f"{default_seat()}-{socket.gethostname().partition('.')[0]}")

@@ -1,0 +1,93 @@
+"""From what was asked to a checked goal in the firmware's units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Vector3
+from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh._generated.serial import Move, Telemetry
+from beatrix_zenoh.board.board import STRAIGHT
+from beatrix_zenoh.drive import Arms, Gear
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.limits import Limits, Plan
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A motion that was checked: arms in rad, and the same for the firmware."""
+
+    target: Arms
+    steps: tuple[int, int, int]
+    quarters: tuple[int, int, int]
+    straight: bool
+    plan: Plan
+
+    @property
+    def duration(self) -> float:
+        """Seconds until the arms rest."""
+        return self.plan.duration
+
+    def frame(self, motion: int) -> Move:
+        """The MOVE that carries it out."""
+        return Move(STRAIGHT if self.straight else 0, motion, self.steps, self.quarters)
+
+
+class Course:
+    """Kinematics, gear and limits of one robot."""
+
+    def __init__(self, robot: RobotData) -> None:
+        self.robot = robot
+        self.gear = Gear(robot.drive)
+        self.neck = Neck(robot.geometry)
+        self.limits = Limits(robot)
+
+    def goal(self, query: MotionQuery | PoseQuery, telemetry: Telemetry) -> Goal:
+        """Where a query leads from here, checked over the whole path.
+
+        Raises:
+            Refused: OUT_OF_REACH, ARM_GAP, YAW_LIMIT, SPEED_LIMIT or BAD_VALUE.
+        """
+        start = self.gear.to_rad(telemetry.position)
+        x, y, z = self.gear.to_rad(telemetry.velocity)
+        velocity = (x / 4, y / 4, z / 4)
+        straight = isinstance(query, PoseQuery)
+        if isinstance(query, PoseQuery):
+            target = self._arms_of(query, start)
+            top = self.limits.default_speed if query.speed is None else query.speed
+            speed = (top, top, top)
+        else:
+            target = self._arms_asked(query, start)
+            default = self.limits.default_speed
+            speed = (default, default, default) if query.speed is None else tuple3(query.speed)
+        plan = self.limits.check_motion(start, velocity, target, speed, straight=straight)
+        steps = self.gear.to_steps(target)
+        return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, plan)
+
+    def _arms_of(self, query: PoseQuery, start: Arms) -> Arms:
+        yaw, pitch, roll = query.yaw, query.pitch, query.roll
+        if not query.absolute:
+            here = self.neck.forward(start)
+            yaw, pitch, roll = yaw + here[0], pitch + here[1], roll + here[2]
+        return self.neck.inverse(yaw, pitch, roll)
+
+    def _arms_asked(self, query: MotionQuery, start: Arms) -> Arms:
+        x, y, z = tuple3(query.position)
+        return (x, y, z) if query.absolute else (start[0] + x, start[1] + y, start[2] + z)
+
+
+def tuple3(value: Vector3) -> Arms:
+    """A Vector3 as a tuple."""
+    return value.x, value.y, value.z
+
+
+def vector(arms: Arms) -> Vector3:
+    """A tuple as a Vector3."""
+    return Vector3(*arms)
+
+
+def degrees(arms: Sequence[float]) -> str:
+    """Angles for people: `5.0, -2.1, 0.0 deg`."""
+    return ", ".join(f"{math.degrees(angle):.1f}" for angle in arms) + " deg"

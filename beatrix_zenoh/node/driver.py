@@ -1,0 +1,303 @@
+"""What a robot does with requests: one thread, one running motion, a true reply for everybody."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import (
+    Command,
+    CommandQuery,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+    Vector3,
+)
+from beatrix_zenoh._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, FrameType, Outcome, State, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.lease import Lease
+from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
+from beatrix_zenoh.node.body import Body
+from beatrix_zenoh.node.course import Course, Goal, degrees
+
+ARM_TOPICS = "arm-topics"
+"""Seat under which the old per-arm topics drive."""
+REFLECTED_S = 0.3
+WARNING_S = 10.0
+
+
+@dataclass(frozen=True)
+class Running:
+    """The motion the firmware carries out, and what to do when it has ended."""
+
+    number: int
+    asker: Asker
+    goal: Goal
+    boot: int
+    started_s: float
+    end: Callable[[Reason, str], None]
+
+
+class Driver:
+    """The state machine between requests and the board.
+
+    All methods are called on one thread (the node's mailbox reader); `holder`, `warnings`,
+    `motion` and `arms` may be read from others.
+    """
+
+    def __init__(self, body: Body, board: Board, course: Course) -> None:
+        self._body = body
+        self._board = board
+        self._course = course
+        self._lease = Lease()
+        self._running: Running | None = None
+        self._stopping: list[Asker] = []
+        self._cause = Reason.STOPPED
+        self._number = 0
+        self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
+
+    # -- read by the reporter -------------------------------------------------------------------
+
+    @property
+    def holder(self) -> str:
+        """Seat that drives, empty if free."""
+        return self._lease.holder(time.monotonic())
+
+    @property
+    def warnings(self) -> list[str]:
+        """What went wrong lately without anybody to tell."""
+        now = time.monotonic()
+        return [text for at, text in list(self._warnings) if now - at < WARNING_S]
+
+    def arms(self) -> Arms:
+        """The firmware's set points, rad."""
+        telemetry = self._board.telemetry
+        return (0.0, 0.0, 0.0) if telemetry is None else self._course.gear.to_rad(telemetry.position)
+
+    # -- motions --------------------------------------------------------------------------------
+
+    def motion(self, query: MotionQuery | PoseQuery, asker: Asker) -> None:
+        """Begin a motion: replies accepted now, done when it ends."""
+
+        def end(reason: Reason, text: str) -> None:
+            took_s = time.monotonic() - started
+            asker.answer(motion_reply(Phase.DONE, reason, text, number, took_s, self.arms()))
+            asker.finish()
+
+        try:
+            goal = self._goal(query, asker.who)
+            number, started = self._begin(goal, asker, end)
+        except BeatrixError as error:
+            self.decline_motion(asker, error)
+            return
+        text = f"On the way, {goal.duration:.1f} s."
+        asker.answer(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
+
+    def decline_motion(self, asker: Asker, error: BeatrixError) -> None:
+        """Tell the asker why nothing moves."""
+        asker.answer(motion_reply(Phase.ACCEPTED, error.reason, error.message, 0, 0.0, self.arms()))
+        asker.finish()
+
+    def _goal(self, query: MotionQuery | PoseQuery, who: str) -> Goal:
+        self._lease.check(who, time.monotonic())
+        return self._course.goal(query, self.ready_telemetry())
+
+    def ready_telemetry(self) -> Telemetry:
+        """The newest telemetry of a robot that may move.
+
+        Raises:
+            Refused or NoAnswer: what is missing and what to do.
+        """
+        telemetry = self._board.telemetry
+        if telemetry is None or not self._board.link.connected:
+            raise NoAnswer(Reason.BOARD_LOST, "The node does not hear its board: check cable and power.")
+        if telemetry.state & State.EMERGENCY:
+            raise Refused(
+                Reason.NOT_ENABLED, "EMERGENCY_STOP is latched: ENABLE, set the head upright, CALIBRATE."
+            )
+        if not telemetry.state & State.ENABLED:
+            raise Refused(Reason.NOT_ENABLED, "The motors are off: ENABLE, set the head upright, CALIBRATE.")
+        if not telemetry.state & State.CALIBRATED:
+            raise Refused(Reason.NOT_CALIBRATED, "Home is not known: set the head upright, then CALIBRATE.")
+        return telemetry
+
+    def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
+        now = time.monotonic()
+        number = self._number % 65535 + 1
+        self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
+        self._number = number
+        self._lease.take(asker.who, now)
+        replaced, telemetry = self._running, self._board.telemetry
+        boot = 0 if telemetry is None else telemetry.boot
+        self._running = Running(number, asker, goal, boot, now, end)
+        self._cause = Reason.STOPPED
+        if replaced is not None:
+            replaced.end(Reason.REPLACED, f"A newer motion ({number}, from {asker.who}) took over.")
+        return number, now
+
+    def arm_target(self, arm: int, angle: float) -> None:
+        """Turn one arm (0, 1, 2) to `angle` rad, as the per-arm topics of 2023 do."""
+        asker = Asker(ARM_TOPICS, "", lambda _: None, lambda: None)
+        running = self._running
+        target = list(running.goal.target if running and running.asker.who == ARM_TOPICS else self.arms())
+        target[arm] = angle
+        query = MotionQuery(position=Vector3(*target))
+        try:
+            self._begin(self._goal(query, ARM_TOPICS), asker, self._end_arm_target)
+        except BeatrixError as error:
+            self.warn(f"{ARM_TOPICS}: {error.message}")
+
+    def _end_arm_target(self, reason: Reason, text: str) -> None:
+        if reason not in (Reason.OK, Reason.REPLACED):
+            self.warn(f"{ARM_TOPICS}: {text}")
+
+    def warn(self, text: str) -> None:
+        """Show something in status for a while."""
+        self._warnings.append((time.monotonic(), text))
+
+    # -- commands -------------------------------------------------------------------------------
+
+    def command(self, query: CommandQuery, asker: Asker) -> None:
+        """Carry out a command other than STOP and EMERGENCY_STOP."""
+        try:
+            if query.command == Command.ENABLE:
+                text = self._enable(asker.who, on=query.value)
+            elif query.command == Command.CALIBRATE:
+                text = self._calibrate(asker.who)
+            elif query.command == Command.HOME:
+                self._home(asker)
+                return
+            else:
+                table = ", ".join(f"{command.value} {command.name}" for command in Command)
+                raise Refused(
+                    Reason.UNKNOWN_COMMAND, f"There is no command {query.command}. There are: {table}."
+                )
+        except BeatrixError as error:
+            self.answer_command(asker, error)
+            return
+        self._answer(asker, Reason.OK, text)
+
+    def answer_command(self, asker: Asker, error: BeatrixError) -> None:
+        """Tell the asker why nothing was done."""
+        self._answer(asker, error.reason, error.message)
+
+    def _answer(self, asker: Asker, reason: Reason, text: str) -> None:
+        asker.answer(command_reply(reason, text, self.arms()))
+        asker.finish()
+
+    def _enable(self, who: str, *, on: bool) -> str:
+        self._lease.check(who, time.monotonic())
+        self._board.enable(on=on)
+        self._await(lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+        if not on:
+            return "Motors off; home is forgotten."
+        telemetry = self._board.telemetry
+        known = telemetry is not None and telemetry.state & State.CALIBRATED
+        return "Motors on; home is known." if known else "Motors on; set the head upright, then CALIBRATE."
+
+    def _calibrate(self, who: str) -> str:
+        self._lease.check(who, time.monotonic())
+        telemetry = self._board.telemetry
+        if telemetry is not None and telemetry.state & State.MOVING:
+            raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or STOP, then CALIBRATE.")
+        if telemetry is not None and telemetry.state & State.ENABLED:
+            self._body.straighten()
+        self._board.request(FrameType.CALIBRATE)
+        self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
+        return "This is home now."
+
+    def _home(self, asker: Asker) -> None:
+        def end(reason: Reason, text: str) -> None:
+            self._answer(asker, reason, text)
+
+        query = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
+        self._begin(self._goal(query, asker.who), asker, end)
+
+    def _await(self, holds: Callable[[Telemetry], bool]) -> None:
+        """Until telemetry shows what the firmware acknowledged, so that the next request sees it too."""
+        if not self._board.wait_for(holds, REFLECTED_S):
+            raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")
+
+    # -- ends -----------------------------------------------------------------------------------
+
+    def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
+        """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
+        if asker is None:
+            return
+        if error is not None:
+            self.answer_command(asker, error)
+        elif self._moving():
+            self._stopping.append(asker)
+        else:
+            self._answer(asker, Reason.OK, f"Nothing moves; the arms rest at {degrees(self.arms())}.")
+
+    def client_gone(self, session: str) -> None:
+        """A client's session has ended: stop what it asked for, free the robot."""
+        running = self._running
+        if running is not None and running.asker.session == session:
+            self._cause = Reason.CLIENT_LOST
+            self.stop_motion()
+            self._lease.free()
+
+    def stop_motion(self) -> None:
+        """Decelerate; a board that does not answer stops by itself for want of a heartbeat."""
+        try:
+            self._board.request(FrameType.STOP)
+        except BeatrixError as error:
+            self.warn(error.message)
+
+    def observe(self) -> None:
+        """Telemetry or link have changed: end what has ended."""
+        telemetry = self._board.telemetry
+        lost = not self._board.link.connected
+        if self._running is not None and telemetry is not None:
+            self._end_running(self._running, telemetry, lost=lost)
+        if self._stopping and not self._moving():
+            waiting, self._stopping = self._stopping, []
+            for asker in waiting:
+                if lost:
+                    self._answer(asker, Reason.BOARD_LOST, "The board was lost while stopping.")
+                else:
+                    self._answer(asker, Reason.OK, f"Stopped; the arms rest at {degrees(self.arms())}.")
+
+    def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
+        if lost or telemetry.boot != running.boot:
+            what = "does not answer any more" if lost else "was reset; home is not known"
+            self._finish(running, Reason.BOARD_LOST, f"The board {what}.")
+        elif telemetry.motion == running.number and not telemetry.state & State.MOVING:
+            outcome = Outcome(telemetry.outcome)
+            if outcome is Outcome.DONE:
+                self._finish(running, Reason.OK, f"There: arms at {degrees(self.arms())}.")
+            elif outcome is not Outcome.NONE:
+                reason = self._cause if outcome is Outcome.STOPPED else OUTCOME_REASON[outcome]
+                text = f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {degrees(self.arms())}."
+                self._finish(running, reason, text)
+
+    def _finish(self, running: Running, reason: Reason, text: str) -> None:
+        self._running = None
+        self._lease.rest(time.monotonic())
+        running.end(reason, text)
+
+    def _moving(self) -> bool:
+        telemetry = self._board.telemetry
+        connected = self._board.link.connected
+        return connected and telemetry is not None and bool(telemetry.state & State.MOVING)
+
+    def close(self) -> None:
+        """Stop what runs, wait until it rests, tell everybody who waits."""
+        running = self._running
+        if running is not None:
+            self._cause = Reason.SHUTDOWN
+            self.stop_motion()
+            self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.8)
+            self.observe()
+        if self._running is not None:
+            self._finish(self._running, Reason.SHUTDOWN, "The node is closing.")
+        for asker in self._stopping:
+            self._answer(asker, Reason.SHUTDOWN, "The node is closing.")
+        self._stopping.clear()

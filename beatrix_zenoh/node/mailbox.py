@@ -1,0 +1,80 @@
+"""Where requests wait: commands in order, of each seat's motions only the newest."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import BeatrixError, Refused
+
+CAPACITY = 64
+"""Entries that may wait; each takes about a millisecond, so the last waits well under a tenth of a second."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to do on the reader's thread, or to decline on the poster's."""
+
+    run: Callable[[], None]
+    decline: Callable[[BeatrixError], None]
+
+
+class Mailbox:
+    """A bounded queue with one reader, in which a newer entry under the same key replaces the older."""
+
+    def __init__(self) -> None:
+        self._entries: dict[Hashable, Task] = {}
+        self._arrived = threading.Condition()
+        self._count = 0
+        self._closed = False
+
+    def post(self, task: Task) -> None:
+        """Queue behind the others; declined as BUSY if too many wait."""
+        with self._arrived:
+            full = len(self._entries) >= CAPACITY
+            if not full:
+                self._put(self._number(), task)
+        if full:
+            task.decline(
+                Refused(Reason.BUSY, f"{CAPACITY} requests are waiting already: send fewer a second.")
+            )
+
+    def post_event(self, run: Callable[[], None]) -> None:
+        """Queue something that happened; never declined, for there are few of them."""
+        with self._arrived:
+            self._put(self._number(), Task(run, lambda _: None))
+
+    def post_latest(self, key: str, task: Task) -> None:
+        """Queue in place of the entry under the same key, which is declined as REPLACED."""
+        with self._arrived:
+            replaced = self._entries.pop(key, None)
+            self._put(key, task)
+        if replaced is not None:
+            replaced.decline(
+                Refused(Reason.REPLACED, "A newer motion from this seat came before this one began.")
+            )
+
+    def _number(self) -> int:
+        self._count += 1
+        return self._count
+
+    def _put(self, key: Hashable, task: Task) -> None:
+        self._entries[key] = task
+        self._arrived.notify()
+
+    def take(self) -> Task | None:
+        """Wait for the next entry; None once the mailbox is closed and empty."""
+        with self._arrived:
+            while not self._entries and not self._closed:
+                self._arrived.wait()
+            if not self._entries:
+                return None
+            return self._entries.pop(next(iter(self._entries)))
+
+    def close(self) -> None:
+        """Let the reader finish what waits and end."""
+        with self._arrived:
+            self._closed = True
+            self._arrived.notify_all()

@@ -1,0 +1,250 @@
+"""A robot on the bus: which key leads to which thread, and the order of opening and closing."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+
+import msgspec
+
+from beatrix_zenoh import codec, names, requests
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh._generated.serial import FrameType, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.node.answers import Asker
+from beatrix_zenoh.node.body import Body
+from beatrix_zenoh.node.broadcast import Broadcast
+from beatrix_zenoh.node.course import Course
+from beatrix_zenoh.node.driver import Driver
+from beatrix_zenoh.node.mailbox import Mailbox, Task
+from beatrix_zenoh.node.previewer import Previewer
+from beatrix_zenoh.node.reporter import Reporter
+
+ARMS = ("short", "middle", "long")
+ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
+BOARD_READY_S = 1.5
+
+
+class Desk(threading.Thread):
+    """A thread that does one thing after another, in the order they were handed over."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name=f"beatrix-{name}", daemon=True)
+        self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self.start()
+
+    def hand(self, work: Callable[[], None]) -> None:
+        """Do `work` soon."""
+        self._work.put(work)
+
+    def run(self) -> None:
+        """Until closed."""
+        while (work := self._work.get()) is not None:
+            work()
+
+    def close(self) -> None:
+        """Finish what was handed over, then end."""
+        self._work.put(None)
+        self.join(timeout=2.0)
+
+
+class Node:
+    """Serves one body under one name until closed.
+
+    Threads: Zenoh's callbacks only hand over to the mailbox (motions and commands), the stop desk
+    (STOP alone), the front desk (questions about state) or the previewer; a broadcaster publishes.
+
+    Raises:
+        Refused: NAME_TAKEN, before anything is declared or moved.
+    """
+
+    def __init__(self, bus: Bus, name: str, body: Body, robot: RobotData = ROBOT) -> None:
+        self.name, self.twin = names.check_name(name), body.twin
+        refuse_taken(bus, self.name, self.twin)
+        self._bus, self._body = bus, body
+        self._course = Course(robot)
+        self._mailbox = Mailbox()
+        self._last_state: tuple[int, ...] = ()
+        self.board = Board(body.open_port, self._on_telemetry, self._on_link)
+        self.driver = Driver(body, self.board, self._course)
+        self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
+        self._previewer = Previewer(body, self.driver, self._course)
+        self._stop_desk, self._front_desk = Desk("stop"), Desk("front")
+        self._thread = threading.Thread(target=self._work, name="beatrix-driver", daemon=True)
+        self._thread.start()
+        self.board.wait_for(lambda _: True, BOARD_READY_S)
+        self._declare()
+        self._broadcast = Broadcast(bus, self.reporter, self.name, self.twin)
+        bus.announce(self.alive_key)
+
+    @property
+    def alive_key(self) -> str:
+        """Key of this robot's liveliness token."""
+        return keys.alive(self.name, self.twin)
+
+    # -- keys -----------------------------------------------------------------------------------
+
+    def _declare(self) -> None:
+        name, twin, bus = self.name, self.twin, self._bus
+        bus.serve(keys.stop(name, twin), lambda incoming: self._stop(incoming, FrameType.STOP))
+        bus.subscribe(keys.stop(name, twin), lambda *_: self._stop(None, FrameType.STOP))
+        bus.serve(keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery))
+        bus.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
+        bus.serve(keys.command(name, twin, "*"), self._command)
+        bus.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
+        bus.watch(keys.seat("*", "*"), self._seat)
+        reporter = self.reporter
+        for key, build in (
+            (keys.positions(name, twin), lambda: reporter.positions(count=False)),
+            (keys.positions_json(name, twin), lambda: reporter.positions(count=False)),
+            (keys.status(name, twin), reporter.status),
+            (keys.status_json(name, twin), reporter.status),
+            (keys.info(name, twin), reporter.info),
+            (keys.clock(name, twin), reporter.clock),
+        ):
+            bus.serve(key, self._question(key, build))
+        if twin == "sim":
+            bus.serve(keys.preview(name, "*"), self._preview)
+
+    def _question(self, key: str, build: Callable[[], msgspec.Struct]) -> Callable[[Incoming], None]:
+        def answer(incoming: Incoming) -> None:
+            incoming.reply(key, *incoming.wording.answer(build()))
+            incoming.finish()
+
+        return lambda incoming: self._front_desk.hand(lambda: answer(incoming))
+
+    # -- requests: called on Zenoh's threads, so they only read, hand over, or decline -----------
+
+    def _asker(self, incoming: Incoming, road: str) -> Asker:
+        """The way back to who asked, on the robot's own concrete key."""
+        parts = incoming.key.split("/")
+        who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
+        key = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}" if who else keys.stop(self.name, self.twin)
+
+        def answer(message: msgspec.Struct) -> None:
+            incoming.reply(key, *incoming.wording.answer(message))
+
+        return Asker(who, incoming.session, answer, incoming.finish)
+
+    def _motion(self, incoming: Incoming, kind: type[MotionQuery | PoseQuery]) -> None:
+        road = "motion" if kind is MotionQuery else "pose"
+        asker, driver = self._asker(incoming, road), self.driver
+
+        def run() -> None:
+            try:
+                query = requests.read(incoming.wording, kind)
+                names.check_name(asker.who, "seat")
+            except Refused as error:
+                driver.decline_motion(asker, error)
+                return
+            driver.motion(query, asker)
+
+        task = Task(run, lambda error: driver.decline_motion(asker, error))
+        self._mailbox.post_latest(f"{asker.who}/{asker.session}", task)
+
+    def _command(self, incoming: Incoming) -> None:
+        asker = self._asker(incoming, "command")
+        try:
+            names.check_name(asker.who, "seat")
+            query = requests.read(incoming.wording, CommandQuery)
+        except Refused as error:
+            self.driver.answer_command(asker, error)
+            return
+        if query.command in ROADS:
+            self._stop(incoming, ROADS[Command(query.command)], asker)
+            return
+        decline = self.driver.answer_command
+        self._mailbox.post(Task(lambda: self.driver.command(query, asker), lambda e: decline(asker, e)))
+
+    def _stop(self, incoming: Incoming | None, road: FrameType, asker: Asker | None = None) -> None:
+        if incoming is not None and asker is None:
+            asker = self._asker(incoming, "stop")
+
+        def stop() -> None:
+            failure = None
+            try:
+                self.board.request(road)
+            except BeatrixError as error:
+                failure = error
+            self._mailbox.post_event(lambda: self.driver.stopped(asker, failure))
+
+        self._stop_desk.hand(stop)
+
+    def _arm_target(self, key: str, payload: bytes) -> None:
+        arm = key.split("/")[4]
+
+        def run() -> None:
+            if arm not in ARMS:
+                self.driver.warn(f"There is no arm {arm!r}; there are {', '.join(ARMS)}.")
+                return
+            try:
+                angle = codec.number(payload)
+            except Refused as error:
+                self.driver.warn(error.message)
+                return
+            self.driver.arm_target(ARMS.index(arm), angle)
+
+        self._mailbox.post_latest(f"arm/{arm}", Task(run, lambda _: None))
+
+    def _preview(self, incoming: Incoming) -> None:
+        self._previewer.ask(incoming.wording, self._asker(incoming, "preview"))
+
+    def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
+        if not alive:
+            session = key.rpartition("/")[2]
+            self._mailbox.post_event(lambda: self.driver.client_gone(session))
+
+    # -- the board's thread ---------------------------------------------------------------------
+
+    def _on_telemetry(self, telemetry: Telemetry) -> None:
+        state = (telemetry.state, telemetry.outcome, telemetry.motion, telemetry.boot)
+        if state != self._last_state:
+            self._last_state = state
+            self._mailbox.post_event(self.driver.observe)
+
+    def _on_link(self) -> None:
+        self._mailbox.post_event(self.driver.observe)
+
+    # -- the driver's thread --------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while (task := self._mailbox.take()) is not None:
+            task.run()
+        self.driver.close()
+
+    def make_ready(self) -> None:
+        """Switch on and calibrate, as a simulation may without a person; raises BeatrixError."""
+        self.board.enable(on=True)
+        self._body.straighten()
+        self.board.request(FrameType.CALIBRATE)
+
+    def close(self) -> None:
+        """Stop motion, tell who waits, publish the last status, leave the bus, free the board."""
+        self._mailbox.close()
+        self._thread.join(timeout=2.0)
+        self._previewer.close()
+        self._broadcast.close()
+        self._stop_desk.close()
+        self._front_desk.close()
+        self._bus.close()
+        self.board.close()
+        self._body.close()
+
+
+def refuse_taken(bus: Bus, name: str, twin: str) -> None:
+    """Two robots under one name would both obey.
+
+    Raises:
+        Refused: NAME_TAKEN.
+    """
+    if bus.present(keys.alive(name, twin)):
+        raise Refused(
+            Reason.NAME_TAKEN,
+            f"A {twin} robot named {name!r} is on line at {bus.endpoint} already. Give this one another name "
+            f"(--name), or end the other; `beatrix ls` shows who is there.",
+        )

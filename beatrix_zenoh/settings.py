@@ -1,0 +1,62 @@
+"""Which robot, which router, which seat: argument, environment, beatrix.toml, default, in this order."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+FILE = "beatrix.toml"
+FIELDS = ("robot", "connect", "who")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Robot name, router endpoint and seat of a client or a node."""
+
+    robot: str
+    connect: str
+    who: str
+
+
+def resolve(robot: str | None = None, connect: str | None = None, who: str | None = None) -> Settings:
+    """Fill in what was not given from BEATRIX_ROBOT, BEATRIX_CONNECT, BEATRIX_WHO, then ./beatrix.toml.
+
+    Raises:
+        Refused: BAD_VALUE, for a name that cannot stand in a key or a file that cannot be read.
+    """
+    given = {"robot": robot, "connect": connect, "who": who}
+    environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
+    stored = _stored()
+
+    def value(field: str) -> str | None:
+        return given[field] or environment[field] or stored.get(field)
+
+    return Settings(
+        robot=names.check_name(value("robot") or names.default_robot(), "robot"),
+        connect=value("connect") or DEFAULT_ENDPOINT,
+        who=names.check_name(value("who") or names.default_seat(), "seat"),
+    )
+
+
+def _stored() -> dict[str, str]:
+    path = Path(FILE)
+    if not path.is_file():
+        return {}
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise Refused(Reason.BAD_VALUE, f"{path.resolve()} cannot be read: {error}.") from error
+    unknown = set(table) - set(FIELDS)
+    if unknown or not all(isinstance(value, str) for value in table.values()):
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{path.resolve()}: allowed are {', '.join(FIELDS)}, each a text; it holds {', '.join(table)}.",
+        )
+    return {field: str(value) for field, value in table.items()}
