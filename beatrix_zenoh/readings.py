@@ -1,0 +1,66 @@
+"""What people read: positions in degrees."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from beatrix_zenoh._generated.messages import Head, Positions, Vector3
+
+
+class ArmAngles(NamedTuple):
+    """One number per arm, deg or deg/s."""
+
+    short: float
+    middle: float
+    long: float
+
+    def __str__(self) -> str:
+        return f"short {self.short:.1f}°, middle {self.middle:.1f}°, long {self.long:.1f}°"
+
+
+class HeadAngles(NamedTuple):
+    """Orientation of the head, deg: yaw left, pitch nose-down, roll right-ear-down positive."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+    def __str__(self) -> str:
+        return f"yaw {self.yaw:.1f}°, pitch {self.pitch:.1f}°, roll {self.roll:.1f}°"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Where a robot is, in degrees; `t` is the source's monotonic clock in seconds."""
+
+    t: float
+    arms: ArmAngles
+    velocity: ArmAngles
+    commanded: ArmAngles
+    head: HeadAngles
+
+    def __str__(self) -> str:
+        return f"head: {self.head}; arms: {self.arms}"
+
+
+def arm_angles(vector: Vector3) -> ArmAngles:
+    """Rad to degrees."""
+    return ArmAngles(*(math.degrees(value) for value in (vector.x, vector.y, vector.z)))
+
+
+def head_angles(head: Head) -> HeadAngles:
+    """Rad to degrees."""
+    return HeadAngles(*(math.degrees(value) for value in (head.yaw, head.pitch, head.roll)))
+
+
+def reading(positions: Positions) -> Reading:
+    """A message as people read it."""
+    return Reading(
+        t=positions.t_mono_ns / 1e9,
+        arms=arm_angles(positions.position),
+        velocity=arm_angles(positions.velocity),
+        commanded=arm_angles(positions.commanded),
+        head=head_angles(positions.head),
+    )

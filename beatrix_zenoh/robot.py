@@ -1,0 +1,286 @@
+"""The SDK: one robot, simulated or real. Synchronous; angles in degrees."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import deque
+from typing import Self
+
+from beatrix_zenoh import codec, names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import (
+    Command,
+    CommandQuery,
+    CommandReply,
+    Info,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    Positions,
+    Reason,
+    Status,
+    Vector3,
+)
+from beatrix_zenoh.client import Client, Conversation
+from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
+from beatrix_zenoh.readings import Reading, reading
+from beatrix_zenoh.settings import resolve
+
+MARGIN_S = 3.0
+"""How much longer than announced a motion may take before its end counts as lost."""
+HOME_S = 60.0
+STREAM_LENGTH = 3000
+"""Positions a stream keeps for a slow reader: one minute."""
+
+
+class Motion:
+    """A motion under way."""
+
+    def __init__(self, robot: Robot, conversation: Conversation, accepted: MotionReply) -> None:
+        self._robot, self._conversation = robot, conversation
+        self.duration = accepted.duration
+        """Seconds the robot announced."""
+        self._end: MotionReply | None = None
+
+    def poll(self, timeout_s: float) -> MotionReply | None:
+        """The final reply, None if it has not come within `timeout_s`."""
+        if self._end is None:
+            try:
+                self._end = self._conversation.next(MotionReply, timeout_s)
+            except NoAnswer as error:
+                if error.reason is not Reason.TIMED_OUT:
+                    raise
+                return None
+            self._conversation.close()
+        return self._end
+
+    def wait(self) -> MotionReply:
+        """Return when the head is there. Ctrl-C stops the robot.
+
+        Raises:
+            Interrupted: it ended elsewhere: stopped, replaced, lost.
+            NoAnswer: the robot has gone.
+        """
+        try:
+            end = self.poll(self.duration + MARGIN_S)
+        except KeyboardInterrupt:
+            self._robot.stop()
+            raise
+        if end is None:
+            raise NoAnswer(Reason.TIMED_OUT, f"{self._robot} did not say that the motion has ended.")
+        if not end.result:
+            raise Interrupted(end.reason, end.message)
+        return end
+
+
+class PositionStream:
+    """Published positions as they come; the oldest are dropped when nobody takes them."""
+
+    def __init__(self) -> None:
+        self._news = threading.Condition()
+        self._waiting: deque[Positions] = deque(maxlen=STREAM_LENGTH)
+
+    def receive(self, payload: bytes) -> None:
+        """Hand over one publication."""
+        positions = codec.decode(payload, Positions)
+        with self._news:
+            self._waiting.append(positions)
+            self._news.notify()
+
+    def take(self, timeout_s: float) -> list[Positions]:
+        """All that has come since the last call; waits up to `timeout_s` for the first."""
+        with self._news:
+            self._news.wait_for(lambda: bool(self._waiting), timeout=timeout_s)
+            taken = list(self._waiting)
+            self._waiting.clear()
+            return taken
+
+
+class Robot:
+    """One robot: `Robot("bea1", twin="sim")`. Use it in a `with` block, or close it.
+
+    Args:
+        name: the robot; default BEATRIX_ROBOT, then beatrix.toml, then `user-host`.
+        twin: `sim` or `hw`.
+        connect: the router, default BEATRIX_CONNECT or tcp/127.0.0.1:7447.
+        who: your seat, default BEATRIX_WHO or the user's name.
+        timeout_s: how long to wait for an answer.
+        client: a session to share; opened and closed by somebody else.
+
+    Raises:
+        NoAnswer: NO_ROUTER.
+    """
+
+    def __init__(
+        self,
+        name: str | None = None,
+        twin: str = "sim",
+        *,
+        connect: str | None = None,
+        who: str | None = None,
+        timeout_s: float = 2.0,
+        client: Client | None = None,
+    ) -> None:
+        if twin not in names.TWINS:
+            raise Refused(Reason.BAD_VALUE, f"twin={twin!r}: choose 'sim' or 'hw'.")
+        self._shared = client is not None
+        self.client = Client(resolve(name, connect, who)) if client is None else client
+        self.name = names.check_name(name or self.client.settings.robot)
+        self.twin, self.timeout_s = twin, timeout_s
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.twin})"
+
+    # -- commands -------------------------------------------------------------------------------
+
+    def enable(self) -> None:
+        """Motors on."""
+        self.command(Command.ENABLE)
+
+    def disable(self) -> None:
+        """Motors off; home is forgotten."""
+        self.command(Command.ENABLE, value=False)
+
+    def calibrate(self) -> None:
+        """Declare the present position home: set the head upright first."""
+        self.command(Command.CALIBRATE)
+
+    def home(self) -> None:
+        """Move home; returns when there."""
+        self.command(Command.HOME, timeout_s=HOME_S)
+
+    def stop(self) -> CommandReply:
+        """Stop at once, whoever drives; returns when the arms rest."""
+        key = keys.stop(self.name, self.twin)
+        return self._checked(self.client.ask(self.name, self.twin, key, None, CommandReply, self.timeout_s))
+
+    def emergency_stop(self) -> CommandReply:
+        """Motors off at once; the head falls. ENABLE and CALIBRATE afterwards."""
+        return self.command(Command.EMERGENCY_STOP)
+
+    def command(
+        self, command: Command, *, value: bool = True, timeout_s: float | None = None
+    ) -> CommandReply:
+        """Any command; raises Refused with the robot's reason, NoAnswer if nobody answers."""
+        key = keys.command(self.name, self.twin, self.client.settings.who)
+        query = CommandQuery(command=command.value, value=value)
+        timeout_s = self.timeout_s if timeout_s is None else timeout_s
+        return self._checked(self.client.ask(self.name, self.twin, key, query, CommandReply, timeout_s))
+
+    @staticmethod
+    def _checked(reply: CommandReply) -> CommandReply:
+        if not reply.result:
+            raise Refused(reply.reason, reply.message)
+        return reply
+
+    # -- motions --------------------------------------------------------------------------------
+
+    def look(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> Motion:
+        """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
+
+        `speed` is that of the fastest arm, deg/s. Returns when there, or at once with wait=False.
+
+        Raises:
+            Refused: with the reason and what would be accepted; nothing has moved.
+            Interrupted: the motion ended elsewhere.
+        """
+        return self._begin("pose", pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
+
+    def move(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> Motion:
+        """Turn the arms (deg, counter-clockwise from above positive); `speed` in deg/s for each; else as `look`."""
+        query = motion_query(short, middle, long, relative=relative, speed=speed)
+        return self._begin("motion", query, wait=wait)
+
+    def _begin(self, road: str, query: MotionQuery | PoseQuery, *, wait: bool) -> Motion:
+        motion = self.begin(road, query)
+        if wait:
+            motion.wait()
+        return motion
+
+    def begin(self, road: str, query: MotionQuery | PoseQuery) -> Motion:
+        """Send a motion on `motion` or `pose` and return once it is accepted; raises Refused."""
+        key_of = keys.motion if road == "motion" else keys.pose
+        key = key_of(self.name, self.twin, self.client.settings.who)
+        conversation = Conversation(self.client, self.name, self.twin, key, query)
+        try:
+            accepted = conversation.next(MotionReply, self.timeout_s)
+        except BaseException:
+            conversation.close()
+            raise
+        if not accepted.result:
+            conversation.close()
+            raise Refused(accepted.reason, accepted.message)
+        return Motion(self, conversation, accepted)
+
+    # -- state ----------------------------------------------------------------------------------
+
+    def positions(self) -> Reading:
+        """Where the robot is now, in degrees."""
+        key = keys.positions(self.name, self.twin)
+        return reading(self.client.ask(self.name, self.twin, key, None, Positions, self.timeout_s))
+
+    def status(self) -> Status:
+        """State of the robot: enabled, calibrated, who drives, what is wrong."""
+        key = keys.status(self.name, self.twin)
+        return self.client.ask(self.name, self.twin, key, None, Status, self.timeout_s)
+
+    def info(self) -> Info:
+        """Versions, limits and keys."""
+        key = keys.info(self.name, self.twin)
+        return self.client.ask(self.name, self.twin, key, None, Info, self.timeout_s)
+
+    def stream(self) -> PositionStream:
+        """Published positions (rad, 50 a second) from now on, until this robot is closed."""
+        stream = PositionStream()
+        self.client.bus.subscribe(keys.positions(self.name, self.twin), lambda _, data: stream.receive(data))
+        return stream
+
+    def close(self) -> None:
+        """Leave the bus; a motion this robot object asked for and that still runs is stopped."""
+        if not self._shared:
+            self.client.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:
+    """Degrees to a query."""
+    return PoseQuery(
+        absolute=not relative,
+        yaw=math.radians(yaw),
+        pitch=math.radians(pitch),
+        roll=math.radians(roll),
+        speed=None if speed is None else math.radians(speed),
+    )
+
+
+def motion_query(
+    short: float, middle: float, long: float, *, relative: bool, speed: float | None
+) -> MotionQuery:
+    """Degrees to a query."""
+    each = None if speed is None else Vector3(*[math.radians(speed)] * 3)
+    position = Vector3(math.radians(short), math.radians(middle), math.radians(long))
+    return MotionQuery(absolute=not relative, position=position, speed=each)

@@ -1,0 +1,184 @@
+"""The SDK: both robots of one name. A motion is previewed, shown, and only then committed to both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
+from beatrix_zenoh.readings import ArmAngles, HeadAngles, arm_angles, head_angles
+from beatrix_zenoh.robot import MARGIN_S, Motion, Robot, motion_query, pose_query
+from beatrix_zenoh.settings import resolve
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PREVIEW_S = 10.0
+TURN_S = 0.02
+
+
+@dataclass(frozen=True)
+class Path:
+    """A previewed path: times in s, arms and head in deg."""
+
+    t: list[float]
+    arms: list[ArmAngles]
+    head: list[HeadAngles]
+
+
+class Plan:
+    """A motion that was tried on the copy and has not moved anything yet."""
+
+    def __init__(self, twin: Twin, road: str, query: MotionQuery | PoseQuery, preview: PreviewReply) -> None:
+        self._twin, self._road, self._query = twin, road, query
+        self.duration = preview.duration
+        """Seconds until the arms rest."""
+        self.verdict = preview.message
+        self.path = Path(
+            preview.t,
+            [arm_angles(arms) for arms in preview.arms],
+            [head_angles(head) for head in preview.head],
+        )
+        self._settled = ""
+
+    def commit(self) -> None:
+        """Carry it out: the simulation first, then the hardware; returns when both are there.
+
+        If one of them refuses or is stopped, the other is stopped too.
+
+        Raises:
+            Refused: one robot said no.
+            Interrupted: one robot ended elsewhere.
+        """
+        self._settle("committed")
+        self._twin.carry_out(self._road, self._query)
+
+    def abort(self) -> None:
+        """Drop it; nothing moves."""
+        self._settle("aborted")
+
+    def _settle(self, how: str) -> None:
+        if self._settled:
+            raise Refused(Reason.BAD_VALUE, f"This plan was {self._settled} already: preview a new one.")
+        self._settled = how
+
+    def plot(self) -> Figure:
+        """A figure of the path; needs the extra `plot`."""
+        from beatrix_zenoh import plot  # noqa: PLC0415  # matplotlib only where somebody plots
+
+        return plot.path_figure(self.path)
+
+
+class Twin:
+    """Simulation and hardware of one name; arguments as of `Robot`."""
+
+    def __init__(
+        self,
+        name: str | None = None,
+        *,
+        connect: str | None = None,
+        who: str | None = None,
+        timeout_s: float = 2.0,
+    ) -> None:
+        self.client = Client(resolve(name, connect, who))
+        self.name = self.client.settings.robot
+        self.sim = Robot(twin="sim", timeout_s=timeout_s, client=self.client)
+        self.hw = Robot(twin="hw", timeout_s=timeout_s, client=self.client)
+
+    def enable(self) -> None:
+        """Motors of both on."""
+        self._both(Robot.enable)
+
+    def disable(self) -> None:
+        """Motors of both off."""
+        self._both(Robot.disable)
+
+    def calibrate(self) -> None:
+        """Declare the present positions home."""
+        self._both(Robot.calibrate)
+
+    def home(self) -> None:
+        """Both home, previewed like any motion."""
+        self.preview_arms(0, 0, 0).commit()
+
+    def _both(self, do: Callable[[Robot], None]) -> None:
+        do(self.sim)
+        do(self.hw)
+
+    def stop(self) -> None:
+        """Stop both at once; the second is stopped even if the first does not answer."""
+        try:
+            self.hw.stop()
+        finally:
+            self.sim.stop()
+
+    def preview(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> Plan:
+        """Try a head motion (deg, deg/s as `Robot.look`) on a copy of the simulation.
+
+        Raises:
+            Refused: it would be refused, and why.
+        """
+        return self._preview("pose", pose_query(yaw, pitch, roll, relative=relative, speed=speed))
+
+    def preview_arms(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> Plan:
+        """Try an arm motion (deg, deg/s as `Robot.move`); raises as `preview`."""
+        return self._preview("motion", motion_query(short, middle, long, relative=relative, speed=speed))
+
+    def _preview(self, road: str, query: MotionQuery | PoseQuery) -> Plan:
+        key = keys.preview(self.name, self.client.settings.who)
+        reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
+        if not reply.result:
+            raise Refused(reply.reason, reply.message)
+        return Plan(self, road, query, reply)
+
+    def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
+        """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
+        first = self.sim.begin(road, query)
+        try:
+            second = self.hw.begin(road, query)
+            self._wait([(self.sim, first), (self.hw, second)])
+        except BaseException:
+            self.stop()  # what one robot does not do, the other must not finish
+            raise
+
+    @staticmethod
+    def _wait(motions: list[tuple[Robot, Motion]]) -> None:
+        turns = int((max(motion.duration for _, motion in motions) + MARGIN_S) / TURN_S / len(motions))
+        for _ in range(turns):
+            ends: list[MotionReply | None] = [motion.poll(TURN_S) for _, motion in motions]
+            for (robot, _), end in zip(motions, ends, strict=True):
+                if end is not None and not end.result:
+                    raise Interrupted(end.reason, f"{robot}: {end.message}")
+            if all(end is not None for end in ends):
+                return
+        raise NoAnswer(Reason.TIMED_OUT, "One of the robots did not say that the motion has ended.")
+
+    def close(self) -> None:
+        """Leave the bus; motions under way are stopped by the robots."""
+        self.client.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
