@@ -27,7 +27,7 @@ check: ## everything that can be said without running BEATRIX: style, types, lay
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy $(FOUND) schemas tools tests
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-cache
 	$(BIN)/python schemas/generate.py --check
 	$(BIN)/python tools/links.py
 	$(MAKE) -C firmware check
