@@ -57,7 +57,7 @@ def missing_packages(purpose: str) -> list[str]:
 def see_to_debian_packages(purpose: str) -> None:
     """Install the packages that are missing, or say what to type and stop."""
     if not shutil.which("dpkg-query"):
-        print(f"This is not Debian: tests may need what Debian calls {', '.join(wanted_packages(purpose))}.")
+        print(f"This is not Debian: see to what Debian calls {', '.join(wanted_packages(purpose))} yourself.")
         return
     missing = missing_packages(purpose)
     if not missing:
