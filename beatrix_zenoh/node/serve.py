@@ -1,0 +1,68 @@
+"""Run a node as a process: wait for the router, serve, end cleanly on SIGINT and SIGTERM."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from types import FrameType
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.node.body import Body
+from beatrix_zenoh.node.node import Node
+from beatrix_zenoh.settings import Settings
+
+RETRY_S = 0.5
+SWITCH_S = 0.0005
+"""Python hands the interpreter on this often: STOP and the publisher must not wait behind a flood."""
+
+
+def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False) -> int:
+    """Serve a body until a signal comes; returns the exit code.
+
+    `ready` switches the motors on and calibrates at the start, which only a simulation may.
+    Prints `ready <key>` on stdout when the robot serves.
+    """
+    over = threading.Event()
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        over.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
+    sys.setswitchinterval(SWITCH_S)
+    session = _connect(settings, over)
+    if session is None:
+        return 0
+    body = build()
+    try:
+        node = Node(session, settings.robot, body)
+    except BeatrixError as error:
+        print(error.message, file=sys.stderr, flush=True)
+        session.close()
+        body.close()
+        return 1
+    try:
+        if ready:
+            node.make_ready()
+        print("ready", node.alive_key, flush=True)
+        over.wait()
+    finally:
+        node.close()
+    return 0
+
+
+def _connect(settings: Settings, over: threading.Event) -> zbus.Bus | None:
+    """A session, waiting for the router if need be; None if told to end before it came."""
+    told = False
+    while not over.is_set():
+        try:
+            return zbus.connect(settings.connect, label=settings.robot)
+        except NoAnswer as error:
+            if not told:
+                print(f"{error.message} Waiting for it; Ctrl-C ends.", file=sys.stderr, flush=True)
+            told = True
+            over.wait(RETRY_S)
+    return None

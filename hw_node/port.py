@@ -1,0 +1,61 @@
+"""The serial port of a board: found, opened once, kept for its life. The only importer of pyserial."""
+
+from __future__ import annotations
+
+import serial
+from serial.tools import list_ports
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import BAUD
+from beatrix_zenoh.errors import NoAnswer
+
+MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
+"""USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
+WRITE_S = 0.5
+
+
+class SerialPort:
+    """Bytes to and from a serial device; the port protocol of `beatrix_zenoh.board`."""
+
+    def __init__(self, device: str) -> None:
+        """Open `device` for this process alone; serial.SerialException (an OSError) if that fails."""
+        self.name = device
+        self._serial = serial.serial_for_url(
+            device, baudrate=BAUD, timeout=0.05, write_timeout=WRITE_S, exclusive=True
+        )
+
+    def write(self, data: bytes) -> None:
+        """Send all of it; OSError if the device has gone or takes nothing for half a second."""
+        self._serial.write(data)
+
+    def read(self, timeout_s: float) -> bytes:
+        """What has come, waiting up to `timeout_s` for the first byte; OSError if the device has gone."""
+        self._serial.timeout = timeout_s
+        first: bytes = self._serial.read(1)
+        return first + self._serial.read(self._serial.in_waiting) if first else b""
+
+    def close(self) -> None:
+        """Free the device."""
+        self._serial.close()
+
+
+def find() -> str:
+    """The one board on USB.
+
+    Raises:
+        NoAnswer: BOARD_LOST, if there is none, or more than one to choose from.
+    """
+    ports = list(list_ports.comports())
+    boards = [port.device for port in ports if (port.vid, port.pid) in MEGA_USB_IDS]
+    if len(boards) == 1:
+        return boards[0]
+    if boards:
+        raise NoAnswer(
+            Reason.BOARD_LOST, f"Several boards are plugged in: choose one with --port: {', '.join(boards)}."
+        )
+    others = ", ".join(port.device for port in ports) or "none"
+    raise NoAnswer(
+        Reason.BOARD_LOST,
+        f"No Arduino Mega on USB (serial ports here: {others}). Plug it in, name it with --port, "
+        "or try `--port virtual:` for a board in software.",
+    )

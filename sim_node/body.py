@@ -1,0 +1,100 @@
+"""The body of a simulation: the firmware on a virtual board, its steps driving the plant, in real time."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from beatrix_zenoh._generated.messages import Fault, PlantStatus
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh._generated.serial import FrameType, Move, Telemetry
+from beatrix_zenoh.board.board import Port
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
+from beatrix_zenoh.node import Pose, Preview
+from sim_node.clock import Pace
+from sim_node.model import TIMESTEP_MS
+from sim_node.plant import Plant
+from sim_node.preview import run_ahead
+
+ALARM_EVERY = 5
+"""Turns between two looks at the assembly: every 20 ms."""
+FAULT_SHOWN_S = 5.0
+
+
+class Simulation:
+    """A robot in physics only; one thread of its own owns plant and time."""
+
+    twin = "sim"
+
+    def __init__(self, name: str, robot: RobotData = ROBOT) -> None:
+        self._plant = Plant(robot)
+        self._firmware = Firmware(boot=1, name=name)
+        self._board = VirtualBoard(self._firmware)
+        self._pace = Pace(TIMESTEP_MS / 1000, time.monotonic())
+        self._pose = Pose(self._plant.arms(), self._plant.velocities())
+        self._left_s = float("-inf")
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="beatrix-physics", daemon=True)
+        self._thread.start()
+
+    def open_port(self) -> Port:
+        """The virtual board; always there."""
+        return self._board
+
+    def _run(self) -> None:
+        turn = 0
+        while not self._closed.wait(self._pace.wait_s(time.monotonic())):
+            turn += 1
+            with self._lock:
+                for _ in range(self._pace.due(time.monotonic())):
+                    self._step()
+                if turn % ALARM_EVERY == 0 and self._plant.home_assembly_left():
+                    self._plant.re_place()
+                    self._left_s = time.monotonic()
+                self._pose = Pose(self._plant.arms(), self._plant.velocities())
+
+    def _step(self) -> None:
+        with self._board.lock:
+            self._board.advance(TIMESTEP_MS)
+            pulses, drivers_on = self._firmware.pulses(), self._firmware.drivers_on()
+        self._plant.step(pulses, drivers_on=drivers_on)
+
+    def pose(self, telemetry: Telemetry) -> Pose:  # noqa: ARG002
+        """Arms measured in the plant."""
+        return self._pose
+
+    def straighten(self) -> None:
+        """Set the head upright, as a person would before calibrating."""
+        with self._lock:
+            self._plant.straighten()
+
+    def preview(self, move: Move) -> Preview | None:
+        """Run a copy of firmware and plant ahead of time."""
+        with self._lock, self._board.lock:
+            memory, plant = self._firmware.snapshot(), self._plant.copy()
+        copy = Firmware(boot=1, name="preview")
+        copy.restore(memory)
+        copy.transmit()
+        return run_ahead(plant, copy, encode(FrameType.MOVE, 1, move.pack()))
+
+    def plant(self) -> PlantStatus | None:
+        """Pace and mishaps."""
+        return PlantStatus(
+            real_time_factor=self._pace.real_time_factor(time.monotonic()),
+            late_steps=self._pace.late,
+            slipped_steps=sum(map(abs, self._plant.slipped())),
+            re_placed=self._plant.re_placed,
+        )
+
+    def fault(self) -> Fault:
+        """ASSEMBLY_LEFT for a while after the neck had to be put back."""
+        recent = time.monotonic() - self._left_s < FAULT_SHOWN_S
+        return Fault.ASSEMBLY_LEFT if recent else Fault.NONE
+
+    def close(self) -> None:
+        """Stop time."""
+        self._closed.set()
+        self._thread.join(timeout=2.0)
+        self._board.close()

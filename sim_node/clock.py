@@ -1,0 +1,53 @@
+"""Simulated time kept to wall time: absolute deadlines, late steps caught up and counted."""
+
+from __future__ import annotations
+
+from collections import deque
+
+PERIOD_S = 0.004
+"""How often the simulation runs; each time it makes the steps that are due."""
+LATE_S = 0.010
+SLICE_S = 0.1
+"""At most this much is caught up at once, so that the board hears its heartbeat in between."""
+GIVE_UP_S = 10.0
+"""A machine that slept longer goes on from now."""
+WINDOW_S = 5.0
+
+
+class Pace:
+    """Says how many steps are due; all times in seconds of one monotonic clock."""
+
+    def __init__(self, step_s: float, now_s: float) -> None:
+        self._step_s = step_s
+        self._due_s = now_s
+        self._simulated_s = 0.0
+        self._marks: deque[tuple[float, float]] = deque([(now_s, 0.0)])
+        self.late = 0
+        """Steps made more than LATE_S late."""
+
+    def due(self, now_s: float) -> int:
+        """Steps to make now."""
+        behind_s = now_s - self._due_s
+        if behind_s > GIVE_UP_S:
+            self._due_s = now_s
+            return 0
+        steps = max(0, int(min(behind_s, SLICE_S) / self._step_s + 1e-6))
+        if behind_s > LATE_S + PERIOD_S:
+            self.late += min(steps, int((behind_s - LATE_S) / self._step_s))
+        self._due_s += steps * self._step_s
+        self._simulated_s += steps * self._step_s
+        if now_s - self._marks[-1][0] > WINDOW_S / 10:
+            self._marks.append((now_s, self._simulated_s))
+            while now_s - self._marks[0][0] > WINDOW_S:
+                self._marks.popleft()
+        return steps
+
+    def wait_s(self, now_s: float) -> float:
+        """Seconds until there is something to do."""
+        return max(0.0, self._due_s + PERIOD_S - now_s)
+
+    def real_time_factor(self, now_s: float) -> float:
+        """Simulated seconds per second over the last seconds."""
+        then_s, simulated_s = self._marks[0]
+        elapsed_s = now_s - then_s
+        return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s

@@ -1,0 +1,53 @@
+"""The bodies every contract test runs against."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+from stage import Stage, ready
+
+from beatrix_zenoh import Robot
+
+BODIES = ("sim", "hw", "in-process")
+
+
+@dataclass(frozen=True)
+class Body:
+    """A robot under test on a stage of its own."""
+
+    kind: str
+    stage: Stage
+    name: str
+    twin: str
+
+    def robot(self, who: str = "ana") -> Robot:
+        """The robot through another session."""
+        return self.stage.robot(self.name, self.twin, who)
+
+
+@pytest.fixture(scope="module", params=BODIES)
+def body(request: pytest.FixtureRequest) -> Iterator[Body]:
+    """One body, shared by the tests of a file."""
+    kind: str = request.param
+    with Stage() as stage:
+        if kind == "sim":
+            stage.simulation("bea")
+        elif kind == "hw":
+            stage.hardware("bea")
+        else:
+            stage.node("bea")
+        yield Body(kind, stage, "bea", "sim" if kind == "sim" else "hw")
+
+
+@pytest.fixture
+def robot(body: Body) -> Iterator[Robot]:
+    """The robot at home, enabled and calibrated, driven by ana."""
+    robot = body.robot()
+    robot.stop()
+    robot.disable()
+    ready(robot)
+    yield robot
+    robot.stop()
+    robot.client.close()

@@ -1,0 +1,162 @@
+"""Several clients at one robot: one drives, the others are told; who goes, stops what he began."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Protocol
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Reason
+from beatrix_zenoh.bus import Question
+
+
+class Body(Protocol):
+    """What the fixture gives."""
+
+    stage: Stage
+
+    def robot(self, who: str = "ana") -> Robot:
+        """Another session."""
+
+
+def test_second_client_is_refused_by_name_and_the_first_goes_on(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    motion = robot.look(yaw=8, wait=False)
+    with pytest.raises(Refused, match="ana drives") as refusal:
+        other.look(yaw=-20)
+    assert refusal.value.reason is Reason.NOT_HOLDER
+    motion.wait()
+    assert robot.positions().commanded.short == pytest.approx(8, abs=0.1)
+
+
+def test_commands_of_others_are_refused_while_somebody_drives(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    motion = robot.look(yaw=10, wait=False)
+    for act in (other.disable, other.calibrate, other.home):
+        with pytest.raises(Refused) as refusal:
+            act()
+        assert refusal.value.reason in (Reason.NOT_HOLDER, Reason.NOT_AT_REST)
+    motion.wait()
+
+
+def test_robot_is_free_two_seconds_after_it_rests(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    robot.look(yaw=2, speed=60)
+    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    other.look(yaw=0, speed=60)
+    assert robot.status().holder == "ben"
+    until(lambda: robot.status().holder == "", "lease over", 4.0)
+
+
+def test_teacher_takes_over(body: Body, robot: Robot) -> None:
+    teacher = body.robot("teacher")
+    motion = robot.look(yaw=30, wait=False)
+    teacher.look(yaw=0, speed=60)
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.REPLACED
+    until(lambda: robot.status().holder == "", "lease over", 4.0)
+
+
+def test_anybody_may_stop(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    motion = robot.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    other.stop()
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.STOPPED
+
+
+def test_a_put_on_the_stop_key_stops(robot: Robot) -> None:
+    motion = robot.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    robot.client.bus.put(keys.stop(robot.name, robot.twin), b"", "text/plain", "real_time")
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.STOPPED
+
+
+def test_client_gone_in_mid_move_stops_what_it_began(body: Body, robot: Robot) -> None:
+    goner = body.robot("goner")
+    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    goner.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 2, "moving")
+    goner.client.close()
+    until(lambda: not robot.status().moving, "stopped", 1.5)
+    assert robot.positions().commanded.short < 50
+    assert robot.status().holder == ""
+
+
+class Flood:
+    """Somebody who sends targets as fast as Zenoh takes them, without reading a reply."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.sent = 0
+        self._robot = robot
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._questions: list[Question] = []
+
+    def _run(self) -> None:
+        bus, key = self._robot.client.bus, keys.pose(self._robot.name, self._robot.twin, "ana")
+        while not self._over.is_set():
+            query = codec.encode(PoseQuery(yaw=0.7 + 0.05 * (self.sent % 2)))
+            self._questions.append(bus.question(key, query, codec.MSGPACK))
+            self.sent += 1
+            if len(self._questions) > 500:
+                self._questions.pop(0).close()
+
+    def __enter__(self) -> Flood:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._over.set()
+        self._thread.join()
+        for question in self._questions:
+            question.close()
+
+
+def test_stop_is_answered_while_another_client_floods(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    with Flood(robot) as flood:
+        until(lambda: flood.sent > 300 and other.positions().commanded.short > 3, "flooded and moving", 15.0)
+        before = other.positions().commanded.short
+        sent_s = time.monotonic()
+        reply = other.stop()
+        took_s = time.monotonic() - sent_s
+    assert "rest at" in reply.message
+    assert took_s < 1.5, "decelerating from 30 deg/s takes a sixth of a second"
+    assert before > 0
+
+
+def test_after_a_flood_the_newest_target_wins_and_the_next_command_is_prompt(robot: Robot) -> None:
+    with Flood(robot) as flood:
+        until(lambda: flood.sent > 500, "flooded", 15.0)
+    sent_s = time.monotonic()
+    motion = robot.look(yaw=5, speed=60, wait=False)
+    took_s = time.monotonic() - sent_s
+    motion.wait()
+    assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
+    assert took_s < 1.0, "the figure itself is printed by make bench"
+
+
+def test_of_waiting_targets_only_the_newest_runs(robot: Robot) -> None:
+    bus, key = robot.client.bus, keys.pose(robot.name, robot.twin, "ana")
+    asked = [
+        bus.question(key, codec.encode(PoseQuery(yaw=0.02 * number)), codec.MSGPACK) for number in range(1, 9)
+    ]
+    ends = []
+    for question in asked:
+        replies = []
+        while (answer := question.next(5.0)) is not None:
+            replies.append(codec.decode(answer.payload, MotionReply))
+        ends.append(replies[-1])
+    assert [end.reason for end in ends[:-1]] == [Reason.REPLACED] * 7
+    assert ends[-1].result

@@ -1,0 +1,167 @@
+"""Motions: the same requests, the same replies, the same commanded positions from every body."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from stage import ask_raw, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
+from beatrix_zenoh.drive import Gear
+from beatrix_zenoh.kinematics import Neck
+
+STEP_DEG = 360 / Gear().steps_per_turn
+MEASURED_DEG = 0.25
+
+
+def raw_positions(robot: Robot) -> Positions:
+    """Positions in rad, with steps."""
+    key = keys.positions(robot.name, robot.twin)
+    return robot.client.ask(robot.name, robot.twin, key, None, Positions, 2.0)
+
+
+def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float) -> bool:
+    return all(abs(a - b) <= tolerance for a, b in zip(angles, wanted, strict=True))
+
+
+def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
+    """Commanded within a step at once; measured within 0.25 deg when the head has settled."""
+    assert near(robot.positions().commanded, arms, STEP_DEG)
+    until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}", 2.0)
+
+
+def test_absolute_move_ends_at_the_target(robot: Robot) -> None:
+    robot.move(10, -5, 3, speed=60)
+    assert_rests_at(robot, (10, -5, 3))
+
+
+def test_relative_move_starts_from_the_set_point(robot: Robot) -> None:
+    robot.move(4, 4, 4, speed=60)
+    robot.move(1, -2, 0, relative=True, speed=60)
+    assert_rests_at(robot, (5, 2, 4))
+
+
+def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
+    robot.look(yaw=15, pitch=-8, roll=5, speed=60)
+    wanted = Neck().inverse(*map(math.radians, (15, -8, 5)))
+    assert_rests_at(robot, tuple(map(math.degrees, wanted)))
+    until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose", 2.0)
+
+
+def test_relative_look_adds_to_the_pose(robot: Robot) -> None:
+    robot.look(yaw=10, speed=60)
+    robot.look(pitch=5, relative=True, speed=60)
+    until(lambda: near(robot.positions().head, (10, 5, 0), 0.4), "head at the pose", 2.0)
+
+
+def test_equal_arms_turn_the_head_left(robot: Robot) -> None:
+    robot.move(12, 12, 12, speed=60)
+    until(lambda: near(robot.positions().head, (12, 0, 0), MEASURED_DEG), "head turned left", 2.0)
+
+
+def test_two_replies_accepted_then_done(robot: Robot) -> None:
+    key = keys.pose(robot.name, robot.twin, "ana")
+    replies = ask_raw(robot.client, key, codec.encode(PoseQuery(yaw=0.1)), codec.MSGPACK)
+    accepted, done = (codec.decode(reply.payload, MotionReply) for reply in replies)
+    assert (accepted.phase, accepted.result, done.phase, done.result) == (
+        Phase.ACCEPTED,
+        True,
+        Phase.DONE,
+        True,
+    )
+    assert accepted.motion == done.motion > 0
+    assert done.duration == pytest.approx(accepted.duration, abs=0.15)
+    assert done.position.x == pytest.approx(0.1, abs=math.radians(STEP_DEG))
+
+
+def test_speed_is_honoured(robot: Robot) -> None:
+    slow = robot.move(6, 0, 0, speed=6)
+    assert slow.duration == pytest.approx(6 / 6 + 6 / 180, rel=0.02)
+
+
+def test_motion_to_where_it_is_is_done_at_once(robot: Robot) -> None:
+    motion = robot.move(0, 0, 0)
+    assert motion.duration == 0
+
+
+def test_newer_motion_replaces_the_running_one(robot: Robot) -> None:
+    first = robot.look(yaw=40, wait=False)
+    robot.look(yaw=-5, speed=60)
+    with pytest.raises(Interrupted) as ended:
+        first.wait()
+    assert ended.value.reason is Reason.REPLACED
+    assert_rests_at(robot, (-5, -5, -5))
+
+
+def test_stop_in_mid_move_rests_at_an_exact_count(robot: Robot) -> None:
+    motion = robot.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 3, "moving")
+    reply = robot.stop()
+    rest = raw_positions(robot)
+    assert "rest at" in reply.message
+    assert reply.position == rest.commanded
+    assert Gear().to_steps((rest.commanded.x, rest.commanded.y, rest.commanded.z)) == (
+        rest.steps.x,
+        rest.steps.y,
+        rest.steps.z,
+    )
+    assert math.degrees(reply.position.x) < 30
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.STOPPED
+    assert not robot.status().moving
+
+
+def test_stop_at_rest_says_so(robot: Robot) -> None:
+    assert "Nothing moves" in robot.stop().message
+
+
+def test_home_is_answered_when_the_arms_are_home(robot: Robot) -> None:
+    robot.move(5, 5, 5, speed=60)
+    robot.home()
+    assert_rests_at(robot, (0, 0, 0))
+
+
+REFUSALS = [
+    ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "gap"),
+    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "gap"),
+    ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),
+    ((5.0, 0.0, 0.0), 0.0, Reason.SPEED_LIMIT, "speed"),
+    ((5.0, 0.0, 0.0), -3.0, Reason.SPEED_LIMIT, "speed"),
+    ((5.0, 0.0, 0.0), 1000.0, Reason.SPEED_LIMIT, "90"),
+    ((math.degrees(1e6), 0.0, 0.0), 30.0, None, ""),
+    ((math.nan, 0.0, 0.0), 30.0, Reason.BAD_VALUE, "finite"),
+    ((0.0, math.inf, 0.0), 30.0, Reason.BAD_VALUE, "finite"),
+    ((0.0, 0.0, 0.0), math.nan, Reason.BAD_VALUE, "finite"),
+]
+
+
+@pytest.mark.parametrize(("arms", "speed", "reason", "word"), REFUSALS)
+def test_unreachable_motion_is_refused_and_nothing_moves(
+    robot: Robot, arms: tuple[float, float, float], speed: float, reason: Reason | None, word: str
+) -> None:
+    before = raw_positions(robot).steps
+    with pytest.raises(Refused) as refusal:
+        robot.move(*arms, speed=speed)
+    assert reason in (None, refusal.value.reason)
+    assert word in refusal.value.message.lower()
+    assert raw_positions(robot).steps == before
+    assert not robot.status().moving
+
+
+@pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (60.0, "35"), (80.0, "35"), (179.0, "")])
+def test_unreachable_pose_names_the_limit(robot: Robot, pitch: float, word: str) -> None:
+    with pytest.raises(Refused) as refusal:
+        robot.look(pitch=pitch)
+    assert refusal.value.reason is Reason.OUT_OF_REACH
+    assert word in refusal.value.message
+
+
+def test_the_whole_path_is_checked_not_only_its_end(robot: Robot) -> None:
+    robot.look(pitch=30, speed=60)
+    with pytest.raises(Refused):
+        robot.move(90, 90, 0, relative=True)
+    robot.look(speed=60)

@@ -1,0 +1,189 @@
+"""The four ways to ask, and what is said to those who ask wrongly."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import msgpack
+import pytest
+from stage import ask_raw, until
+
+from beatrix_zenoh import Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Info, MotionReply, Positions, Reason, Status
+
+
+def key_of(robot: Robot, road: str) -> str:
+    return f"beatrix/{robot.name}/{robot.twin}/cmd/ana/{road}"
+
+
+def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
+    """What a z_get user reads: the last reply as JSON text."""
+    answer = ask_raw(robot.client, selector, payload)[-1]
+    assert answer.encoding == codec.JSON
+    assert b"\n" not in answer.payload
+    value: dict[str, object] = json.loads(answer.payload)
+    return value
+
+
+@pytest.mark.parametrize(
+    ("parameters", "payload"),
+    [
+        ("?x=0.05;y=0.05;z=0.05;speed=1;absolute=true", None),
+        ("?x=0.05;y=0.05;z=0.05", None),
+        ("", b"0.05 0.05 0.05 1.0"),
+        ("", b"0.05, 0.05, 0.05"),
+        ("", b"0.05 0.05 0.05 relative"),
+        ("", b'{"position":{"x":0.05,"y":0.05,"z":0.05}}'),
+        ("", b'{"absolute":false,"position":{"x":0.05,"y":0.05,"z":0.05},"speed":{"x":1,"y":1,"z":1}}'),
+    ],
+)
+def test_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, payload: bytes | None) -> None:
+    reply = last_json(robot, key_of(robot, "motion") + parameters, payload)
+    assert (reply["result"], reply["phase"]) == (True, "done"), reply
+    assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
+
+
+@pytest.mark.parametrize("asked", ["?yaw=0.05", "?yaw=0.05;pitch=0;roll=0;speed=1"])
+def test_pose_by_parameters(robot: Robot, asked: str) -> None:
+    assert last_json(robot, key_of(robot, "pose") + asked)["result"] is True
+
+
+@pytest.mark.parametrize(
+    ("parameters", "payload"),
+    [
+        ("?command=1;value=true", None),
+        ("?command=enable", None),
+        ("", b"enable on"),
+        ("", b"1 true"),
+        ("", b'{"command":1}'),
+    ],
+)
+def test_command_in_every_wording(robot: Robot, parameters: str, payload: bytes | None) -> None:
+    robot.disable()
+    assert last_json(robot, key_of(robot, "command") + parameters, payload)["result"] is True
+    assert robot.status().enabled
+
+
+def test_msgpack_of_a_foreign_library_is_answered_in_msgpack(robot: Robot) -> None:
+    query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
+    answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)
+    assert [msgpack.unpackb(answer.payload)["phase"] for answer in answers] == ["accepted", "done"]
+
+
+GOOD = {"absolute": True, "position": {"x": 0.0, "y": 0.0, "z": 0.0}}
+BAD_MSGPACK = [
+    (msgpack.packb(GOOD | {"hurry": 1}), "hurry"),
+    (msgpack.packb({"position": [0.0, 0.0]}), "position"),
+    (msgpack.packb({"position": {"x": 0.0, "y": 0.0}}), "z"),
+    (msgpack.packb({"position": {"x": "far", "y": 0.0, "z": 0.0}}), "position.x"),
+    (msgpack.packb(GOOD | {"absolute": 1}), "absolute"),
+    (msgpack.packb(GOOD | {"speed": {"x": math.nan, "y": 1.0, "z": 1.0}}), "speed.x"),
+    (msgpack.packb({"position": {"x": math.inf, "y": 0.0, "z": 0.0}}), "position.x"),
+    (msgpack.packb([1, 2, 3]), "object"),
+    (b"\xc1\xff\x00garbage", ""),
+    (b"", ""),
+    (msgpack.packb(GOOD)[:-3], ""),
+]
+
+
+@pytest.mark.parametrize(("payload", "word"), BAD_MSGPACK)
+def test_bad_msgpack_names_the_field_and_changes_nothing(robot: Robot, payload: bytes, word: str) -> None:
+    (answer,) = ask_raw(robot.client, key_of(robot, "motion"), payload, codec.MSGPACK)
+    reply = codec.decode(answer.payload, MotionReply)
+    assert (reply.result, reply.reason) == (False, Reason.BAD_VALUE)
+    assert word in reply.message
+    assert "position {x, y, z}" in reply.message
+    assert not robot.status().moving
+
+
+@pytest.mark.parametrize(
+    ("selector", "payload", "word"),
+    [
+        ("?x=0.1&y=0&z=0", None, ";"),
+        ("?x=0.1;y=0", None, "z"),
+        ("?x=0.1;y=0;z=0;w=1", None, "w"),
+        ("?x=abc;y=0;z=0", None, "x"),
+        ("", b"0.1 0.2", "words"),
+        ("", b"0.1 0.2 zero", "position.z"),
+        ("", b"1 2 3 4 5", "words"),
+        ("", b"{broken", "MotionQuery"),
+        ("", b"\xff\xfe\x00", "neither text nor marked as msgpack"),
+        ("", None, "Empty query"),
+    ],
+)
+def test_bad_text_is_explained(robot: Robot, selector: str, payload: bytes | None, word: str) -> None:
+    reply = last_json(robot, key_of(robot, "motion") + selector, payload)
+    assert (reply["result"], reply["reason"]) == (False, "BAD_VALUE")
+    assert word in str(reply["message"])
+
+
+def test_seat_with_a_strange_name_is_refused(robot: Robot) -> None:
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/Ana_B/pose?yaw=0.1")
+    assert reply["reason"] == "BAD_VALUE"
+    assert "ana-b" in str(reply["message"])
+
+
+@pytest.mark.parametrize(
+    "road", ["state/positions", "state/positions/json", "state/status", "state/status/json", "info", "clock"]
+)
+def test_state_can_be_asked_in_text(robot: Robot, road: str) -> None:
+    assert last_json(robot, f"beatrix/{robot.name}/{robot.twin}/{road}")
+
+
+def test_state_can_be_asked_by_wildcard(robot: Robot) -> None:
+    answers = ask_raw(robot.client, "beatrix/*/*/state/status")
+    assert [answer.key for answer in answers] == [keys.status(robot.name, robot.twin)]
+
+
+def test_info_tells_a_stranger_everything(robot: Robot) -> None:
+    info: Info = robot.info()
+    assert info.robot == robot.name
+    assert info.limits.tilt_max == pytest.approx(math.radians(35))
+    assert any("cmd/<who>/pose" in key.key for key in info.keys)
+    assert any(line.startswith("1 ENABLE") for line in info.commands)
+
+
+def test_positions_come_fifty_times_a_second_without_gaps(robot: Robot) -> None:
+    stream = robot.stream()
+    got: list[Positions] = []
+    until(lambda: got.extend(stream.take(0.1)) or len(got) >= 60, "60 positions", 10.0)  # type: ignore[func-returns-value]
+    numbers = [positions.seq for positions in got]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    span_s = (got[-1].t_mono_ns - got[0].t_mono_ns) / 1e9
+    assert (len(got) - 1) / span_s == pytest.approx(50, rel=0.05)
+
+
+def test_json_twins_are_published_to_whoever_listens(robot: Robot) -> None:
+    heard: dict[str, bytes] = {}
+    robot.client.bus.subscribe(f"beatrix/{robot.name}/{robot.twin}/state/*/json", heard.__setitem__)
+    until(lambda: len(heard) == 2, "both JSON twins")
+    positions, status = (
+        heard[f"beatrix/{robot.name}/{robot.twin}/state/{what}/json"] for what in ("positions", "status")
+    )
+    assert codec.decode_json(positions, Positions).seq > 0
+    assert codec.decode_json(status, Status).robot == robot.name
+
+
+def test_status_is_published_when_it_changes(robot: Robot) -> None:
+    heard: list[Status] = []
+    robot.client.bus.subscribe(
+        keys.status(robot.name, robot.twin), lambda _, data: heard.append(codec.decode(data, Status))
+    )
+    robot.disable()
+    until(lambda: any(not status.enabled for status in heard), "disabled seen", 0.9)
+
+
+def test_per_arm_topics_of_old_move_one_arm_each(robot: Robot) -> None:
+    bus = robot.client.bus
+    until(lambda: robot.status().holder == "", "lease over", 5.0)
+    for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
+        bus.put(keys.arm_target(robot.name, robot.twin, arm), angle, "text/plain")
+    wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
+    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
+
+
+def test_bad_per_arm_target_becomes_a_warning(robot: Robot) -> None:
+    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"far", "text/plain")
+    until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")

@@ -1,0 +1,200 @@
+"""Kill, freeze, unplug: every loss has a defined outcome, and what comes back is found again."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from pty_board import PtyBoard
+from stage import Stage, free_endpoint, ready, until, wait_status
+
+from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Fault, Reason
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.node import Node
+from beatrix_zenoh.settings import Settings
+from hw_node.body import VirtualHardware
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    """A router of one's own."""
+    with Stage() as made:
+        yield made
+
+
+def test_second_node_under_a_name_is_refused_and_the_first_goes_on(stage: Stage) -> None:
+    stage.hardware("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    second = stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
+    assert second.wait(20) == 1
+    assert any("on line" in line and "--name" in line for line in second.lines)
+    robot.look(yaw=2, speed=60)
+
+
+def test_two_robots_side_by_side_hear_nothing_of_each_other(stage: Stage) -> None:
+    first, second = stage.node("bea1"), stage.node("bea2")
+    one, two = ready(stage.robot("bea1", "hw")), ready(stage.robot("bea2", "hw", "ben"))
+    motion = one.look(yaw=20, wait=False)
+    two.look(pitch=5, speed=60)
+    two.stop()
+    two.disable()
+    motion.wait()
+    assert one.positions().commanded.short == pytest.approx(20, abs=0.1)
+    assert (one.status().holder, two.status().holder) == ("ana", "")
+    assert first.board.telemetry is not None
+    assert second.board.telemetry is not None
+    assert first.board.telemetry.motion == 1
+
+
+def test_nobody_on_line_is_said_with_who_is(stage: Stage) -> None:
+    stage.node("bea1")
+    with pytest.raises(NoAnswer, match=r"On line: bea1 \(hw\)") as silence:
+        stage.robot("bea7", "hw").status()
+    assert silence.value.reason is Reason.NO_ANSWER
+
+
+def test_no_router_is_said_at_once() -> None:
+    began_s = time.monotonic()
+    with pytest.raises(NoAnswer, match="beatrix router") as silence:
+        Robot("bea", connect=free_endpoint())
+    assert silence.value.reason is Reason.NO_ROUTER
+    assert time.monotonic() - began_s < 2
+
+
+def test_killed_node_is_gone_at_once_and_may_come_back(stage: Stage) -> None:
+    process = stage.hardware("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    motion = robot.look(yaw=30, wait=False)
+    process.end(signal.SIGKILL)
+    with pytest.raises(NoAnswer):
+        motion.wait()
+    stage.hardware("bea")
+    assert not robot.status().calibrated, "a new board does not know home"
+    ready(robot).look(yaw=2, speed=60)
+
+
+def test_frozen_node_times_out_and_answers_when_it_wakes(stage: Stage) -> None:
+    process = stage.hardware("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    robot.timeout_s = 0.5
+    process.send(signal.SIGSTOP)
+    with pytest.raises(NoAnswer) as silence:
+        robot.look(yaw=2)
+    assert silence.value.reason is Reason.TIMED_OUT
+    process.send(signal.SIGCONT)
+    robot.timeout_s = 5.0
+    until(lambda: robot.client.bus.robots() == [("bea", "hw")], "back on line", 10.0)
+    assert robot.status().robot == "bea"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("module", ["hw_node", "sim_node"])
+def test_signal_stops_the_arms_and_ends_cleanly(stage: Stage, module: str, number: signal.Signals) -> None:
+    twin = "sim" if module == "sim_node" else "hw"
+    process = stage.simulation("bea") if twin == "sim" else stage.hardware("bea")
+    robot = ready(stage.robot("bea", twin))
+    motion = robot.look(yaw=60, wait=False)
+    process.send(number)
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.SHUTDOWN
+    assert process.wait(10) == 0
+    assert "Traceback" not in "\n".join(process.lines)
+
+
+def test_router_killed_and_restarted_everybody_is_back(tmp_path: Path) -> None:
+    endpoint = free_endpoint()
+    router = zbus.open_router(endpoint)
+    bus = zbus.connect(endpoint)
+    node = Node(bus, "bea", VirtualHardware("bea"))
+    client = Client(Settings("bea", endpoint, "ana"))
+    robot = ready(Robot("bea", "hw", client=client))
+    robot.look(yaw=30, wait=False)
+    router.close()
+    try:
+        until(lambda: not node.reporter.status().moving, "a client cut off is a client lost: stopped", 3.0)
+        router = zbus.open_router(endpoint)
+        until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
+        assert robot.status().calibrated, "the robot itself lost nothing"
+        robot.look(yaw=0, speed=60)
+    finally:
+        client.close()
+        node.close()
+        router.close()
+
+
+def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+    process.expect("No router at")
+    router = zbus.open_router(endpoint)
+    process.expect("ready beatrix/bea/hw/@alive")
+    process.end()
+    router.close()
+
+
+def test_ctrl_c_ends_a_node_that_waits_for_its_router(stage: Stage) -> None:
+    process = stage.process("hw_node", "--name", "bea", "--connect", free_endpoint(), "--port", "virtual:")
+    process.expect("No router at")
+    process.send(signal.SIGINT)
+    assert process.wait(5) == 0
+
+
+def test_board_pulled_out_in_mid_move_and_found_again(stage: Stage, tmp_path: Path) -> None:
+    with PtyBoard(tmp_path / "board") as board:
+        stage.hardware("bea", str(board.path))
+        robot = ready(stage.robot("bea", "hw"))
+        motion = robot.look(yaw=40, wait=False)
+        until(lambda: robot.positions().commanded.short > 1, "moving")
+        board.unplug()
+        pulled_s = time.monotonic()
+        wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "board lost shown")
+        assert time.monotonic() - pulled_s < 0.8, "0.5 s, and a busy test machine"
+        with pytest.raises(Interrupted) as ended:
+            motion.wait()
+        assert ended.value.reason is Reason.BOARD_LOST
+        with pytest.raises((Refused, NoAnswer), match="board"):
+            robot.look(yaw=2)
+        board.plug()
+        wait_status(robot, lambda status: status.board.connected, "board found again", 5.0)
+        status = robot.status()
+        assert (status.enabled, status.calibrated, status.board.boot) == (False, False, 2)
+        ready(robot).look(yaw=2, speed=60)
+
+
+def test_silent_board_is_lost_and_heard_again(stage: Stage, tmp_path: Path) -> None:
+    with PtyBoard(tmp_path / "board") as board:
+        stage.hardware("bea", str(board.path))
+        robot = ready(stage.robot("bea", "hw"))
+        motion = robot.look(yaw=40, wait=False)
+        board.deaf = True
+        wait_status(robot, lambda status: not status.board.connected, "board lost shown")
+        with pytest.raises(Interrupted):
+            motion.wait()
+        board.deaf = False
+        wait_status(robot, lambda status: status.board.connected, "board heard again")
+        assert robot.status().calibrated, "it was never reset"
+
+
+def test_board_without_a_node_stops_by_itself(stage: Stage, tmp_path: Path) -> None:
+    with PtyBoard(tmp_path / "board") as board:
+        process = stage.hardware("bea", str(board.path))
+        robot = ready(stage.robot("bea", "hw"))
+        robot.look(yaw=90, wait=False)
+        until(lambda: robot.positions().commanded.short > 1, "moving")
+        process.end(signal.SIGKILL)
+        until(lambda: board.board.firmware.steps() == board.board.firmware.steps(), "readable")
+        before = time.monotonic()
+        steps = [board.board.firmware.steps()]
+
+        def rests() -> bool:
+            steps.append(board.board.firmware.steps())
+            return time.monotonic() - before > 0.9 and steps[-1] == steps[-5]
+
+        until(rests, "arms rest for want of a heartbeat", 3.0)
+        assert steps[-1][0] < 1000, "90 deg would be 1046 microsteps"
