@@ -1,0 +1,3 @@
+"""The board behind a node: framing, requests, and the firmware as virtual board."""
+
+from __future__ import annotations

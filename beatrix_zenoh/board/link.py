@@ -1,0 +1,111 @@
+"""Framing of the serial link, without any input or output: bytes in, frames out, and back."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD
+
+DELIMITER: Final = 0
+_CRC_SIZE: Final = 2
+_SHORTEST: Final = 2 + _CRC_SIZE
+"""Type, seq and CRC."""
+
+
+class Frame(NamedTuple):
+    """What stood between two delimiters, its CRC checked and removed."""
+
+    type: int
+    """0 to 255; FrameType where it is known"""
+    seq: int
+    """0 to 255; a reply carries its request's"""
+    payload: bytes
+    """at most MAX_PAYLOAD bytes"""
+
+
+def _crc_table() -> tuple[int, ...]:
+    table = []
+    for byte in range(256):
+        crc = byte
+        for _ in range(8):
+            crc = crc >> 1 ^ 0x8408 if crc & 1 else crc >> 1
+        table.append(crc)
+    return tuple(table)
+
+
+_CRC_TABLE: Final = _crc_table()
+
+
+def crc16(data: bytes | bytearray) -> int:
+    """CRC-16/MCRF4XX: polynomial 0x1021 reflected, start 0xFFFF, no final xor."""
+    crc = 0xFFFF
+    for byte in data:
+        crc = crc >> 8 ^ _CRC_TABLE[(crc ^ byte) & 0xFF]
+    return crc
+
+
+def encode(type: int, seq: int, payload: bytes) -> bytes:  # noqa: A002 - the contract's word
+    """Bytes of one frame with its delimiters: 0x00, COBS(type, seq, payload, CRC), 0x00.
+
+    The leading delimiter ends whatever noise the line has brought before. `type` and `seq` are
+    0 to 255. Raises ValueError if the payload is longer than MAX_PAYLOAD bytes.
+    """
+    if len(payload) > MAX_PAYLOAD:
+        raise ValueError(f"payload of {len(payload)} bytes: a frame holds at most {MAX_PAYLOAD}")
+    body = bytes((type, seq)) + payload
+    body += crc16(body).to_bytes(_CRC_SIZE, "little")
+    # Consistent Overhead Byte Stuffing (Cheshire and Baker 1999); runs stay under 254 bytes here.
+    stuffed = b"".join(bytes((len(run) + 1,)) + run for run in body.split(b"\0"))
+    return b"\0" + stuffed + b"\0"
+
+
+class Decoder:
+    """Collects bytes in chunks of any size and gives back the frames that are whole and correct.
+
+    Garbage is dropped and counted in `rejected`, never raised.
+    """
+
+    def __init__(self) -> None:
+        self.rejected = 0
+        """Blocks between delimiters that were no frame: wrong CRC, length or stuffing."""
+        self._block = bytearray()
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """Frames completed by `data`, in order of their arrival."""
+        frames = []
+        *ended, rest = data.split(b"\0")
+        for part in ended:
+            self._keep(part)
+            if self._block:
+                frame = _decode(bytes(self._block))
+                if frame is None:
+                    self.rejected += 1
+                else:
+                    frames.append(frame)
+                self._block.clear()
+        self._keep(rest)
+        return frames
+
+    def _keep(self, part: bytes) -> None:
+        """Add to the block, one byte more than is allowed at most: enough to know that it is too long."""
+        self._block += part[: MAX_ENCODED + 1 - len(self._block)]
+
+
+def _decode(block: bytes) -> Frame | None:
+    if len(block) > MAX_ENCODED:
+        return None
+    body = bytearray()
+    at = 0
+    while at < len(block):
+        if at:
+            body.append(0)
+        end = at + block[at]
+        if end > len(block):
+            return None
+        body += block[at + 1 : end]
+        at = end
+    if not _SHORTEST <= len(body) <= _SHORTEST + MAX_PAYLOAD:
+        return None
+    if crc16(body[:-_CRC_SIZE]) != int.from_bytes(body[-_CRC_SIZE:], "little"):
+        return None
+    return Frame(body[0], body[1], bytes(body[2:-_CRC_SIZE]))

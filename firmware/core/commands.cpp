@@ -1,0 +1,135 @@
+// What each command does, and when it is refused.
+#include "machine.h"
+
+#include "name.h"
+
+namespace beatrix {
+
+static const int32_t TARGET_MAX = int32_t(1) << 28;  // differences and sums of three stay within 32 bits
+
+static bool fits(uint8_t type, uint8_t size) {
+  switch (type) {
+    case FRAME_MOVE: return size == Move::SIZE;
+    case FRAME_ENABLE: return size == Enable::SIZE;
+    case FRAME_SET_NAME: return size == SetName::SIZE;
+    default: return size == 0;
+  }
+}
+
+Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
+  if (type < FRAME_HELLO || type > FRAME_SET_NAME) return ERROR_UNKNOWN;
+  if (!fits(type, size)) return ERROR_BAD_LENGTH;
+  switch (type) {
+    case FRAME_MOVE: return move(payload);
+    case FRAME_STOP: {
+      TickHeld held;
+      motion_.brake(OUTCOME_STOPPED);
+      return ERROR_OK;
+    }
+    case FRAME_EMERGENCY_STOP: emergency_stop(); return ERROR_OK;
+    case FRAME_ENABLE: return enable(payload[0]);
+    case FRAME_CALIBRATE: return calibrate();
+    case FRAME_SET_NAME: return set_name(payload);
+    default: return ERROR_OK;  // PING
+  }
+}
+
+Error Machine::move(const uint8_t *payload) {
+  Move wanted;
+  wanted.read(payload);
+  Error error = check(wanted);
+  if (error != ERROR_OK || repeated(payload)) return error;
+  uint32_t todo[ARMS];
+  bool resting;
+  {
+    TickHeld held;
+    motion_.survey(wanted.target, todo, &resting);
+  }
+  Plan plan = motion_.plan(wanted, todo, resting);
+  TickHeld held;
+  motion_.start(plan);
+  motion_number_ = wanted.motion;
+  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
+  has_moved_ = true;
+  return ERROR_OK;
+}
+
+Error Machine::check(const Move &move) const {
+  if (!enabled_) return ERROR_NOT_ENABLED;
+  if (!calibrated_) return ERROR_NOT_CALIBRATED;
+  if (move.flags & ~MOVE_STRAIGHT) return ERROR_BAD_VALUE;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (move.target[i] > TARGET_MAX || move.target[i] < -TARGET_MAX) return ERROR_BAD_VALUE;
+  }
+  uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
+  for (uint8_t i = 0; i < speeds; i++) {
+    if (move.speed[i] == 0 || move.speed[i] > motion_.limits.speed_max) return ERROR_SPEED;
+  }
+  switch (guard_steps(move.target)) {
+    case OUTCOME_GAP: return ERROR_GAP;
+    case OUTCOME_YAW: return ERROR_YAW;
+    default: return ERROR_OK;
+  }
+}
+
+// The host asks again when an answer is lost: the same move under the same number is made once, and is not begun
+// anew after somebody has stopped it.
+bool Machine::repeated(const uint8_t *payload) const {
+  if (!has_moved_) return false;
+  for (uint8_t i = 0; i < Move::SIZE; i++) {
+    if (payload[i] != last_move_[i]) return false;
+  }
+  return true;
+}
+
+Error Machine::enable(uint8_t value) {
+  if (value > 1) return ERROR_BAD_VALUE;
+  if (!value) {
+    switch_off(OUTCOME_DISABLED);
+  } else if (!enabled_) {
+    forget_home();
+    hal::drivers(true);
+    enabled_ = true;
+    emergency_ = false;
+  }
+  return ERROR_OK;
+}
+
+Error Machine::calibrate() {
+  if (!enabled_) return ERROR_NOT_ENABLED;
+  TickHeld held;
+  if (motion_.moving()) return ERROR_NOT_AT_REST;
+  motion_.zero();
+  forget_home();
+  calibrated_ = true;
+  return ERROR_OK;
+}
+
+Error Machine::set_name(const uint8_t *payload) {
+  SetName wanted;
+  wanted.read(payload);
+  if (!valid_name(wanted.name)) return ERROR_BAD_VALUE;
+  for (uint8_t i = 0; i < NAME_SIZE; i++) name_[i] = wanted.name[i];
+  hal::store_name(name_);
+  return ERROR_OK;
+}
+
+void Machine::emergency_stop() {
+  switch_off(OUTCOME_EMERGENCY);
+  emergency_ = true;
+}
+
+void Machine::switch_off(Outcome why) {
+  hal::drivers(false);
+  TickHeld held;
+  motion_.abort(why);
+  if (enabled_) forget_home();
+  enabled_ = false;
+}
+
+void Machine::forget_home() {
+  calibrated_ = false;
+  has_moved_ = false;
+}
+
+}  // namespace beatrix

@@ -1,0 +1,58 @@
+// The limits that nobody may cross.
+//
+// Why looking at the places of rest is enough: as long as all arms brake with the same acceleration (or, in a straight
+// motion, in proportion), the difference of two of them changes in one direction only until they rest, so it stays
+// between its present value, which was looked at before, and its last one. A sum of three may turn round on its way;
+// there each arm counts where it is worst. Steps lead their exact position by up to one; hence both are compared.
+#include "guard.h"
+
+namespace beatrix {
+
+// Least difference to the next arm (the last one's next is the first, a turn further).
+static int32_t least_difference(uint8_t arm) {
+  int32_t spacing = arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING;
+  return GAP_MIN - spacing;
+}
+
+static uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
+
+static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
+static int32_t smaller(int32_t a, int32_t b) { return a < b ? a : b; }
+
+Outcome guard_steps(const int32_t steps[ARMS]) {
+  int32_t sum = 0;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (steps[next_arm(i)] - steps[i] < least_difference(i)) return OUTCOME_GAP;
+    sum += steps[i];
+  }
+  return sum > YAW_SUM_MAX || sum < -YAW_SUM_MAX ? OUTCOME_YAW : OUTCOME_NONE;
+}
+
+static bool gap_allowed(const Axis &arm, const Axis &next, int32_t least) {
+  int32_t then = next.next_rest_steps() - arm.next_rest_steps();
+  if (then >= least && next.next_rest() - arm.next_rest() >= to_fine(least)) return true;
+  int32_t now = next.steps() - arm.steps();
+  return now < least && then >= now;
+}
+
+static bool yaw_allowed(const Axis axes[ARMS]) {
+  int32_t now = 0, then = 0, highest = 0, lowest = 0;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    int32_t steps = axes[i].steps(), rest = axes[i].next_rest_steps();
+    now += steps;
+    then += rest;
+    highest += larger(steps, rest);
+    lowest += smaller(steps, rest);
+  }
+  if (highest <= YAW_SUM_MAX && lowest >= -YAW_SUM_MAX) return true;
+  return (now > YAW_SUM_MAX && then <= now) || (now < -YAW_SUM_MAX && then >= now);
+}
+
+Outcome guard_tick(const Axis axes[ARMS]) {
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (!gap_allowed(axes[i], axes[next_arm(i)], least_difference(i))) return OUTCOME_GAP;
+  }
+  return yaw_allowed(axes) ? OUTCOME_NONE : OUTCOME_YAW;
+}
+
+}  // namespace beatrix

@@ -1,0 +1,21 @@
+// The limits that nobody may cross: gaps between neighbouring arms, and the turn of them all.
+#ifndef BEATRIX_GUARD_H
+#define BEATRIX_GUARD_H
+
+#include "axis.h"
+#include "contract.h"
+
+namespace beatrix {
+
+static const uint8_t ARMS = 3;
+
+// GAP, YAW, or NONE if arms at these steps are within the limits.
+Outcome guard_steps(const int32_t steps[ARMS]);
+
+// The same for the planned tick: NONE if braking right after it ends within the limits, or further inside them than
+// the arms are now.
+Outcome guard_tick(const Axis axes[ARMS]);
+
+}  // namespace beatrix
+
+#endif

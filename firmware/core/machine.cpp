@@ -1,0 +1,97 @@
+// The board's behaviour: state, heartbeat, telemetry. Commands are in commands.cpp.
+#include "machine.h"
+
+#include "name.h"
+
+namespace beatrix {
+
+void Machine::start() {
+  hal::drivers(false);
+  hal::load_name(name_);
+  if (!valid_name(name_)) name_[0] = 0;
+  send_hello(0);
+}
+
+void Machine::receive(uint8_t byte) {
+  if (!receiver_.take(byte)) return;
+  {
+    TickHeld held;
+    silence_ = 0;
+  }
+  answer();
+}
+
+void Machine::answer() {
+  if (receiver_.type() == FRAME_HELLO && receiver_.size() == 0) {
+    send_hello(receiver_.seq());
+    return;
+  }
+  Ack ack;
+  ack.error = obey(receiver_.type(), receiver_.payload(), receiver_.size());
+  uint8_t payload[Ack::SIZE];
+  ack.write(payload);
+  send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
+}
+
+void Machine::tick() {
+  tick_++;
+  if (silence_ < HEARTBEAT_TIMEOUT) silence_++;
+  if (silence_ == HEARTBEAT_TIMEOUT) motion_.brake(OUTCOME_HOST_LOST);
+  motion_.tick();
+}
+
+// Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
+void Machine::poll() {
+  hal::kick_watchdog();
+  Telemetry now = observe();
+  bool changed =
+      now.state != reported_.state || now.outcome != reported_.outcome || now.motion != reported_.motion;
+  if (!changed && now.tick - reported_.tick < TELEMETRY_PERIOD) return;
+  if (hal::room() < Telemetry::SIZE + WIRE_OVERHEAD + REPLY_ROOM) return;
+  uint8_t payload[Telemetry::SIZE];
+  now.write(payload);
+  send(FRAME_TELEMETRY, telemetry_seq_++, payload, Telemetry::SIZE);
+  reported_ = now;
+}
+
+Telemetry Machine::observe() const {
+  TickHeld held;
+  Telemetry now;
+  now.tick = tick_;
+  now.boot = hal::boot_number();
+  now.state = state();
+  now.outcome = motion_.outcome();
+  now.motion = motion_number_;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    now.position[i] = motion_.axis(i).steps();
+    now.velocity[i] = to_quarters(motion_.axis(i).velocity());
+  }
+  now.rejected = receiver_.rejected();
+  return now;
+}
+
+uint8_t Machine::state() const {
+  return uint8_t((enabled_ ? STATE_ENABLED : 0) | (calibrated_ ? STATE_CALIBRATED : 0) |
+                 (motion_.moving() ? STATE_MOVING : 0) | (motion_.braking() ? STATE_STOPPING : 0) |
+                 (emergency_ ? STATE_EMERGENCY : 0));
+}
+
+void Machine::send(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size) {
+  uint8_t wire[MAX_WIRE];
+  hal::send(wire, encode(type, seq, payload, size, wire));
+}
+
+void Machine::send_hello(uint8_t seq) {
+  HelloReply hello;
+  hello.contract = CONTRACT;
+  hello.version[0] = VERSION_MAJOR;
+  hello.version[1] = VERSION_MINOR;
+  hello.version[2] = VERSION_PATCH;
+  hello.boot = hal::boot_number();
+  for (uint8_t i = 0; i < NAME_SIZE; i++) hello.name[i] = name_[i];
+  uint8_t payload[HelloReply::SIZE];
+  hello.write(payload);
+  send(FRAME_HELLO_REPLY, seq, payload, HelloReply::SIZE);
+}
+
+}  // namespace beatrix

@@ -1,0 +1,116 @@
+// Three arms in motion.
+#include "motion.h"
+
+namespace beatrix {
+
+static const uint8_t RATIO_BITS = 32;
+static const int64_t SLOWEST_RATIO = int64_t(1) << (RATIO_BITS - 4);
+
+static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
+
+static Fine scaled(Fine value, int64_t ratio) { return (value >> 16) * ratio >> (RATIO_BITS - 16); }
+
+void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
+  for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
+  *resting = !moving_;
+}
+
+static Ramp straight_ramp(Fine top, Fine acceleration, int64_t ratio, bool resting) {
+  if (resting && ratio) return make_ramp(scaled(top, ratio), scaled(acceleration, ratio));
+  // In motion an arm may have to turn back, however little it has to do: it must not crawl.
+  return make_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), acceleration);
+}
+
+Plan Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting) const {
+  uint32_t most = 1;
+  for (uint8_t i = 0; i < ARMS; i++) most = todo[i] > most ? todo[i] : most;
+  Fine acceleration = from_q26(limits.acceleration);
+  Plan plan;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    plan.target[i] = move.target[i];
+    if (move.flags & MOVE_STRAIGHT) {
+      int64_t ratio = int64_t((uint64_t(todo[i]) << RATIO_BITS) / most);
+      plan.ramp[i] = straight_ramp(from_quarters(move.speed[0]), acceleration, ratio, resting);
+    } else {
+      plan.ramp[i] = make_ramp(from_quarters(move.speed[i]), acceleration);
+    }
+  }
+  return plan;
+}
+
+void Motion::follow(const Plan &plan) {
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i]);
+}
+
+// A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
+// this motion is braked first and the new one starts from rest.
+void Motion::start(const Plan &plan) {
+  Axis before[ARMS] = {axes_[0], axes_[1], axes_[2]};
+  follow(plan);
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].brake();
+  braking_ = moving_ && guard_tick(axes_) != OUTCOME_NONE;
+  if (braking_) {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i] = before[i];
+    next_ = plan;
+  }
+  why_ = outcome_ = OUTCOME_NONE;
+  moving_ = true;
+}
+
+void Motion::brake(Outcome why) {
+  if (!moving_ || (braking_ && why_ != OUTCOME_NONE)) return;
+  braking_ = true;
+  why_ = why;
+}
+
+void Motion::abort(Outcome why) {
+  if (!moving_) return;
+  moving_ = braking_ = false;
+  outcome_ = why;
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].settle();
+}
+
+void Motion::zero() {
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].place(0);
+}
+
+void Motion::tick() {
+  if (!moving_) {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i].idle();
+    return;
+  }
+  if (!braking_) {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i].plan();
+    Outcome forbidden = guard_tick(axes_);
+    if (forbidden != OUTCOME_NONE) brake(forbidden);
+  }
+  if (braking_) brake_all();
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].commit();
+  finish();
+}
+
+void Motion::brake_all() {
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].brake();
+}
+
+void Motion::finish() {
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (!(braking_ ? axes_[i].halted() : axes_[i].arrived())) return;
+  }
+  if (!braking_) {
+    moving_ = false;
+    outcome_ = OUTCOME_DONE;
+    return;
+  }
+  // Only now, when all of them rest: settling moves the exact position by less than a step.
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].settle();
+  braking_ = false;
+  if (why_ == OUTCOME_NONE) {
+    follow(next_);
+  } else {
+    moving_ = false;
+    outcome_ = why_;
+  }
+}
+
+}  // namespace beatrix

@@ -1,0 +1,59 @@
+// Three arms in motion: towards a target, braking, within the guard's limits.
+#ifndef BEATRIX_MOTION_H
+#define BEATRIX_MOTION_H
+
+#include "guard.h"
+
+namespace beatrix {
+
+struct Limits {
+  int32_t acceleration = ACCELERATION;      // Q26 microsteps per tick, per tick
+  uint16_t speed_max = uint16_t(SPEED_MAX); // quarter microsteps per second
+};
+
+// Where a motion goes and how: what start() needs, worked out beforehand with all divisions.
+struct Plan {
+  int32_t target[ARMS];
+  Ramp ramp[ARMS];
+};
+
+class Motion {
+ public:
+  Limits limits;
+
+  // The way each arm has to go, read before plan(); 0 in `resting` if any of them moves.
+  void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
+  // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
+  // accelerations are as well, so that all start and arrive together.
+  Plan plan(const Move &move, const uint32_t todo[ARMS], bool resting) const;
+  // Takes the place of a running motion.
+  void start(const Plan &plan);
+  // Brake to rest from the next tick on; the first reason counts.
+  void brake(Outcome why);
+  // Rest at once, where the last steps went: the drivers are off.
+  void abort(Outcome why);
+  // At rest only: the present position becomes home.
+  void zero();
+  void tick();
+
+  const Axis &axis(uint8_t i) const { return axes_[i]; }
+  bool moving() const { return moving_; }
+  bool braking() const { return braking_; }
+  Outcome outcome() const { return outcome_; }
+
+ private:
+  void follow(const Plan &plan);
+  void brake_all();
+  void finish();
+
+  Axis axes_[ARMS];
+  Plan next_ = Plan();
+  Outcome why_ = OUTCOME_NONE;      // braking for this reason; NONE: to start next_ from rest
+  Outcome outcome_ = OUTCOME_NONE;
+  bool moving_ = false;
+  bool braking_ = false;
+};
+
+}  // namespace beatrix
+
+#endif

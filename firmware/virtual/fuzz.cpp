@@ -1,0 +1,91 @@
+// Any input at all: bytes and frames of every kind, in any order, with time passing in between.
+//
+// The input is a list of operations: a byte that says what, a byte that says how much, and what belongs to it.
+#include <stddef.h>
+
+#include "../core/frame.h"
+#include "../core/guard.h"
+#include "board.h"
+
+namespace {
+
+class Input {
+ public:
+  Input(const uint8_t *data, size_t size) : data_(data), left_(size) {}
+
+  bool empty() const { return left_ == 0; }
+  // Past the end: 0.
+  uint8_t next() {
+    if (empty()) return 0;
+    left_--;
+    return *data_++;
+  }
+
+ private:
+  const uint8_t *data_;
+  size_t left_;
+};
+
+void give(const uint8_t *bytes, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) receive_buffer()[i] = bytes[i];
+  receive(count);
+  drain();
+}
+
+void give_noise(Input &input, uint8_t count) {
+  uint8_t noise[255];
+  for (uint8_t i = 0; i < count; i++) noise[i] = input.next();
+  give(noise, count);
+}
+
+void give_frame(uint8_t type, const uint8_t *payload, uint8_t size) {
+  uint8_t wire[beatrix::MAX_WIRE];
+  give(wire, beatrix::encode(type, 0, payload, size, wire));
+}
+
+// A frame that is correct as such, of a type that exists or nearly.
+void give_any_frame(Input &input, uint8_t how) {
+  uint8_t payload[beatrix::MAX_PAYLOAD];
+  uint8_t size = uint8_t(input.next() % (beatrix::MAX_PAYLOAD + 1));
+  for (uint8_t i = 0; i < size; i++) payload[i] = input.next();
+  give_frame(uint8_t(how % 10), payload, size);
+}
+
+// A move whose fields are mostly allowed.
+void give_move(Input &input, uint8_t how) {
+  beatrix::Move move;
+  move.flags = how & 1;
+  move.motion = input.next();
+  for (uint8_t i = 0; i < beatrix::ARMS; i++) {
+    move.target[i] = int32_t(input.next() - 128) * (how & 2 ? 24 : 3) + (how >> 4);
+    move.speed[i] = uint16_t(input.next() * 17);
+  }
+  uint8_t payload[beatrix::Move::SIZE];
+  move.write(payload);
+  give_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
+}
+
+void get_ready() {
+  const uint8_t on = 1;
+  give_frame(beatrix::FRAME_ENABLE, &on, 1);
+  give_frame(beatrix::FRAME_CALIBRATE, &on, 0);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  start(1);
+  Input input(data, size);
+  while (!input.empty()) {
+    uint8_t what = input.next(), how = input.next();
+    switch (what % 5) {
+      case 0: give_noise(input, how); break;
+      case 1: give_any_frame(input, how); break;
+      case 2: give_move(input, how); break;
+      case 3: get_ready(); break;
+      case 4: tick(how); drain(); break;
+    }
+    if (beatrix::guard_steps(report_buffer()->steps) != beatrix::OUTCOME_NONE) __builtin_trap();
+  }
+  return 0;
+}
