@@ -1,0 +1,198 @@
+"""The neck as a MuJoCo model, built from the robot's data.
+
+Every body's frame lies in the neck centre and is unrotated at home, so that joint axes are plain vectors and
+home is qpos0. Frames: x forward, y left, z up. Three chains base -> arm -> rod are closed on the head, which
+turns on a ball joint, by one `connect` each: 9 degrees of freedom, 6 of them taken by the loops.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh._generated.robot import ROBOT, Drive, Geometry, RobotData
+from sim_node.looks import (
+    ARMS,
+    COLLISION,
+    EYE_FORWARD,
+    EYE_UP,
+    POST_RADIUS,
+    RING_HEIGHT,
+    RING_RADIUS,
+    dress,
+    ring_height,
+)
+
+Vector = npt.NDArray[np.float64]
+
+TIMESTEP_MS: Final = 2
+"""Length of a physics step (ms)."""
+FOLD_MARGIN: Final = math.radians(80.0)
+"""A rod meets its stop this far (rad) from the middle of its range; at 90 deg arm and rod lie in one plane and the loop could snap."""
+
+LINK_RADIUS: Final = 0.006
+
+_SOLREF: Final = (0.002, 1.0)
+_SOLIMP: Final = (0.99, 0.9999, 0.001, 0.5, 2.0)
+
+
+class Chain:
+    """Home geometry of one arm and its rod: unit vectors from the neck centre.
+
+    Attributes: `azimuth` of the arm (rad), `elbow` and `mount` axes w and v, shape (3,).
+    """
+
+    def __init__(self, geometry: Geometry, index: int) -> None:
+        arm = math.radians(geometry.arm_angle)
+        rod = math.radians(geometry.rod_twist)
+        tilt = math.radians(geometry.mount_angle)
+        self.azimuth = math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing)
+        # From elbow . mount = cos(rod twist) at home.
+        ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
+        bearing = self.azimuth + geometry.hand * ahead
+        self.elbow: Vector = _direction(self.azimuth, math.sin(arm), -math.cos(arm))
+        self.mount: Vector = _direction(bearing, math.sin(tilt), math.cos(tilt))
+
+    def rod_range(self) -> tuple[float, float]:
+        """Rod angles (rad) between the mechanical stops; 0 is home.
+
+        The home assembly ends where (elbow x mount)_z changes sign; as a function of the rod angle r that
+        is A cos r + B sin r, largest at atan2(B, A).
+        """
+        normal = np.cross(self.elbow, self.mount)
+        sign = math.copysign(1.0, float(normal[2]))
+        middle = math.atan2(sign * float(np.cross(self.elbow, normal)[2]), sign * float(normal[2]))
+        return middle - FOLD_MARGIN, middle + FOLD_MARGIN
+
+    def rod_angle(self, arm: float, rotation: Vector) -> float:
+        """Angle of the rod (rad) for an arm angle (rad) and a head orientation, shape (3, 3)."""
+        cos, sin = math.cos(arm), math.sin(arm)
+        unturn = np.array(((cos, sin, 0.0), (-sin, cos, 0.0), (0.0, 0.0, 1.0)))
+        mount = unturn @ rotation @ self.mount
+        across = float(self.elbow @ np.cross(self.mount, mount))
+        along = float(self.mount @ mount - (self.elbow @ self.mount) * (self.elbow @ mount))
+        return math.atan2(across, along)
+
+
+def _direction(azimuth: float, across: float, up: float) -> Vector:
+    return np.array((across * math.cos(azimuth), across * math.sin(azimuth), up))
+
+
+def ratio(drive: Drive) -> float:
+    """Motor turns per arm turn."""
+    return drive.gear_ring / drive.gear_pinion
+
+
+def chains(geometry: Geometry) -> tuple[Chain, Chain, Chain]:
+    """The chains of the short, middle and long arm."""
+    return Chain(geometry, 0), Chain(geometry, 1), Chain(geometry, 2)
+
+
+def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
+    """The editable model; `to_xml()` of it is plain MJCF."""
+    spec = mujoco.MjSpec()
+    spec.modelname = "beatrix"
+    spec.compiler.degree = False
+    _set_options(spec)
+    head = _add_head(spec, robot)
+    for name, chain in zip(ARMS, chains(robot.geometry), strict=True):
+        _add_chain(spec, robot, name, chain)
+        head.add_site(name=f"mount_{name}", pos=chain.mount * robot.head.mount_radius, group=COLLISION)
+        loop = spec.add_equality(name=f"loop_{name}", type=mujoco.mjtEq.mjEQ_CONNECT)
+        loop.objtype = mujoco.mjtObj.mjOBJ_SITE
+        loop.name1, loop.name2 = f"rod_{name}", f"mount_{name}"
+        loop.solref, loop.solimp = _SOLREF, _SOLIMP
+        _add_motor(spec, robot.drive, name)
+    dress(spec, robot)
+    return spec
+
+
+def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
+    """The compiled model: nq 10, nv 9, nu 3."""
+    return build_spec(robot).compile()
+
+
+def _set_options(spec: mujoco.MjSpec) -> None:
+    option = spec.option
+    option.timestep = TIMESTEP_MS / 1000
+    # Solves loops and drives implicitly together: the other integrators buzz or lag with drives this stiff.
+    option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    option.tolerance = 1e-10
+    # A reset behind our back would put the neck home while the drive stands elsewhere.
+    option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET
+
+
+def _add_head(spec: mujoco.MjSpec, robot: RobotData) -> mujoco.MjsBody:
+    size = robot.head
+    head = spec.worldbody.add_body(name="head")
+    head.add_joint(name="head", type=mujoco.mjtJoint.mjJNT_BALL)
+    skull = _add_solid(head, "skull", mujoco.mjtGeom.mjGEOM_ELLIPSOID, [0.075, 0.07, 0.08], size.mass)
+    skull.pos = [0.0, 0.0, size.centre_height]
+    for side, name in ((1, "eye_left"), (-1, "eye_right")):
+        # Just in front of the lenses, so that no eye sees its own housing.
+        head.add_camera(
+            name=name,
+            pos=[EYE_FORWARD, side * size.eye_baseline / 2, size.centre_height + EYE_UP],
+            xyaxes=[0.0, -1.0, 0.0, 0.0, 0.0, 1.0],
+            fovy=size.eye_fov,
+        )
+    return head
+
+
+def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -> None:
+    size = robot.head
+    arm = spec.worldbody.add_body(name=f"arm_{name}")
+    hinge = arm.add_joint(name=f"arm_{name}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0])
+    hinge.armature = robot.drive.rotor_inertia * ratio(robot.drive) ** 2
+    hinge.frictionloss = size.arm_friction
+    hinge.solref_friction, hinge.solimp_friction = _SOLREF, _SOLIMP
+    ring = ring_height(ARMS.index(name))
+    _add_solid(
+        arm, "ring", mujoco.mjtGeom.mjGEOM_CYLINDER, [RING_RADIUS, RING_HEIGHT / 2, 0.0], size.arm_mass / 2
+    ).pos = [0.0, 0.0, ring]
+    elbow = chain.elbow * size.arm_length
+    foot = _direction(chain.azimuth, POST_RADIUS, ring)
+    _add_link(arm, foot, elbow * 1.2, size.arm_mass / 2)
+
+    rod = arm.add_body(name=f"rod_{name}")
+    joint = rod.add_joint(name=f"rod_{name}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=chain.elbow)
+    joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, chain.rod_range()
+    joint.solref_limit, joint.solimp_limit = _SOLREF, _SOLIMP
+    mount = chain.mount * size.mount_radius
+    middle = (elbow + mount) / np.linalg.norm(elbow + mount) * size.arm_length
+    _add_link(rod, elbow, middle, size.rod_mass / 2)
+    _add_link(rod, middle, mount, size.rod_mass / 2)
+    rod.add_site(name=f"rod_{name}", pos=mount, group=COLLISION)
+
+
+def _add_motor(spec: mujoco.MjSpec, drive: Drive, name: str) -> None:
+    """A position servo as stiff as a microstepping motor near its set point.
+
+    Torque T sin(p e) at the rotor, p pole pairs, linearised: T p per rad there, times ratio squared at the arm.
+    """
+    geared = drive.holding_torque * ratio(drive) * drive.efficiency
+    motor = spec.add_actuator(name=f"motor_{name}", target=f"arm_{name}")
+    motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+    motor.set_to_position(kp=geared * ratio(drive) * drive.full_steps / 4, dampratio=1.0)
+    motor.forcelimited, motor.forcerange = mujoco.mjtLimited.mjLIMITED_TRUE, (-geared, geared)
+
+
+def _add_link(body: mujoco.MjsBody, start: Vector, end: Vector, mass: float) -> None:
+    link = _add_solid(body, "link", mujoco.mjtGeom.mjGEOM_CAPSULE, [LINK_RADIUS, 0.0, 0.0], mass)
+    link.fromto = [*start, *end]
+
+
+def _add_solid(
+    body: mujoco.MjsBody, kind: str, shape: mujoco.mjtGeom, size: list[float], mass: float
+) -> mujoco.MjsGeom:
+    """A hidden geom that has mass; links and skull also touch each other."""
+    solid = body.add_geom(type=shape, size=size, mass=mass, group=COLLISION)
+    touches = kind != "ring"
+    solid.contype = solid.conaffinity = int(touches)
+    return solid

@@ -1,0 +1,187 @@
+"""The neck in MuJoCo with its stepper drive: pulses in, measured arms and head out.
+
+No clock and no thread in here: whoever owns a plant owns its time.
+"""
+
+from __future__ import annotations
+
+import copy
+import logging
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from msgspec import Struct
+
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.rotation import Rotation, ypr_of
+from sim_node.drive import Counts, DriveState, StepperDrive
+from sim_node.looks import ARMS
+from sim_node.model import build, chains
+
+_log = logging.getLogger(__name__)
+
+_UPRIGHT: Final[Arms] = (0.0, 0.0, 0.0)
+_MOMENT: Final = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+"""What makes the next step come out the same to the last bit."""
+_ALL_MOTORS: Final = 1 << 0
+"""Actuators without a group of their own are in group 0."""
+
+
+class PlantState(Struct, frozen=True):
+    """A moment of a plant."""
+
+    physics: npt.NDArray[np.float64]
+    drive: DriveState
+    re_placed: int
+
+
+class Plant:
+    """The simulated neck; starts upright with motors off. Angles in rad from home, lengths in m."""
+
+    def __init__(self, robot: RobotData = ROBOT, model: mujoco.MjModel | None = None) -> None:
+        """A neck of this robot; `model` is an already compiled model of it that nobody else steps."""
+        # MuJoCo writes its warnings to a file in the working directory unless somebody takes them.
+        mujoco.set_mju_user_warning(_log.warning)
+        self._robot = robot
+        self._neck = Neck(robot.geometry)
+        self._drive = StepperDrive(robot.drive)
+        self.re_placed = 0
+        """How often the neck was put back into its home assembly."""
+        self.model = build(robot) if model is None else model
+        self.data = mujoco.MjData(self.model)
+        # Views made once: making one costs as much as reading it.
+        arms = [self.model.joint(f"arm_{name}") for name in ARMS]
+        rods = [self.model.joint(f"rod_{name}") for name in ARMS]
+        self._arms = self.data.qpos[_stride([int(joint.qposadr[0]) for joint in arms])]
+        self._rods = self.data.qpos[_stride([int(joint.qposadr[0]) for joint in rods])]
+        self._velocities = self.data.qvel[_stride([int(joint.dofadr[0]) for joint in arms])]
+        head = int(self.model.joint("head").qposadr[0])
+        self._quaternion = self.data.qpos[head : head + 4]
+        self._rod_ends = [self.model.site(f"rod_{name}").id for name in ARMS]
+        self._mounts = [self.model.site(f"mount_{name}").id for name in ARMS]
+        self.straighten()
+
+    def step(self, pulses: Counts, *, drivers_on: bool) -> None:
+        """One physics step of TIMESTEP_MS, towards `pulses`: microsteps of each motor since the board's start."""
+        if self._drive.turn(pulses, self._arms.tolist(), on=drivers_on):
+            self._obey_drive()
+        mujoco.mj_step(self.model, self.data)
+
+    def arms(self) -> Arms:
+        """Where the arms are (rad), measured at the joints."""
+        x, y, z = self._arms.tolist()
+        return x, y, z
+
+    def velocities(self) -> Arms:
+        """How fast the arms turn (rad/s), measured at the joints."""
+        x, y, z = self._velocities.tolist()
+        return x, y, z
+
+    def rotation(self) -> Rotation:
+        """Rows of the head's orientation, measured at the head."""
+        w, x, y, z = self._quaternion.tolist()
+        return (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+        )
+
+    def head(self) -> Arms:
+        """Yaw, pitch, roll (rad), measured at the head; yaw follows the arms through any turns."""
+        yaw, pitch, roll = ypr_of(self.rotation())
+        mean = sum(self.arms()) / 3
+        return yaw + math.tau * round((mean - yaw) / math.tau), pitch, roll
+
+    def tilt(self) -> float:
+        """Angle (rad) between the head's axis and the vertical."""
+        _, x, y, _ = self._quaternion.tolist()
+        return 2 * math.asin(min(1.0, math.hypot(x, y)))
+
+    def gap(self) -> float:
+        """Smallest angle (rad) between neighbouring arms."""
+        return min(self._neck.gaps(self._arms.tolist()))
+
+    def closure_error(self) -> float:
+        """Largest distance (m) between the end of a rod and its mount on the head, at the last step."""
+        sites = self.data.site_xpos
+        return float(np.linalg.norm(sites[self._rod_ends] - sites[self._mounts], axis=1).max())
+
+    def set_points(self) -> Arms:
+        """Where the motors pull the arms to (rad): the counted steps less what slipped."""
+        return self._drive.set_points
+
+    def slipped(self) -> Counts:
+        """Full steps by which each motor's counter has left its rotor since the neck was straightened."""
+        return self._drive.slipped
+
+    def home_assembly_left(self) -> bool:
+        """Whether the loop has snapped into another assembly, or the physics has lost its numbers."""
+        return not self._neck.in_home_assembly(self.arms(), self.rotation())
+
+    def straighten(self) -> None:
+        """Set the head upright and forget what slipped: what a person does before calibrating."""
+        self._drive.put_home()
+        self._put(_UPRIGHT)
+
+    def re_place(self) -> None:
+        """Take the neck apart and put it together at its set points, or upright if no head fits those."""
+        self.re_placed += 1
+        try:
+            self._neck.rotation(self._drive.set_points)
+        except BeatrixError:
+            self._put(_UPRIGHT)
+        else:
+            self._put(self._drive.set_points)
+
+    def save(self) -> PlantState:
+        """The present moment."""
+        physics = np.empty(mujoco.mj_stateSize(self.model, _MOMENT))
+        mujoco.mj_getState(self.model, self.data, physics, _MOMENT)
+        return PlantState(physics=physics, drive=self._drive.save(), re_placed=self.re_placed)
+
+    def load(self, state: PlantState) -> None:
+        """Return to a saved moment of this or another plant of the same robot."""
+        self.re_placed = state.re_placed
+        self._drive.load(state.drive)
+        self._obey_drive()
+        mujoco.mj_setState(self.model, self.data, state.physics, _MOMENT)
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def copy(self) -> Plant:
+        """A plant of its own at the same moment, to run ahead with."""
+        # The model too: switching motors writes into it.
+        twin = Plant(self._robot, copy.copy(self.model))
+        twin.load(self.save())
+        return twin
+
+    def _obey_drive(self) -> None:
+        self.data.ctrl[:] = self._drive.set_points
+        self.model.opt.disableactuator = 0 if self._drive.on else _ALL_MOTORS
+
+    def _put(self, arms: Arms) -> None:
+        """Set everything at rest at these arm angles, in the home assembly."""
+        time = self.data.time
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.time = time
+        rotation = np.array(self._neck.rotation(arms))
+        self._arms[:] = arms
+        self._rods[:] = [
+            chain.rod_angle(arm, rotation)
+            for chain, arm in zip(chains(self._robot.geometry), arms, strict=True)
+        ]
+        mujoco.mju_mat2Quat(self._quaternion, rotation.ravel())
+        self._obey_drive()
+        mujoco.mj_kinematics(self.model, self.data)
+
+
+def _stride(addresses: Sequence[int]) -> slice:
+    """The slice that takes three equally spaced numbers: a view, where a list of indices would copy."""
+    first, second, third = addresses
+    return slice(first, third + 1, second - first)

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import itertools
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from beatrix_zenoh._generated.robot import ROBOT, Geometry, RobotData
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.rotation import rotation_of
+from sim_node.looks import COLLISION, VISUAL
+from sim_node.model import build, build_spec, chains
+
+GEOMETRIES = [
+    ROBOT.geometry,
+    Geometry(hand=-1),
+    Geometry(arm_angle=54.0),
+    Geometry(rod_twist=80.0, mount_angle=85.0, arm0_azimuth=0.0),
+]
+
+
+@pytest.fixture(scope="module")
+def model() -> mujoco.MjModel:
+    return build()
+
+
+def test_three_motors_drive_nine_freedoms(model: mujoco.MjModel) -> None:
+    assert (model.nq, model.nv, model.nu, model.neq) == (10, 9, 3, 3)
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_home_is_qpos0_and_closed(geometry: Geometry) -> None:
+    model = build(RobotData(geometry=geometry))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert model.qpos0.tolist() == [1.0] + [0.0] * 9
+    assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
+
+
+def test_the_loop_is_solved_with_the_measured_recipe(model: mujoco.MjModel) -> None:
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
+    assert model.opt.timestep == 0.002
+    assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
+    assert model.eq_solref[:, 0].tolist() == [0.002] * 3
+
+
+def test_what_is_seen_has_no_mass_and_touches_nothing(model: mujoco.MjModel) -> None:
+    seen = model.geom_group == VISUAL
+    assert seen.any()
+    assert not model.geom_contype[seen].any()
+    assert not model.geom_conaffinity[seen].any()
+
+
+def test_mass_is_that_of_the_robot_and_all_of_it_hidden(model: mujoco.MjModel) -> None:
+    head = ROBOT.head
+    assert model.body("head").mass[0] == pytest.approx(head.mass)
+    assert model.body_mass.sum() == pytest.approx(head.mass + 3 * head.arm_mass + 3 * head.rod_mass)
+    assert set(model.geom_group.tolist()) == {VISUAL, COLLISION}
+    assert not mujoco.MjvOption().geomgroup[COLLISION]
+
+
+def test_head_carries_its_mass_where_the_robot_data_says(model: mujoco.MjModel) -> None:
+    assert model.body("head").ipos == pytest.approx([0.0, 0.0, ROBOT.head.centre_height])
+
+
+def test_eyes_look_ahead_from_both_ends_of_the_baseline(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    left, right = data.camera("eye_left"), data.camera("eye_right")
+    assert left.xpos - right.xpos == pytest.approx([0.0, ROBOT.head.eye_baseline, 0.0])
+    for eye in (left, right):
+        assert -eye.xmat.reshape(3, 3)[:, 2] == pytest.approx([1.0, 0.0, 0.0])
+        assert eye.xmat.reshape(3, 3)[:, 1] == pytest.approx([0.0, 0.0, 1.0])
+    assert model.camera("eye_left").fovy[0] == ROBOT.head.eye_fov
+
+
+def test_no_eye_sees_its_own_head(model: mujoco.MjModel) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    group = np.array([0, 0, 1, 0, 0, 0], dtype=np.uint8)
+    hit = np.zeros(1, dtype=np.int32)
+    for name in ("eye_left", "eye_right"):
+        for y, z in itertools.product(np.linspace(-0.75, 0.75, 9), np.linspace(-0.57, 0.57, 9)):
+            ray = np.array([1.0, y, z]) / math.hypot(1.0, y, z)
+            mujoco.mj_ray(model, data, data.camera(name).xpos, ray, group, 1, -1, hit)
+            assert hit[0] == -1 or model.geom_bodyid[hit[0]] == 0
+
+
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_rod_angle_closes_the_loop_of_any_pose(geometry: Geometry) -> None:
+    model = build(RobotData(geometry=geometry))
+    data = mujoco.MjData(model)
+    neck = Neck(geometry)
+    for yaw, pitch, roll in itertools.product((-2.0, 0.3), (-0.3, 0.2), (-0.2, 0.4)):
+        rotation = np.array(rotation_of(yaw, pitch, roll))
+        arms = neck.inverse(yaw, pitch, roll)
+        for name, chain, arm in zip(("short", "middle", "long"), chains(geometry), arms, strict=True):
+            data.joint(f"arm_{name}").qpos = arm
+            data.joint(f"rod_{name}").qpos = chain.rod_angle(arm, rotation)
+        mujoco.mju_mat2Quat(data.joint("head").qpos, rotation.ravel())
+        mujoco.mj_forward(model, data)
+        assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
+
+
+def test_stops_hold_rods_inside_the_home_assembly() -> None:
+    for chain in chains(ROBOT.geometry):
+        assert np.degrees(chain.rod_range()) == pytest.approx([-80.0, 80.0])
+
+
+def test_dense_and_sparse_solvers_agree() -> None:
+    ends = []
+    for jacobian in (mujoco.mjtJacobian.mjJAC_DENSE, mujoco.mjtJacobian.mjJAC_SPARSE):
+        spec = build_spec()
+        spec.option.jacobian = jacobian
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        for step in range(500):
+            data.ctrl[:] = [0.001 * step, 0.0005 * step, -0.0002 * step]
+            mujoco.mj_step(model, data)
+        ends.append(data.qpos.copy())
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+
+
+def test_model_can_be_written_as_mjcf() -> None:
+    spec = build_spec()
+    spec.compile()
+    again = mujoco.MjModel.from_xml_string(spec.to_xml())
+    assert (again.nq, again.nu, again.neq) == (10, 3, 3)

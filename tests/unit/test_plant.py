@@ -1,0 +1,320 @@
+from __future__ import annotations
+
+import math
+import os
+import random
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.drive import Arms, Gear
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.rotation import Rotation, rotation_of
+from sim_node.plant import Plant
+
+GEAR = Gear()
+NECK = Neck()
+SPEED = math.radians(ROBOT.limits.speed_max)
+ACCELERATION = math.radians(ROBOT.limits.acceleration)
+STEP = 0.002
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
+    """Set points of the arms (rad), a physics step apart: full speed, all arriving together."""
+    far = max(abs(g - s) for s, g in zip(start, goal, strict=True))
+    top = min(SPEED, math.sqrt(far * ACCELERATION))
+    rise = top / ACCELERATION
+    total = far / top + rise
+    for k in range(math.ceil(total / STEP) + 1):
+        t = min(k * STEP, total)
+        if t < rise:
+            gone = ACCELERATION * t * t / 2
+        elif t > total - rise:
+            gone = far - ACCELERATION * (total - t) ** 2 / 2
+        else:
+            gone = top * (t - rise / 2)
+        x, y, z = (s + (g - s) * gone / far for s, g in zip(start, goal, strict=True))
+        yield x, y, z
+
+
+def angle_between(a: Rotation, b: Rotation) -> float:
+    """Angle (deg) of the turn from one orientation to another; exact for small ones."""
+    turn = np.array(a).T @ np.array(b)
+    skew = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+    return math.degrees(math.asin(min(1.0, float(np.linalg.norm(skew)) / 2)))
+
+
+def hold(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -> None:
+    """Let time pass with the set points at rest."""
+    pulses = GEAR.to_steps(arms)
+    for _ in range(round(seconds / STEP)):
+        plant.step(pulses, drivers_on=drivers_on)
+
+
+def go(plant: Plant, start: Arms, goal: Arms) -> None:
+    """Move at full speed and come to rest."""
+    for arms in ramp(start, goal):
+        plant.step(GEAR.to_steps(arms), drivers_on=True)
+    hold(plant, goal, 0.5)
+
+
+def random_pose(rng: random.Random) -> Arms:
+    """Arms (rad) of a pose within the limits of the robot."""
+    while True:
+        pitch, roll = (math.radians(rng.uniform(-35, 35)) for _ in range(2))
+        if math.acos(math.cos(pitch) * math.cos(roll)) > math.radians(ROBOT.limits.tilt_max):
+            continue
+        arms = NECK.inverse(math.radians(rng.uniform(-180, 180)), pitch, roll)
+        if min(NECK.gaps(arms)) > math.radians(ROBOT.limits.gap_min):
+            return arms
+
+
+@pytest.fixture
+def plant() -> Plant:
+    return Plant()
+
+
+TILTED = NECK.inverse(0.4, 0.3, 0.1)
+HOME: Arms = (0.0, 0.0, 0.0)
+
+
+def test_a_new_plant_stands_upright_and_closed(plant: Plant) -> None:
+    assert plant.arms() == HOME
+    assert plant.velocities() == HOME
+    assert plant.head() == pytest.approx(HOME, abs=1e-12)
+    assert plant.closure_error() == 0.0
+    assert not plant.home_assembly_left()
+
+
+def test_head_and_loop_stay_true_in_random_full_speed_moves(plant: Plant) -> None:
+    rng = random.Random(7)
+    start = HOME
+    for _ in range(12):
+        goal = random_pose(rng)
+        for k, arms in enumerate(ramp(start, goal)):
+            plant.step(GEAR.to_steps(arms), drivers_on=True)
+            assert plant.closure_error() < 0.05e-3
+            if k % 5 == 0:
+                assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
+        hold(plant, goal, 0.5)
+        start = goal
+        off = [abs(a - s) for a, s in zip(plant.arms(), GEAR.to_rad(GEAR.to_steps(goal)), strict=True)]
+        assert math.degrees(max(off)) < 0.25
+    assert plant.slipped() == (0, 0, 0)
+    assert not plant.home_assembly_left()
+
+
+def test_no_part_touches_another_within_the_limits(plant: Plant) -> None:
+    rng = random.Random(11)
+    start = HOME
+    for _ in range(8):
+        goal = random_pose(rng)
+        for arms in ramp(start, goal):
+            plant.step(GEAR.to_steps(arms), drivers_on=True)
+            assert plant.data.ncon == 0
+        start = goal
+
+
+def test_velocity_is_that_of_the_pulses(plant: Plant) -> None:
+    for arms in ramp(HOME, (1.0, 1.0, 1.0)):
+        plant.step(GEAR.to_steps(arms), drivers_on=True)
+        if arms[0] > 0.5:
+            break
+    assert plant.velocities() == pytest.approx((SPEED,) * 3, rel=0.1)
+
+
+def test_head_is_measured_as_yaw_pitch_roll(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    assert plant.head() == pytest.approx((0.4, 0.3, 0.1), abs=math.radians(0.3))
+    assert math.cos(plant.tilt()) == pytest.approx(math.cos(0.3) * math.cos(0.1), abs=5e-3)
+    assert plant.gap() == pytest.approx(min(NECK.gaps(TILTED)), abs=math.radians(0.5))
+
+
+def test_yaw_follows_the_arms_through_whole_turns(plant: Plant) -> None:
+    turns = (7.0, 7.0, 7.0)
+    go(plant, HOME, turns)
+    assert plant.head()[0] == pytest.approx(7.0, abs=0.01)
+
+
+def test_a_hundred_thousand_pulses_in_one_step_are_lost_and_harm_nothing(plant: Plant) -> None:
+    hold(plant, HOME, 0.01)
+    for _ in range(500):
+        plant.step((100_000, -100_000, 50_000), drivers_on=True)
+        assert not plant.home_assembly_left()
+    assert all(steps % 4 == 0 and steps != 0 for steps in plant.slipped())
+    assert plant.closure_error() < 0.05e-3
+    assert plant.tilt() < math.radians(3)
+
+
+def shove(plant: Plant, torque: float) -> None:
+    """Twist the head about the vertical (N m) for 0.3 s, and let it rest."""
+    plant.data.body("head").xfrc_applied[5] = torque
+    hold(plant, HOME, 0.3)
+    plant.data.body("head").xfrc_applied[5] = 0.0
+    hold(plant, HOME, 0.5)
+
+
+def test_a_shove_below_the_motors_torque_loses_nothing(plant: Plant) -> None:
+    shove(plant, 1.5)
+    assert plant.slipped() == (0, 0, 0)
+    assert math.degrees(abs(plant.head()[0])) < 0.1
+
+
+def test_a_shove_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
+    shove(plant, 3.5)
+    lost = plant.slipped()
+    assert all(steps % 4 == 0 and steps < 0 for steps in lost)
+    assert not plant.home_assembly_left()
+    turned = -lost[0] * math.radians(1.8) * 26 / 68
+    assert plant.arms()[0] == pytest.approx(turned, abs=math.radians(0.1))
+    assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
+
+
+def test_without_motors_a_tilted_head_sags_and_stays_in_one_piece(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    tilt = plant.tilt()
+    hold(plant, TILTED, 2.0, drivers_on=False)
+    assert plant.tilt() > tilt + math.radians(10)
+    assert not plant.home_assembly_left()
+    assert plant.slipped() == (0, 0, 0)
+
+
+def test_friction_holds_an_upright_head_without_motors(plant: Plant) -> None:
+    hold(plant, HOME, 2.0, drivers_on=False)
+    assert plant.tilt() < math.radians(0.1)
+
+
+def test_motors_switched_on_lock_where_the_arms_are(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    hold(plant, TILTED, 1.0, drivers_on=False)
+    sagged = plant.arms()
+    hold(plant, TILTED, 0.5)
+    assert plant.slipped() == (0, 0, 0)
+    half_cycle = math.radians(2 * 1.8 * 26 / 68)
+    assert all(abs(a - s) <= half_cycle + 1e-3 for a, s in zip(plant.arms(), sagged, strict=True))
+    off = [abs(a - s) for a, s in zip(plant.arms(), plant.set_points(), strict=True)]
+    assert math.degrees(max(off)) < 0.25
+
+
+def test_straighten_puts_the_head_home_and_forgets_slip(plant: Plant) -> None:
+    shove(plant, 3.5)
+    plant.straighten()
+    assert plant.arms() == HOME
+    assert plant.slipped() == (0, 0, 0)
+    hold(plant, HOME, 0.2)
+    assert plant.arms() == pytest.approx(HOME, abs=1e-5)
+
+
+def test_straighten_calls_the_present_pulses_home(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    plant.straighten()
+    hold(plant, TILTED, 0.2)
+    assert plant.arms() == pytest.approx(HOME, abs=1e-5)
+
+
+def snap(plant: Plant) -> None:
+    """Turn the head over, as if the loop had snapped through."""
+    plant.data.joint("head").qpos = [0.0, 1.0, 0.0, 0.0]
+
+
+def test_another_assembly_is_noticed_and_put_right_at_the_set_points(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    snap(plant)
+    assert plant.home_assembly_left()
+    plant.re_place()
+    assert plant.re_placed == 1
+    assert not plant.home_assembly_left()
+    assert plant.arms() == pytest.approx(TILTED, abs=math.radians(0.1))
+    assert plant.closure_error() < 1e-9
+    assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 1e-6
+
+
+def test_re_placed_upright_where_no_head_fits_the_set_points(plant: Plant) -> None:
+    plant.data.joint("arm_short").qpos = 2.0
+    plant.step((GEAR.to_steps((2.0, 0.0, 0.0))), drivers_on=True)
+    plant.re_place()
+    assert plant.arms() == HOME
+    assert not plant.home_assembly_left()
+
+
+def test_lost_numbers_are_noticed_and_leave_no_file(
+    plant: Plant, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    plant.data.joint("arm_short").qpos = math.nan
+    plant.step((0, 0, 0), drivers_on=True)
+    assert plant.home_assembly_left()
+    assert "Nan" in caplog.text
+    assert list(tmp_path.iterdir()) == []
+    plant.re_place()
+    hold(plant, HOME, 0.1)
+    assert plant.arms() == pytest.approx(HOME, abs=1e-5)
+
+
+def test_a_copy_goes_the_same_way_to_the_last_bit_and_leaves_the_original_alone(plant: Plant) -> None:
+    path = list(ramp(HOME, TILTED))
+    for arms in path[:200]:
+        plant.step(GEAR.to_steps(arms), drivers_on=True)
+    before = plant.save()
+    other = plant.copy()
+    for arms in path[200:]:
+        other.step(GEAR.to_steps(arms), drivers_on=True)
+    other.step((0, 0, 0), drivers_on=False)
+    after = plant.save()
+    assert after.physics.tolist() == before.physics.tolist()
+    assert after.drive == before.drive
+    for arms in path[200:]:
+        plant.step(GEAR.to_steps(arms), drivers_on=True)
+    plant.step((0, 0, 0), drivers_on=False)
+    assert plant.save().physics.tolist() == other.save().physics.tolist()
+
+
+def test_a_saved_moment_can_be_returned_to(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    moment = plant.save()
+    arms, head = plant.arms(), plant.head()
+    go(plant, TILTED, HOME)
+    plant.load(moment)
+    assert plant.arms() == arms
+    assert plant.head() == head
+
+
+def test_rotation_is_that_of_the_reported_angles(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    assert np.array(rotation_of(*plant.head())) == pytest.approx(np.array(plant.rotation()), abs=1e-9)
+
+
+PHYSICS = """
+import ctypes, ctypes.util
+real = ctypes.CDLL.__init__
+def hidden(self, name, *rest, **more):
+    if name and any(word in str(name) for word in ("EGL", "OSMesa", "libGL")):
+        raise OSError(f"{name}: hidden")
+    real(self, name, *rest, **more)
+ctypes.CDLL.__init__ = hidden
+find = ctypes.util.find_library
+ctypes.util.find_library = lambda name: None if name in {"EGL", "OSMesa", "GL", "OpenGL"} else find(name)
+from sim_node.plant import Plant
+plant = Plant()
+plant.step((0, 0, 0), drivers_on=True)
+print(plant.arms())
+"""
+
+
+@pytest.mark.parametrize("backend", [None, "egl", "osmesa"])
+def test_physics_runs_without_any_opengl_library(backend: str | None) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "MUJOCO_GL"}
+    if backend is not None:
+        environment["MUJOCO_GL"] = backend
+    command = [sys.executable, "-c", PHYSICS]
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=30, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.split(",")) == 3

@@ -1,0 +1,81 @@
+"""Print what the simulated neck costs and how true it is, at full speed within the limits of the robot."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.drive import Arms, Gear
+from beatrix_zenoh.kinematics import Neck
+from sim_node.model import TIMESTEP_MS
+from sim_node.plant import Plant
+
+_BLOCK = 250
+_TO_REACH_US = 30
+_AMPLITUDE = math.radians(25)
+_CIRCLES_HZ = 0.35
+"""Fastest circling of the head at which the arms stay below their top speed."""
+
+
+def circling(t: float) -> Arms:
+    """Arms (rad) of a head that circles, t seconds after the start, slowly drawn out of home."""
+    size = _AMPLITUDE * min(1.0, t / 4)
+    phase = math.tau * _CIRCLES_HZ * t
+    return Neck().inverse(0.5 * math.sin(0.3 * t), size * math.cos(phase), size * math.sin(phase))
+
+
+def step_us(plant: Plant, path: list[tuple[int, int, int]]) -> float:
+    """Median over blocks of steps of the mean time of a step (us)."""
+    times = []
+    for first in range(0, len(path) - _BLOCK + 1, _BLOCK):
+        begin = time.perf_counter_ns()
+        for pulses in path[first : first + _BLOCK]:
+            plant.step(pulses, drivers_on=True)
+        times.append((time.perf_counter_ns() - begin) / _BLOCK / 1000)
+    return statistics.median(times)
+
+
+def turn_between(plant: Plant, neck: Neck) -> float:
+    """Largest element of the difference between measured and calculated head orientation (deg, for small ones)."""
+    calculated = neck.rotation(plant.arms())
+    return math.degrees(
+        max(
+            abs(a - b)
+            for row, other in zip(plant.rotation(), calculated, strict=True)
+            for a, b in zip(row, other, strict=True)
+        )
+    )
+
+
+def main() -> None:
+    gear, neck = Gear(), Neck()
+    begin = time.perf_counter()
+    plant = Plant()
+    made = time.perf_counter() - begin
+    begin = time.perf_counter()
+    plant.copy()
+    copied = time.perf_counter() - begin
+    path = [gear.to_steps(circling(k * TIMESTEP_MS / 1000)) for k in range(10_000)]
+    rest = step_us(plant, [(0, 0, 0)] * 5_000)
+    moving = step_us(plant, path)
+    plant = Plant()
+    closure = error = fastest = 0.0
+    for pulses in path:
+        plant.step(pulses, drivers_on=True)
+        closure = max(closure, plant.closure_error())
+        error = max(error, turn_between(plant, neck))
+        fastest = max(fastest, *map(abs, plant.velocities()))
+    print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")
+    print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (to reach: {_TO_REACH_US})")
+    print(f"real-time factor, moving: {TIMESTEP_MS * 1000 / moving:.0f}")
+    print(
+        f"circling at up to {math.degrees(fastest):.0f} deg/s of {ROBOT.limits.speed_max:.0f}: "
+        f"head against forward kinematics {error:.4f} deg (to reach: 0.02), loop closure {closure * 1e3:.4f} mm "
+        "(to reach: 0.05)"
+    )
+
+
+if __name__ == "__main__":
+    main()
