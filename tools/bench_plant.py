@@ -7,10 +7,14 @@ import statistics
 import time
 
 from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import Enable, FrameType, Move
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.drive import Arms, Gear
 from beatrix_zenoh.kinematics import Neck
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
+from sim_node.preview import run_ahead
 
 _BLOCK = 250
 _TO_REACH_US = 30
@@ -49,6 +53,17 @@ def turn_between(plant: Plant, neck: Neck) -> float:
     )
 
 
+def preview_factor(gear: Gear) -> float:
+    """Simulated seconds per second of a preview of a nod."""
+    plant, firmware = Plant(), Firmware()
+    firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
+    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
+    nod = Move(1, 1, gear.to_steps(Neck().inverse(0.0, 0.4, 0.0)), (1000, 1000, 1000))
+    begin = time.perf_counter()
+    seen = run_ahead(plant, firmware, nod)
+    return seen.duration_s / (time.perf_counter() - begin)
+
+
 def main() -> None:
     gear, neck = Gear(), Neck()
     begin = time.perf_counter()
@@ -70,6 +85,7 @@ def main() -> None:
     print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")
     print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (to reach: {_TO_REACH_US})")
     print(f"real-time factor, moving: {TIMESTEP_MS * 1000 / moving:.0f}")
+    print(f"preview: {preview_factor(gear):.0f} times as fast as the motion")
     print(
         f"circling at up to {math.degrees(fastest):.0f} deg/s of {ROBOT.limits.speed_max:.0f}: "
         f"head against forward kinematics {error:.4f} deg (to reach: 0.02), loop closure {closure * 1e3:.4f} mm "
