@@ -191,5 +191,6 @@ def test_wheel_carries_every_file_of_its_packages(wheel: set[str]) -> None:
 
 
 @pytest.mark.xdist_group("wheel")
-def test_wheel_carries_the_marker_of_typed_packages(wheel: set[str]) -> None:
-    assert "beatrix_zenoh/py.typed" in wheel
+@pytest.mark.parametrize("name", ["beatrix_zenoh/py.typed", "beatrix_zenoh/board/firmware.wasm"])
+def test_wheel_carries_what_is_no_python(wheel: set[str], name: str) -> None:
+    assert name in wheel
