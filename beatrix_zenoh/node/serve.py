@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable
 from types import FrameType
 
@@ -26,6 +27,15 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     Prints `ready <key>` on stdout when the robot serves.
     """
     over = threading.Event()
+    broken: list[threading.ExceptHookArgs] = []
+
+    def give_up(died: threading.ExceptHookArgs) -> None:
+        """A node with a dead thread would answer only half: better to end, loudly."""
+        traceback.print_exception(died.exc_type, died.exc_value, died.exc_traceback)
+        broken.append(died)
+        over.set()
+
+    threading.excepthook = give_up
 
     def end(_signal: int, _frame: FrameType | None) -> None:
         over.set()
@@ -51,7 +61,7 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
         over.wait()
     finally:
         node.close()
-    return 0
+    return 1 if broken else 0
 
 
 def _connect(settings: Settings, over: threading.Event) -> zbus.Bus | None:
