@@ -1,0 +1,7 @@
+"""What the neck may do: every motion is checked over its whole way before it is accepted."""
+
+from __future__ import annotations
+
+from beatrix_zenoh.limits.check import Limits, Plan
+
+__all__ = ["Limits", "Plan"]
