@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import struct
 import threading
 import time
@@ -38,6 +39,9 @@ def _compiled() -> tuple[Engine, Module]:
     engine = wasmtime.Engine()
     code = (resources.files("beatrix_zenoh.board") / "firmware.wasm").read_bytes()
     return engine, wasmtime.Module(engine, code)
+
+
+atexit.register(_compiled.cache_clear)  # wasmtime cannot free what outlives its own module
 
 
 class Firmware:

@@ -102,6 +102,7 @@ Error Machine::calibrate() {
   motion_.zero();
   forget_home();
   calibrated_ = true;
+  reported_ = Telemetry();  // the position has changed without a motion: tell at once
   return ERROR_OK;
 }
 

@@ -13,7 +13,7 @@ void Machine::start() {
 }
 
 void Machine::receive(uint8_t byte) {
-  if (!receiver_.take(byte)) return;
+  if (!receiver_.take(byte) || receiver_.type() >= REQUEST_END) return;
   {
     TickHeld held;
     silence_ = 0;

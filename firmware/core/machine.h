@@ -8,6 +8,9 @@
 
 namespace beatrix {
 
+// Types from here on are no requests. They are passed over: a line that echoes must neither be answered nor be taken for
+// a host, and the answer to 0x40 would be a TELEMETRY.
+static const uint8_t REQUEST_END = FRAME_TELEMETRY & ~REPLY_BIT;
 static const uint8_t REPLY_ROOM = uint8_t(HelloReply::SIZE + WIRE_OVERHEAD);
 
 class Machine {

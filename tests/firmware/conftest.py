@@ -1,0 +1,46 @@
+"""Firmware built for the tests, once a session."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rig import ROOT, Rig
+
+Build = Callable[..., Path]
+
+
+@pytest.fixture(scope="session")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
+    """Make a target of firmware/Makefile in a folder of this session; skips without its compiler."""
+    folder = tmp_path_factory.mktemp("firmware")
+
+    def make(target: str, compiler: str, *settings: str) -> Path:
+        if shutil.which(compiler) is None:
+            pytest.skip(
+                f"{compiler} is not installed: apt-get install clang-14 lld-14 libclang-rt-14-dev g++"
+            )
+        command = ["make", "-s", "-C", str(ROOT / "firmware"), target, f"BUILD={folder}", *settings]
+        done = subprocess.run(
+            command, capture_output=True, text=True, check=False, env={**os.environ, "MAKEFLAGS": ""}
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return folder
+
+    return make
+
+
+@pytest.fixture
+def rig() -> Rig:
+    """A board fresh from reset."""
+    return Rig()
+
+
+@pytest.fixture
+def ready() -> Rig:
+    """A board enabled and calibrated."""
+    return Rig().ready()

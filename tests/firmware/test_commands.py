@@ -1,0 +1,286 @@
+"""The state machine as a table, and the rules around it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from rig import SPEED_MAX, Rig
+
+from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Outcome, SetName, State
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import Firmware
+
+OFF, ON = State(0), State.ENABLED
+HOME, MOVING = State.ENABLED | State.CALIBRATED, State.ENABLED | State.CALIBRATED | State.MOVING
+BRAKING, LATCHED = MOVING | State.STOPPING, State.EMERGENCY
+
+
+def off(_rig: Rig) -> None:
+    """Fresh from reset."""
+
+
+def on(rig: Rig) -> None:
+    rig.enable()
+
+
+def home(rig: Rig) -> None:
+    rig.ready()
+
+
+def moving(rig: Rig) -> None:
+    rig.ready().move((400, 400, 400))
+    rig.tick(100)
+
+
+def latched(rig: Rig) -> None:
+    rig.ask(FrameType.EMERGENCY_STOP)
+
+
+def braking(rig: Rig) -> None:
+    moving(rig)
+    rig.ask(FrameType.STOP)
+
+
+COMMANDS: dict[str, Callable[[Rig], Error]] = {
+    "PING": lambda rig: rig.ask(FrameType.PING),
+    "MOVE": lambda rig: rig.move((500, 500, 500)),
+    "STOP": lambda rig: rig.ask(FrameType.STOP),
+    "EMERGENCY_STOP": lambda rig: rig.ask(FrameType.EMERGENCY_STOP),
+    "ENABLE 1": lambda rig: rig.enable(1),
+    "ENABLE 0": lambda rig: rig.enable(0),
+    "CALIBRATE": lambda rig: rig.ask(FrameType.CALIBRATE),
+}
+OK = Error.OK
+TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
+    (off, "PING"): (OK, OFF),
+    (off, "MOVE"): (Error.NOT_ENABLED, OFF),
+    (off, "STOP"): (OK, OFF),
+    (off, "EMERGENCY_STOP"): (OK, LATCHED),
+    (off, "ENABLE 1"): (OK, ON),
+    (off, "ENABLE 0"): (OK, OFF),
+    (off, "CALIBRATE"): (Error.NOT_ENABLED, OFF),
+    (on, "PING"): (OK, ON),
+    (on, "MOVE"): (Error.NOT_CALIBRATED, ON),
+    (on, "STOP"): (OK, ON),
+    (on, "EMERGENCY_STOP"): (OK, LATCHED),
+    (on, "ENABLE 1"): (OK, ON),
+    (on, "ENABLE 0"): (OK, OFF),
+    (on, "CALIBRATE"): (OK, HOME),
+    (home, "PING"): (OK, HOME),
+    (home, "MOVE"): (OK, MOVING),
+    (home, "STOP"): (OK, HOME),
+    (home, "EMERGENCY_STOP"): (OK, LATCHED),
+    (home, "ENABLE 1"): (OK, HOME),
+    (home, "ENABLE 0"): (OK, OFF),
+    (home, "CALIBRATE"): (OK, HOME),
+    (moving, "PING"): (OK, MOVING),
+    (moving, "MOVE"): (OK, MOVING),
+    (moving, "STOP"): (OK, BRAKING),
+    (moving, "EMERGENCY_STOP"): (OK, LATCHED),
+    (moving, "ENABLE 1"): (OK, MOVING),
+    (moving, "ENABLE 0"): (OK, OFF),
+    (moving, "CALIBRATE"): (Error.NOT_AT_REST, MOVING),
+    (braking, "PING"): (OK, BRAKING),
+    (braking, "MOVE"): (OK, MOVING),
+    (braking, "STOP"): (OK, BRAKING),
+    (braking, "EMERGENCY_STOP"): (OK, LATCHED),
+    (braking, "ENABLE 1"): (OK, BRAKING),
+    (braking, "ENABLE 0"): (OK, OFF),
+    (braking, "CALIBRATE"): (Error.NOT_AT_REST, BRAKING),
+    (latched, "PING"): (OK, LATCHED),
+    (latched, "MOVE"): (Error.NOT_ENABLED, LATCHED),
+    (latched, "STOP"): (OK, LATCHED),
+    (latched, "EMERGENCY_STOP"): (OK, LATCHED),
+    (latched, "ENABLE 1"): (OK, ON),
+    (latched, "ENABLE 0"): (OK, LATCHED),
+    (latched, "CALIBRATE"): (Error.NOT_ENABLED, LATCHED),
+}
+
+
+@pytest.mark.parametrize(
+    ("before", "command"), TABLE, ids=[f"{before.__name__}-{command}" for before, command in TABLE]
+)
+def test_states_and_commands(before: Callable[[Rig], None], command: str) -> None:
+    firmware = Firmware()
+    rig = Rig(firmware)
+    before(rig)
+    error, state = TABLE[before, command]
+    assert COMMANDS[command](rig) == error
+    rig.tick(10)
+    assert rig.state == state
+    assert firmware.drivers_on() == bool(state & State.ENABLED)
+
+
+def test_the_table_is_complete() -> None:
+    assert len(TABLE) == len({before for before, _ in TABLE}) * len(COMMANDS)
+
+
+def test_a_change_of_state_is_told_at_once(rig: Rig) -> None:
+    rig.enable()
+    assert rig.state == ON
+    rig.ask(FrameType.CALIBRATE)
+    assert rig.state == HOME
+
+
+def test_an_emergency_stops_within_the_same_call(ready: Rig) -> None:
+    ready.move((400, 400, 400))
+    ready.tick(300)
+    at = ready.steps
+    ready.ask(FrameType.EMERGENCY_STOP)
+    assert (ready.state, ready.outcome) == (LATCHED, Outcome.EMERGENCY)
+    ready.tick(100)
+    assert ready.steps == at
+
+
+def test_switching_off_in_mid_move_is_told(ready: Rig) -> None:
+    ready.move((400, 400, 400))
+    ready.tick(300)
+    ready.enable(0)
+    assert (ready.state, ready.outcome) == (OFF, Outcome.DISABLED)
+
+
+def test_an_emergency_at_rest_leaves_the_last_outcome(ready: Rig) -> None:
+    ready.move((10, 10, 10))
+    ready.run()
+    ready.ask(FrameType.EMERGENCY_STOP)
+    assert ready.outcome == Outcome.DONE
+
+
+def test_enabling_takes_0_or_1(rig: Rig) -> None:
+    assert rig.enable(2) == Error.BAD_VALUE
+
+
+def test_calibration_makes_the_present_position_home(ready: Rig) -> None:
+    ready.move((30, -40, 50))
+    ready.run()
+    ready.ask(FrameType.CALIBRATE)
+    assert ready.last.position == ready.steps == (0, 0, 0)
+    ready.move((0, 0, 1))
+    ready.run()
+    assert ready.steps == (0, 0, 1)
+
+
+@pytest.mark.parametrize("name", [b"a", b"bea-1", b"0-9-z", b"x" * 32])
+def test_a_good_name_is_kept(rig: Rig, name: bytes) -> None:
+    assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK
+    (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
+    assert HelloReply.unpack(hello.payload).name.rstrip(b"\0") == name
+
+
+@pytest.mark.parametrize("name", [b"", b"Bea", b"bea_1", b"a b", b"a\0b", b"\xc3\xa9", b"\0a"])
+def test_a_bad_name_is_refused_and_changes_nothing(name: bytes) -> None:
+    rig = Rig(Firmware(name="before"))
+    assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.BAD_VALUE
+    (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
+    assert HelloReply.unpack(hello.payload).name.rstrip(b"\0") == b"before"
+
+
+@pytest.mark.parametrize(
+    ("target", "speed", "flags", "error"),
+    [
+        ((0, 0, 0), (1, SPEED_MAX, 1), 0, Error.OK),
+        ((0, 0, 0), (0, 1, 1), 0, Error.SPEED),
+        ((0, 0, 0), (1, 1, 0), 0, Error.SPEED),
+        ((0, 0, 0), (SPEED_MAX + 1, 1, 1), 1, Error.SPEED),
+        ((0, 0, 0), (1, 0, 65535), 1, Error.OK),
+        ((0, 0, 0), (1, 1, 1), 2, Error.BAD_VALUE),
+        ((1 << 28, 0, 0), (1, 1, 1), 0, Error.GAP),
+        (((1 << 28) + 1, 0, 0), (1, 1, 1), 0, Error.BAD_VALUE),
+        ((0, -(1 << 31), 0), (1, 1, 1), 0, Error.BAD_VALUE),
+        ((529, -529, 0), (1, 1, 1), 0, Error.OK),
+        ((530, -529, 0), (1, 1, 1), 0, Error.GAP),
+        ((0, 529, -529), (1, 1, 1), 0, Error.OK),
+        ((0, 529, -530), (1, 1, 1), 0, Error.GAP),
+        ((-529, 0, 529), (1, 1, 1), 0, Error.OK),
+        ((-529, 0, 530), (1, 1, 1), 0, Error.GAP),
+        ((2324, 2325, 2325), (1, 1, 1), 0, Error.OK),
+        ((2325, 2325, 2325), (1, 1, 1), 0, Error.YAW),
+        ((-2325, -2325, -2325), (1, 1, 1), 0, Error.YAW),
+    ],
+)
+def test_moves_that_cannot_be_are_refused(
+    ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], flags: int, error: Error
+) -> None:
+    payload = bytes([flags, 1, 0]) + b"".join(t.to_bytes(4, "little", signed=True) for t in target)
+    payload += b"".join(s.to_bytes(2, "little") for s in speed)
+    assert ready.ask(FrameType.MOVE, payload) == error
+    assert bool(ready.state & State.MOVING) == (error == Error.OK)
+
+
+def test_a_repeated_move_is_made_once(ready: Rig) -> None:
+    other = Rig().ready()
+    for rig, times in ((ready, 3), (other, 1)):
+        for _ in range(times):
+            assert rig.move((300, -100, 7), straight=True, motion=5) == Error.OK
+            rig.tick(60 // times)
+    assert ready.steps == other.steps
+    ready.run()
+    assert (ready.steps, ready.outcome) == ((300, -100, 7), Outcome.DONE)
+
+
+def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
+    ready.move((300, 300, 300), motion=5)
+    ready.tick(100)
+    ready.ask(FrameType.STOP)
+    ready.run()
+    at = ready.steps
+    assert ready.move((300, 300, 300), motion=5) == Error.OK
+    ready.tick(100)
+    assert (ready.steps, ready.outcome) == (at, Outcome.STOPPED)
+
+
+def test_a_motion_is_known_by_its_number(ready: Rig) -> None:
+    ready.move((300, 300, 300), motion=65535)
+    assert (ready.last.motion, ready.outcome) == (65535, Outcome.NONE)
+    ready.tick(100)
+    ready.move((0, 0, 0), motion=0)
+    assert (ready.last.motion, ready.outcome) == (0, Outcome.NONE)
+    ready.run()
+    assert (ready.last.motion, ready.outcome) == (0, Outcome.DONE)
+
+
+def test_a_move_to_where_the_arms_are_is_done_in_a_tick(ready: Rig) -> None:
+    ready.move((0, 0, 0), motion=9)
+    ready.tick()
+    assert (ready.state, ready.outcome, ready.last.motion) == (HOME, Outcome.DONE, 9)
+
+
+def test_499_ms_without_a_frame_are_borne(ready: Rig) -> None:
+    ready.move((1000, 1000, 1000), 400)
+    for _ in range(4):
+        ready.tick(499)
+        assert State.STOPPING not in ready.state
+        ready.ask(FrameType.PING)
+
+
+def test_501_ms_without_a_frame_stop_the_arms_but_not_the_motors(ready: Rig) -> None:
+    ready.move((1000, 1000, 1000), 400)
+    ready.tick(501)
+    assert State.STOPPING in ready.state
+    ready.tick(200)
+    assert (ready.state, ready.outcome) == (HOME, Outcome.HOST_LOST)
+
+
+def test_damaged_frames_are_no_heartbeat(ready: Rig) -> None:
+    ready.move((1000, 1000, 1000), 400)
+    for _ in range(51):
+        ready.tick(10)
+        ready.raw(b"\0\x05\x02\xff\x70\xcd\0")
+    assert State.STOPPING in ready.state
+
+
+def test_an_echo_is_no_heartbeat(ready: Rig) -> None:
+    ready.move((1000, 1000, 1000), 400)
+    for _ in range(51):
+        ready.tick(10)
+        ready.raw(encode(FrameType.TELEMETRY, 1, ready.last.pack()))
+    assert State.STOPPING in ready.state
+
+
+def test_at_rest_silence_means_nothing(ready: Rig) -> None:
+    ready.tick(5000)
+    assert (ready.state, ready.outcome) == (HOME, Outcome.NONE)
+    ready.move((1, 1, 1))
+    ready.tick(60)
+    assert ready.outcome == Outcome.DONE

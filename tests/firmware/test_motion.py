@@ -1,0 +1,231 @@
+"""The motion law, tick by tick in virtual time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rig import ACCELERATION, SPEED_MAX, Rig, Steps
+
+from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.board.virtual import Firmware
+
+Point = tuple[float, float, float]
+ROUNDING = 4 / (1 << 26)
+"""Set points are seen in Q26; a difference of differences of them is off by up to this."""
+TOGETHER = st.integers(-1500, 1500)
+APART = st.integers(-250, 250)
+TARGETS = st.builds(lambda c, x, y, z: (c + x, c + y, c + z), TOGETHER, APART, APART, APART)
+SPEEDS = st.tuples(*[st.integers(1000, SPEED_MAX)] * 3)
+
+
+class Watched:
+    """A board whose set points are looked at every tick."""
+
+    def __init__(self) -> None:
+        self.firmware = Firmware()
+        self.rig = Rig(self.firmware).ready()
+        self.path: list[Point] = [(0.0, 0.0, 0.0)]
+        self.steps: list[Steps] = [(0, 0, 0)]
+
+    def tick(self, ms: int = 1) -> None:
+        """Let time pass, with heartbeats."""
+        for _ in range(ms):
+            if self.firmware_tick() % 400 == 0:
+                self.rig.ask(FrameType.PING)
+
+    def firmware_tick(self) -> int:
+        """One tick; returns how many there have been."""
+        self.rig.tick()
+        self.path.append(self.firmware.set_points())
+        self.steps.append(self.rig.steps)
+        return len(self.path)
+
+    def run(self) -> None:
+        """Until the arms rest."""
+        while State.MOVING in self.rig.state:
+            self.tick()
+            assert len(self.path) < 100_000
+
+    def moves(self) -> list[Point]:
+        """What each tick moved: microsteps per tick."""
+        return [(b[0] - a[0], b[1] - a[1], b[2] - a[2]) for a, b in itertools.pairwise(self.path)]
+
+
+@settings(max_examples=25)
+@given(TARGETS, SPEEDS, st.booleans())
+def test_every_motion_ends_exactly_at_its_target(target: Steps, speed: Steps, straight: bool) -> None:
+    rig = Rig().ready()
+    if rig.move(target, speed, straight=straight) == Error.OK:
+        rig.run()
+        if rig.outcome == Outcome.DONE:
+            assert rig.steps == rig.last.position == target
+            assert rig.last.velocity == (0, 0, 0)
+        else:
+            assert rig.outcome == Outcome.GAP  # the arms go at speeds of their own, and one came too close
+
+
+def test_the_first_step_is_made_in_the_first_tick(ready: Rig) -> None:
+    ready.move((100, -100, 1), 1)
+    ready.tick()
+    assert ready.steps == (1, -1, 1)
+
+
+def test_top_speed_is_met_exactly_and_the_ramps_take_their_time() -> None:
+    watched = Watched()
+    watched.rig.move((2000, 2000, 2000), 4000)
+    watched.run()
+    speeds = [move[0] for move in watched.moves()]
+    assert max(speeds) == pytest.approx(1.0, abs=1e-6)
+    ramp = 1 / ACCELERATION
+    assert len(speeds) == pytest.approx(2000 + ramp, abs=3)
+
+
+@settings(max_examples=15)
+@given(st.lists(st.tuples(TARGETS, SPEEDS, st.booleans(), st.integers(1, 900)), min_size=1, max_size=6))
+def test_retargeting_never_exceeds_the_acceleration_nor_misses_the_target(
+    script: list[tuple[Steps, Steps, bool, int]],
+) -> None:
+    watched = Watched()
+    allowed = []
+    for target, speed, straight, ms in script:
+        # The very last rest of a motion is one move of up to `a`, after which a new one may begin the other way.
+        allowed.append((len(watched.path) - 1, State.MOVING not in watched.rig.state))
+        same = (speed[0],) * 3  # arms at one speed do not meet
+        watched.rig.move(target, same, straight=straight)
+        watched.tick(ms)
+    watched.run()
+    if watched.rig.outcome != Outcome.DONE:
+        return  # the guard has settled the arms on their last steps
+    assert watched.rig.steps == watched.rig.last.position
+    starts = {tick for tick, rested in allowed if rested}
+    moves = [(0.0, 0.0, 0.0), *watched.moves()]
+    for tick, (before, after) in enumerate(itertools.pairwise(moves)):
+        bound = ACCELERATION * (2 if tick in starts else 1) + 1e-8
+        assert max(abs(b - a) for a, b in zip(before, after, strict=True)) <= bound + ROUNDING, tick
+
+
+@settings(max_examples=20)
+@given(TARGETS, st.integers(20, SPEED_MAX), TARGETS)
+def test_a_straight_move_from_rest_is_straight_and_together(first: Steps, speed: int, target: Steps) -> None:
+    watched = Watched()
+    if watched.rig.move(first, straight=True) != Error.OK:
+        return
+    watched.rig.run()
+    start, begin = watched.rig.steps, len(watched.path)
+    watched.path[-1] = (float(start[0]), float(start[1]), float(start[2]))
+    way = [b - a for a, b in zip(start, target, strict=True)]
+    length = math.hypot(*way)
+    if length == 0 or watched.rig.move(target, max(speed, 200), straight=True) != Error.OK:
+        return
+    watched.run()
+    assert watched.rig.steps == target
+    for point in watched.steps[begin:]:
+        gone = [p - a for p, a in zip(point, start, strict=True)]
+        along = sum(g * w for g, w in zip(gone, way, strict=True)) / length
+        off = math.sqrt(max(0.0, sum(g * g for g in gone) - along * along))
+        assert off < 1.5
+    moves = watched.moves()[begin - 1 :]
+    ends = [max(tick for tick, move in enumerate(moves) if move[arm]) for arm in range(3) if way[arm]]
+    assert all(moves[0][arm] for arm in range(3) if way[arm])
+    assert max(ends) - min(ends) <= 2
+
+
+def test_a_target_behind_is_reached_by_braking_and_turning_back() -> None:
+    watched = Watched()
+    watched.rig.move((1000, 1000, 1000))
+    watched.tick(600)
+    turn_at = watched.rig.steps[0]
+    watched.rig.move((turn_at, turn_at, turn_at))
+    watched.run()
+    furthest = max(steps[0] for steps in watched.steps)
+    assert furthest - turn_at == pytest.approx((SPEED_MAX / 4000) ** 2 / ACCELERATION / 2, abs=2)
+    assert watched.rig.steps == (turn_at, turn_at, turn_at)
+
+
+def test_a_lower_speed_is_reached_by_braking() -> None:
+    watched = Watched()
+    watched.rig.move((2000, 2000, 2000))
+    watched.tick(600)
+    watched.rig.move((2000, 2000, 2000), 1000)
+    watched.tick(500)
+    assert watched.moves()[-1] == pytest.approx((0.25, 0.25, 0.25), abs=1e-6)
+
+
+@settings(max_examples=25)
+@given(TARGETS, SPEEDS, st.booleans(), st.integers(1, 1500))
+def test_stop_slows_every_arm_in_the_very_next_tick(
+    target: Steps, speed: Steps, straight: bool, ms: int
+) -> None:
+    watched = Watched()
+    watched.rig.move(target, speed, straight=straight)
+    watched.tick(ms)
+    if State.MOVING not in watched.rig.state or State.STOPPING in watched.rig.state:
+        return
+    before = watched.moves()[-1]
+    watched.rig.ask(FrameType.STOP)
+    assert State.STOPPING in watched.rig.state
+    watched.tick()
+    if State.MOVING in watched.rig.state:
+        after = watched.moves()[-1]
+        assert all(abs(b) < abs(a) or a == b == 0 for a, b in zip(before, after, strict=True))
+    watched.run()
+    assert watched.rig.outcome == Outcome.STOPPED
+    assert watched.rig.last.position == watched.rig.steps == watched.steps[-1]
+    longest = max(abs(v) for v in before) / ACCELERATION
+    assert len(watched.path) < longest * 16 + ms + 10
+
+
+def test_stopped_arms_rest_within_their_stopping_distance(ready: Rig) -> None:
+    ready.move((1500, 1500, 1500), 4000)
+    ready.tick(490)
+    before = ready.steps[0]
+    ready.ask(FrameType.STOP)
+    ready.run()
+    assert ready.steps[0] - before == pytest.approx(0.5 / ACCELERATION, abs=3)
+
+
+def test_a_stop_stays_on_the_straight_line() -> None:
+    watched = Watched()
+    watched.rig.move((900, 300, -100), straight=True)
+    watched.tick(400)
+    watched.rig.ask(FrameType.STOP)
+    watched.run()
+    x, y, z = watched.rig.steps
+    assert y == pytest.approx(x / 3, abs=1.1)
+    assert z == pytest.approx(-x / 9, abs=1.1)
+
+
+def test_a_motion_after_a_stop_ends_exactly(ready: Rig) -> None:
+    ready.move((900, 300, -100))
+    ready.tick(333)
+    ready.ask(FrameType.STOP)
+    ready.run()
+    ready.move((7, 8, 9))
+    ready.run()
+    assert (ready.steps, ready.outcome) == ((7, 8, 9), Outcome.DONE)
+
+
+def test_a_motion_may_replace_a_stop(ready: Rig) -> None:
+    ready.move((900, 900, 900))
+    ready.tick(333)
+    ready.ask(FrameType.STOP)
+    ready.tick(50)
+    ready.move((0, 10, 20))
+    ready.run()
+    assert (ready.steps, ready.outcome) == ((0, 10, 20), Outcome.DONE)
+
+
+def test_the_motors_turn_as_the_steps_say() -> None:
+    watched = Watched()
+    before = (0, 0, 0)
+    watched.rig.move((60, -40, 20))
+    for _ in range(500):
+        watched.tick()
+        now = watched.steps[-1]
+        assert all(abs(b - a) <= 2 for a, b in zip(before, now, strict=True))
+        before = now
+    assert watched.firmware.pulses() == (60, -40, 20)

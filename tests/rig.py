@@ -1,0 +1,185 @@
+"""A firmware under test in virtual time, and the hands to work it with."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+from pathlib import Path
+from typing import Protocol
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import Enable, Error, FrameType, Move, Outcome, State, Telemetry
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware
+
+ROOT = Path(__file__).resolve().parents[1]
+_TURN = ROBOT.drive.full_steps * ROBOT.drive.microsteps * ROBOT.drive.gear_ring / ROBOT.drive.gear_pinion
+ARM_TURN = round(_TURN)
+ARM_SPACING = round(_TURN / 3)
+GAP_MIN = round(_TURN / 360 * ROBOT.limits.guard_gap_min)
+YAW_SUM_MAX = int(3 * _TURN / 360 * ROBOT.limits.guard_yaw_max)
+SPEED_MAX = 4189
+"""Quarter microsteps per second."""
+ACCELERATION = _TURN / 360 * ROBOT.limits.acceleration / 1e6
+"""Microsteps per tick, per tick."""
+KEEP_ALIVE_MS = 400
+
+Steps = tuple[int, int, int]
+
+
+class Core(Protocol):
+    """The firmware, whatever it was compiled to."""
+
+    def receive(self, data: bytes) -> None: ...
+    def transmit(self) -> bytes: ...
+    def tick(self, ms: int) -> None: ...
+    def steps(self) -> Steps: ...
+
+
+class HostFirmware:
+    """The host library; one per process may be in use at a time, since its state is the library's."""
+
+    _REPORT = struct.Struct("<6q6iII")
+
+    def __init__(self, library: Path, boot: int = 1) -> None:
+        self._library = ctypes.CDLL(str(library))
+        for name in ("report_buffer", "receive_buffer", "transmit_buffer"):
+            getattr(self._library, name).restype = ctypes.c_void_p
+        self._library.start(boot)
+        self._sent = b""
+
+    def receive(self, data: bytes) -> None:
+        """Give bytes to the serial port."""
+        size = self._library.receive_size()
+        while data:
+            chunk = data[:size]
+            ctypes.memmove(self._library.receive_buffer(), chunk, len(chunk))
+            data = data[self._library.receive(len(chunk)) :]
+            self._drain()
+
+    def transmit(self) -> bytes:
+        """All that was sent since the last call."""
+        self._drain()
+        sent, self._sent = self._sent, b""
+        return sent
+
+    def tick(self, ms: int) -> None:
+        """Let time pass."""
+        self._library.tick(ms)
+        self._drain()
+
+    def steps(self) -> Steps:
+        """Set points from home."""
+        x, y, z = self._report()[6:9]
+        return x, y, z
+
+    def _report(self) -> tuple[int, ...]:
+        return self._REPORT.unpack(ctypes.string_at(self._library.report_buffer(), self._REPORT.size))
+
+    def _drain(self) -> None:
+        self._sent += ctypes.string_at(self._library.transmit_buffer(), self._report()[13])
+        self._library.drain()
+
+
+class Rig:
+    """Talks to a firmware frame by frame; every reply and telemetry is looked at."""
+
+    def __init__(self, core: Core | None = None) -> None:
+        self.core = core or Firmware()
+        self.telemetry: list[Telemetry] = []
+        self.others: list[Frame] = []
+        self._decoder = Decoder()
+        self._seq = 0
+        self.motion = 0
+        self._look()
+
+    def ask(self, kind: int, payload: bytes = b"") -> Error:
+        """Send a request; its acknowledgement must be there when this returns."""
+        self._seq = self._seq % 255 + 1
+        self.others.clear()
+        self.core.receive(encode(kind, self._seq, payload))
+        self._look()
+        (reply,) = self.others
+        assert (reply.type, reply.seq, len(reply.payload)) == (kind | 0x80, self._seq, 1)
+        return Error(reply.payload[0])
+
+    def enable(self, value: int = 1) -> Error:
+        """ENABLE."""
+        return self.ask(FrameType.ENABLE, Enable(value).pack())
+
+    def ready(self) -> Rig:
+        """Enabled and calibrated."""
+        assert self.enable() == Error.OK
+        assert self.ask(FrameType.CALIBRATE) == Error.OK
+        return self
+
+    def move(
+        self,
+        target: Steps,
+        speed: Steps | int = SPEED_MAX,
+        *,
+        straight: bool = False,
+        motion: int | None = None,
+    ) -> Error:
+        """MOVE under the next number, unless told which."""
+        self.motion = (self.motion + 1) % 65536 if motion is None else motion
+        speeds = (speed, speed, speed) if isinstance(speed, int) else speed
+        return self.ask(FrameType.MOVE, Move(int(straight), self.motion, target, speeds).pack())
+
+    def raw(self, data: bytes) -> list[Frame]:
+        """Send bytes as they are; everything but telemetry that came back."""
+        self.others.clear()
+        self.core.receive(data)
+        self._look()
+        return list(self.others)
+
+    def tick(self, ms: int = 1) -> None:
+        """Let time pass and read what was sent meanwhile."""
+        self.core.tick(ms)
+        self._look()
+
+    def run(self, limit_ms: int = 60_000) -> None:
+        """Let time pass until the arms rest, with heartbeats."""
+        while State.MOVING in self.state:
+            assert limit_ms > 0, self.last
+            self.ask(FrameType.PING)
+            self.tick(KEEP_ALIVE_MS)
+            limit_ms -= KEEP_ALIVE_MS
+
+    @property
+    def last(self) -> Telemetry:
+        """Newest telemetry."""
+        return self.telemetry[-1]
+
+    @property
+    def state(self) -> State:
+        """State bits of the newest telemetry, which comes with every change."""
+        return State(self.last.state)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the last motion ended."""
+        return Outcome(self.last.outcome)
+
+    @property
+    def steps(self) -> Steps:
+        """Set points in whole microsteps."""
+        return self.core.steps()
+
+    def _look(self) -> None:
+        sent = self.core.transmit()
+        if not sent:
+            return
+        for frame in self._decoder.feed(sent):
+            if frame.type == FrameType.TELEMETRY:
+                self.telemetry.append(Telemetry.unpack(frame.payload))
+            else:
+                self.others.append(frame)
+        assert self._decoder.rejected == 0
+
+
+def least_gap(steps: Steps) -> int:
+    """Smallest distance of neighbouring arms, microsteps."""
+    x, y, z = steps
+    last = ARM_TURN - 2 * ARM_SPACING
+    return min(ARM_SPACING + y - x, ARM_SPACING + z - y, last + x - z)

@@ -1,0 +1,109 @@
+"""Framing: the golden bytes of the contract, any chunking, and no trust in what comes over a wire."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD, FrameType
+from beatrix_zenoh.board.link import Decoder, Frame, crc16, encode
+
+VECTORS = json.loads(
+    (Path(__file__).resolve().parents[2] / "schemas/vectors/serial.json").read_text(encoding="utf-8")
+)
+BYTE = st.integers(0, 255)
+FRAMES = st.builds(Frame, BYTE, BYTE, st.binary(max_size=MAX_PAYLOAD))
+
+
+def on_wire(frames: list[Frame]) -> bytes:
+    return b"".join(encode(*frame) for frame in frames)
+
+
+def test_crc_is_the_one_of_the_catalogue() -> None:
+    assert crc16(b"123456789") == 0x6F91  # check value of CRC-16/MCRF4XX
+
+
+@pytest.mark.parametrize("vector", VECTORS, ids=lambda v: f"{v['frame']}-{v['seq']}")
+def test_golden_frames_are_read_and_written_again(vector: dict[str, str]) -> None:
+    wire = bytes.fromhex(vector["wire"])
+    (frame,) = Decoder().feed(wire)
+    assert (frame.type, frame.seq) == (FrameType[vector["frame"]], int(vector["seq"]))
+    assert encode(*frame) == wire
+
+
+@given(FRAMES)
+def test_a_frame_has_no_delimiter_inside_and_is_no_text(frame: Frame) -> None:
+    block = encode(*frame)[1:-1]
+    assert 0 not in block
+    assert len(block) <= MAX_ENCODED
+    assert block[0] != ord("@")
+
+
+@given(st.lists(FRAMES, max_size=5), st.lists(st.integers(0, 400), max_size=12))
+def test_chunks_of_any_size_give_the_same_frames(frames: list[Frame], cuts: list[int]) -> None:
+    wire, decoder, got, at = on_wire(frames), Decoder(), [], 0
+    for cut in [*sorted(cuts), len(wire)]:
+        got += decoder.feed(wire[at:cut])
+        at = max(at, cut)
+    assert got == frames
+    assert decoder.rejected == 0
+
+
+@given(st.lists(st.binary(max_size=300), max_size=8), FRAMES)
+def test_garbage_never_raises_and_the_next_frame_is_read(garbage: list[bytes], frame: Frame) -> None:
+    decoder = Decoder()
+    for chunk in garbage:
+        decoder.feed(chunk)
+    assert decoder.feed(encode(*frame))[-1] == frame
+
+
+@given(FRAMES, st.data())
+def test_one_wrong_bit_is_noticed(frame: Frame, data: st.DataObject) -> None:
+    wire = bytearray(encode(*frame))
+    wire[data.draw(st.integers(1, len(wire) - 2))] ^= 1 << data.draw(st.integers(0, 7))
+    decoder = Decoder()
+    assert decoder.feed(bytes(wire)) == []
+    assert decoder.rejected >= 1
+
+
+@given(FRAMES, st.data())
+def test_half_a_frame_is_nothing(frame: Frame, data: st.DataObject) -> None:
+    wire = encode(*frame)
+    half = wire[: data.draw(st.integers(2, len(wire) - 2))]
+    decoder = Decoder()
+    assert decoder.feed(half) == []
+    assert decoder.feed(wire) == [frame]
+    assert decoder.rejected == 1
+
+
+@pytest.mark.parametrize(
+    "block",
+    [b"\x01", b"\x05\x01\x01\xe9", b"\x02\x41" * 40, b"\x05\x01\x01\xe9\xf9", b"\x03\x41\x42"],
+    ids=["empty", "run too short", "too long", "wrong CRC", "too short"],
+)
+def test_a_block_that_is_no_frame_is_counted_once(block: bytes) -> None:
+    decoder = Decoder()
+    assert decoder.feed(b"\0" + block + b"\0") == []
+    assert decoder.rejected == 1
+
+
+def test_silence_between_frames_is_not_counted() -> None:
+    decoder = Decoder()
+    assert decoder.feed(bytes(1000)) == []
+    assert decoder.rejected == 0
+
+
+def test_endless_garbage_takes_no_memory() -> None:
+    decoder = Decoder()
+    for _ in range(100):
+        decoder.feed(b"U" * 10_000)
+    assert len(decoder._block) <= MAX_ENCODED + 1
+
+
+def test_a_payload_that_is_too_long_is_refused() -> None:
+    with pytest.raises(ValueError, match="57 bytes: a frame holds at most 56"):
+        encode(1, 1, bytes(MAX_PAYLOAD + 1))

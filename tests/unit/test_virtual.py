@@ -1,0 +1,187 @@
+"""The virtual board: a port as good as a serial one, in virtual time or by the clock."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import Enable, FrameType, HelloReply, Move, Telemetry
+from beatrix_zenoh.board import virtual
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.errors import BeatrixError
+
+SPEED = (4189, 4189, 4189)
+
+
+@pytest.fixture
+def board() -> Iterator[VirtualBoard]:
+    board = VirtualBoard(Firmware(boot=7, name="bea1"))
+    yield board
+    board.close()
+
+
+def frames(data: bytes) -> list[Frame]:
+    return Decoder().feed(data)
+
+
+def telemetry(data: bytes) -> list[Telemetry]:
+    return [Telemetry.unpack(frame.payload) for frame in frames(data) if frame.type == FrameType.TELEMETRY]
+
+
+def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1) -> None:
+    firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
+    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
+    firmware.receive(encode(FrameType.MOVE, 3, Move(0, motion, target, SPEED).pack()))
+
+
+def test_a_board_greets_after_its_start(board: VirtualBoard) -> None:
+    greeting = frames(board.read(0))[0]
+    hello = HelloReply.unpack(greeting.payload)
+    assert (greeting.type, greeting.seq) == (FrameType.HELLO_REPLY, 0)
+    assert (hello.boot, hello.name.rstrip(b"\0")) == (7, b"bea1")
+
+
+def test_a_written_request_is_answered_at_once(board: VirtualBoard) -> None:
+    board.read(0)
+    board.write(encode(FrameType.PING, 9, b""))
+    assert frames(board.read(0)) == [Frame(FrameType.PING | 0x80, 9, b"\0")]
+
+
+def test_many_requests_in_one_write_are_all_answered(board: VirtualBoard) -> None:
+    board.read(0)
+    board.write(b"".join(encode(FrameType.HELLO, seq, b"") for seq in range(1, 255)))
+    assert [frame.seq for frame in frames(board.read(0))] == list(range(1, 255))
+
+
+def test_reading_waits_no_longer_than_told(board: VirtualBoard) -> None:
+    board.read(0)
+    begin = time.monotonic()
+    assert board.read(0.05) == b""
+    assert 0.04 < time.monotonic() - begin < 5
+
+
+def test_a_waiting_reader_wakes_when_bytes_come(board: VirtualBoard) -> None:
+    board.read(0)
+    got: list[bytes] = []
+    reader = threading.Thread(target=lambda: got.append(board.read(30)))
+    reader.start()
+    board.advance(10)
+    reader.join(30)
+    assert [t.tick for t in telemetry(got[0])] == [10]
+
+
+def test_closing_wakes_a_reader_and_refuses_a_writer(board: VirtualBoard) -> None:
+    board.read(0)
+    got: list[bytes] = []
+    reader = threading.Thread(target=lambda: got.append(board.read(30)))
+    reader.start()
+    board.close()
+    reader.join(30)
+    assert got == [b""]
+    with pytest.raises(OSError, match="closed"):
+        board.write(b"\0")
+
+
+def test_nobody_reading_takes_no_memory(board: VirtualBoard) -> None:
+    board.advance(60_000)
+    assert len(board.read(0)) == virtual._UNREAD_MAX
+
+
+def test_a_long_stretch_of_time_loses_no_telemetry() -> None:
+    firmware = Firmware()
+    firmware.transmit()
+    firmware.tick(12_345)
+    assert [t.tick for t in telemetry(firmware.transmit())] == list(range(10, 12_345, 10))
+
+
+def test_two_boards_do_not_know_each_other() -> None:
+    one, other = Firmware(), Firmware()
+    make_move(one, (100, 100, 100))
+    one.tick(300)
+    other.tick(300)
+    assert one.steps() != other.steps() == (0, 0, 0)
+
+
+def test_drivers_follow_enable() -> None:
+    firmware = Firmware()
+    assert not firmware.drivers_on()
+    make_move(firmware, (10, 0, 0))
+    assert firmware.drivers_on()
+
+
+def test_a_restored_board_goes_on_as_the_first_would() -> None:
+    robot, preview = Firmware(boot=3, name="bea1"), Firmware()
+    make_move(robot, (300, -200, 50))
+    robot.tick(200)
+    robot.transmit()
+    preview.restore(robot.snapshot())
+    robot.tick(400)
+    preview.tick(400)
+    assert preview.steps() == robot.steps()
+    assert preview.transmit() == robot.transmit()
+
+
+def test_motor_pulses_outlive_calibration() -> None:
+    firmware = Firmware()
+    make_move(firmware, (30, -20, 10))
+    firmware.tick(450)
+    firmware.receive(encode(FrameType.CALIBRATE, 4, b""))
+    assert firmware.steps() == (0, 0, 0)
+    make_move(firmware, (1, 1, 1))
+    firmware.tick(300)
+    assert firmware.pulses() == (31, -19, 11)
+
+
+def test_set_points_are_known_between_steps() -> None:
+    firmware = Firmware()
+    make_move(firmware, (100, -100, 0))
+    firmware.tick(5)
+    x, y, z = firmware.set_points()
+    assert 0 < x < 1
+    assert (y, z) == (-x, 0)
+
+
+def test_the_ticker_keeps_the_clock(board: VirtualBoard) -> None:
+    begin = time.monotonic()
+    ticker = RealTimeTicker(board)
+    seen: list[Telemetry] = []
+    while not seen or seen[-1].tick < 200:
+        assert time.monotonic() - begin < 30
+        seen += telemetry(board.read(1))
+    took_ms = (time.monotonic() - begin) * 1000
+    ticker.close()
+    assert took_ms >= 199  # time never runs ahead; how far it lags is the machine's business
+
+
+def test_the_ticker_makes_up_for_lost_time(board: VirtualBoard) -> None:
+    ticker = RealTimeTicker(board)
+    with board.lock:
+        threading.Event().wait(0.1)  # the ticker cannot get in meanwhile
+    begin = time.monotonic()
+    seen: list[Telemetry] = []
+    while not seen or seen[-1].tick < 90:
+        assert time.monotonic() - begin < 30
+        seen += telemetry(board.read(1))
+    ticker.close()
+    assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
+
+
+def test_time_stands_still_after_the_ticker(board: VirtualBoard) -> None:
+    ticker = RealTimeTicker(board, period_ms=1)
+    ticker.close()
+    board.read(0)
+    assert board.read(0.03) == b""
+
+
+def test_a_missing_wasmtime_is_named_with_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "wasmtime", None)
+    virtual._compiled.cache_clear()
+    with pytest.raises(BeatrixError, match=r'pip install "beatrix-zenoh\[sim\]"') as caught:
+        Firmware()
+    assert caught.value.reason == Reason.BOARD_LOST
