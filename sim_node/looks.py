@@ -34,6 +34,11 @@ EYE_FORWARD: Final = 0.107
 EYE_UP: Final = 0.018
 """Of the cameras, above the head's centre of mass (m)."""
 
+SKY: Final = (0.93, 0.95, 0.97)
+TILES: Final = ((0.88, 0.885, 0.875), (0.845, 0.855, 0.85))
+TILE: Final = 0.1
+"""Side of the floor's tiles (m)."""
+
 _FLOOR: Final = -0.206
 _SPHERE: Final = mujoco.mjtGeom.mjGEOM_SPHERE
 _CAPSULE: Final = mujoco.mjtGeom.mjGEOM_CAPSULE
@@ -54,7 +59,7 @@ _COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "middle": (0.20, 0.65, 0.36),
     "long": (0.18, 0.42, 0.82),
     "metal": (0.66, 0.68, 0.70),
-    "motor": (0.16, 0.17, 0.19),
+    "motor": (0.30, 0.31, 0.34),
     "base": (0.24, 0.27, 0.31),
 }
 
@@ -88,9 +93,7 @@ class Wardrobe:
         axis: Point = (0.0, 0.0, 1.0),
     ) -> None:
         """A primitive (m) at `pos` of a body, its z axis along `axis`."""
-        self._geom(body, material, type=shape, size=[*size, 0.0, 0.0][:3], pos=list(pos)).alt.zaxis = list(
-            axis
-        )
+        self._geom(body, material, type=shape, size=[*size, 0.0, 0.0][:3], pos=list(pos), zaxis=list(axis))
 
     def bar(
         self,
@@ -143,8 +146,8 @@ def _stage(spec: mujoco.MjSpec) -> None:
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.93, 0.95, 0.97],
-        rgb2=[0.62, 0.71, 0.80],
+        rgb1=[0.80, 0.86, 0.92],
+        rgb2=SKY,
         width=256,
         height=256 * 6,
     )
@@ -152,12 +155,12 @@ def _stage(spec: mujoco.MjSpec) -> None:
         name="tiles",
         type=mujoco.mjtTexture.mjTEXTURE_2D,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.80, 0.82, 0.84],
-        rgb2=[0.75, 0.775, 0.80],
+        rgb1=TILES[0],
+        rgb2=TILES[1],
         width=256,
         height=256,
     )
-    floor = spec.add_material(name="floor", texrepeat=[5, 5], texuniform=True, reflectance=0.06, specular=0.1)
+    floor = spec.add_material(name="floor", texrepeat=[0.5 / TILE, 0.5 / TILE], texuniform=True, specular=0.1)
     floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
     plane = world.add_geom(
         name="floor",
@@ -168,26 +171,29 @@ def _stage(spec: mujoco.MjSpec) -> None:
         group=VISUAL,
     )
     plane.contype = plane.conaffinity = 0
-    world.add_light(pos=[0.9, -0.7, 1.5], dir=[-0.9, 0.7, -1.5], diffuse=[0.62, 0.61, 0.58], castshadow=True)
-    world.add_light(pos=[0.8, 1.2, 0.8], dir=[-0.8, -1.2, -0.8], diffuse=[0.25, 0.27, 0.30], castshadow=False)
+    sun = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    world.add_light(type=sun, pos=[0.6, -0.5, 1.2], dir=[-0.5, 0.55, -1.1], diffuse=[0.60, 0.59, 0.56])
+    fill = world.add_light(type=sun, pos=[1.0, -1.2, 0.6], dir=[-0.8, 1.0, -0.5], diffuse=[0.20, 0.21, 0.23])
+    fill.castshadow = False
     _observer(world)
     visual = spec.visual
-    visual.headlight.ambient = [0.34, 0.34, 0.35]
-    visual.headlight.diffuse = [0.14, 0.14, 0.14]
+    visual.headlight.ambient = [0.30, 0.30, 0.32]
+    visual.headlight.diffuse = [0.20, 0.20, 0.20]
     visual.headlight.specular = [0.1, 0.1, 0.1]
     visual.quality.shadowsize = 4096
     visual.map.znear = 0.02
-    visual.map.shadowclip = 0.6
-    getattr(visual, "global").offwidth, getattr(visual, "global").offheight = 1920, 1440
+    visual.map.shadowclip = 0.8
+    visual.map.zfar = 12.0
+    visual.rgba.haze = [*SKY, 1.0]
     spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.0], 1.0
 
 
 def _observer(world: mujoco.MjsBody) -> None:
-    place, target = np.array((0.66, -0.42, 0.17)), np.array((0.0, 0.0, 0.015))
+    place, target = np.array((0.80, -0.56, 0.20)), np.array((0.0, 0.0, 0.012))
     ahead = (target - place) / np.linalg.norm(target - place)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
-    world.add_camera(name="observer", pos=place, xyaxes=[*right, *np.cross(right, ahead)], fovy=32.0)
+    world.add_camera(name="observer", pos=place, xyaxes=[*right, *np.cross(right, ahead)], fovy=28.0)
 
 
 def _base(wardrobe: Wardrobe, robot: RobotData) -> None:
@@ -273,10 +279,10 @@ def _face(wardrobe: Wardrobe, robot: RobotData) -> None:
         wardrobe.put("head", "iris", _ELLIPSOID, (0.006, 0.0135, 0.0135), eye + _vector(0.0178, 0, 0))
         wardrobe.put("head", "black", _ELLIPSOID, (0.004, 0.0075, 0.0075), eye + _vector(0.0215, 0, 0))
         wardrobe.put("head", "white", _SPHERE, (0.0024,), eye + _vector(0.0232, 0.004, 0.0045))
-        brow = [
-            eye + _vector(0.010, side * y, 0.030 - 3.5 * (y - 0.002) ** 2 * 10) for y in (-0.014, 0.0, 0.012)
+        arch = [
+            (0.013 - 12.0 * y * y, y, 0.029 - 22.0 * y * y) for y in np.linspace(-0.014, 0.014, 7).tolist()
         ]
-        wardrobe.bar("head", "trim", 0.0028, *brow)
+        wardrobe.bar("head", "visor", 0.0024, *(eye + _vector(*point) for point in arch))
     smile = [
         (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y)
         for y in np.linspace(-0.024, 0.024, 9).tolist()

@@ -108,6 +108,11 @@ class Plant:
         """Smallest angle (rad) between neighbouring arms."""
         return min(self._neck.gaps(self._arms.tolist()))
 
+    def posture(self) -> npt.NDArray[np.float64]:
+        """All joint positions, for a painter; a copy, shape (10,)."""
+        posture: npt.NDArray[np.float64] = self.data.qpos.copy()
+        return posture
+
     def closure_error(self) -> float:
         """Largest distance (m) between the end of a rod and its mount on the head, at the last step."""
         sites = self.data.site_xpos
@@ -128,7 +133,22 @@ class Plant:
     def straighten(self) -> None:
         """Set the head upright and forget what slipped: what a person does before calibrating."""
         self._drive.put_home()
-        self._put(_UPRIGHT)
+        self.place(_UPRIGHT)
+
+    def place(self, arms: Arms) -> None:
+        """Set everything at rest at these arm angles (rad); raises BeatrixError if no head fits them."""
+        time = self.data.time
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.time = time
+        rotation = np.array(self._neck.rotation(arms))
+        self._arms[:] = arms
+        self._rods[:] = [
+            chain.rod_angle(arm, rotation)
+            for chain, arm in zip(chains(self._robot.geometry), arms, strict=True)
+        ]
+        mujoco.mju_mat2Quat(self._quaternion, rotation.ravel())
+        self._obey_drive()
+        mujoco.mj_kinematics(self.model, self.data)
 
     def re_place(self) -> None:
         """Take the neck apart and put it together at its set points, or upright if no head fits those."""
@@ -136,9 +156,9 @@ class Plant:
         try:
             self._neck.rotation(self._drive.set_points)
         except BeatrixError:
-            self._put(_UPRIGHT)
+            self.place(_UPRIGHT)
         else:
-            self._put(self._drive.set_points)
+            self.place(self._drive.set_points)
 
     def save(self) -> PlantState:
         """The present moment."""
@@ -164,21 +184,6 @@ class Plant:
     def _obey_drive(self) -> None:
         self.data.ctrl[:] = self._drive.set_points
         self.model.opt.disableactuator = 0 if self._drive.on else _ALL_MOTORS
-
-    def _put(self, arms: Arms) -> None:
-        """Set everything at rest at these arm angles, in the home assembly."""
-        time = self.data.time
-        mujoco.mj_resetData(self.model, self.data)
-        self.data.time = time
-        rotation = np.array(self._neck.rotation(arms))
-        self._arms[:] = arms
-        self._rods[:] = [
-            chain.rod_angle(arm, rotation)
-            for chain, arm in zip(chains(self._robot.geometry), arms, strict=True)
-        ]
-        mujoco.mju_mat2Quat(self._quaternion, rotation.ravel())
-        self._obey_drive()
-        mujoco.mj_kinematics(self.model, self.data)
 
 
 def _stride(addresses: Sequence[int]) -> slice:

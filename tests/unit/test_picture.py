@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import io
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import PIL.Image
+import pytest
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.kinematics import Neck
+from sim_node import gl
+from sim_node.gl import GlPainter, Image
+from sim_node.looks import VISUAL
+from sim_node.picture import picture, png, write_picture
+from sim_node.plant import Plant
+from sim_node.rays import RayPainter
+
+HOME: Arms = (0.0, 0.0, 0.0)
+LOOKING_AT_YOU = Neck().inverse(math.radians(-30), 0.0, 0.0)
+WIDTH, HEIGHT = 160, 120
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def without_gl(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    gl.backend.cache_clear()
+    monkeypatch.setenv("MUJOCO_GL", "off")
+    yield
+    gl.backend.cache_clear()
+
+
+def share(image: Image, dominant: int) -> float:
+    """Part of the pixels in which one colour is far stronger than the two others."""
+    strongest = image[..., dominant].astype(int)
+    rest = np.delete(image, dominant, axis=2).max(axis=2)
+    return float((strongest > rest * 1.5).mean())
+
+
+def shows_the_robot(image: Image) -> bool:
+    """Whether red, green and blue rings and the dark base are where they belong."""
+    red, green, blue = (share(image, colour) for colour in range(3))
+    base = image[-HEIGHT // 6 :, WIDTH // 3 : 2 * WIDTH // 3].mean()
+    corner = image[: HEIGHT // 6, : WIDTH // 6].mean()
+    return min(red, green, blue) > 0.0005 and base < corner
+
+
+@pytest.mark.usefixtures("without_gl")
+def test_without_opengl_rays_draw_the_robot() -> None:
+    image = picture(HOME, WIDTH, HEIGHT)
+    assert image.shape == (HEIGHT, WIDTH, 3)
+    assert shows_the_robot(image)
+
+
+def test_opengl_draws_the_robot_where_there_is_some() -> None:
+    if gl.backend() is None:
+        pytest.skip("no OpenGL on this machine")
+    assert shows_the_robot(picture(HOME, WIDTH, HEIGHT))
+
+
+def test_both_ways_to_draw_show_the_same() -> None:
+    name = gl.backend()
+    if name is None:
+        pytest.skip("no OpenGL on this machine")
+    posture = Plant().posture()
+    painter = GlPainter(ROBOT, WIDTH, HEIGHT, name=name, shadows=False, samples=0)
+    drawn = painter.paint(posture, "observer").astype(int)
+    painter.close()
+    cast = RayPainter(ROBOT, WIDTH, HEIGHT).paint(posture, "observer").astype(int)
+    assert np.median(np.abs(drawn - cast)) < 30
+
+
+@pytest.mark.usefixtures("without_gl")
+def test_the_head_turns_with_the_arms() -> None:
+    ahead, turned = picture(HOME, WIDTH, HEIGHT), picture(LOOKING_AT_YOU, WIDTH, HEIGHT)
+    upper, lower = slice(0, HEIGHT // 2), slice(7 * HEIGHT // 8, HEIGHT)
+    assert (ahead[upper] != turned[upper]).mean() > 0.05
+    assert (ahead[lower] == turned[lower]).all()
+
+
+@pytest.mark.usefixtures("without_gl")
+def test_arms_without_a_head_have_no_picture() -> None:
+    with pytest.raises(BeatrixError):
+        picture((2.0, 0.0, 0.0), WIDTH, HEIGHT)
+
+
+@pytest.mark.parametrize("camera", ["observer", "eye_left", "eye_right"])
+def test_no_ray_passes_through_a_part(camera: str) -> None:
+    """Cast one by one, rays meet what they meet cast together; MuJoCo culls more in the second case."""
+    painter = RayPainter(ROBOT, 48, 36)
+    plant = Plant()
+    painter.paint(plant.posture(), camera)
+    mujoco.mj_kinematics(plant.model, plant.data)
+    mujoco.mj_camlight(plant.model, plant.data)
+    eye = plant.data.camera(camera).xpos.copy()
+    rays = painter._rays(camera)
+    together = painter._cast(eye, rays)[0]
+    group = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
+    group[VISUAL] = 1
+    met = np.zeros(1, dtype=np.int32)
+    alone = []
+    for ray in rays:
+        mujoco.mj_ray(plant.model, plant.data, eye, ray, group, 1, -1, met)
+        alone.append(int(met[0]))
+    assert together.tolist() == alone
+
+
+def test_a_png_file_holds_the_very_pixels() -> None:
+    image = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
+    with PIL.Image.open(io.BytesIO(png(image))) as again:
+        assert again.mode == "RGB"
+        assert np.asarray(again).tolist() == image.tolist()
+
+
+@pytest.mark.usefixtures("without_gl")
+def test_a_picture_is_written_as_png(tmp_path: Path) -> None:
+    path = tmp_path / "robot.png"
+    write_picture(path, HOME, WIDTH, HEIGHT)
+    with PIL.Image.open(path) as image:
+        assert image.size == (WIDTH, HEIGHT)
+
+
+def probed(environment: dict[str, str]) -> str:
+    """What a new process says of its OpenGL."""
+    command = [sys.executable, "-c", "from sim_node.gl import backend; print(backend())"]
+    done = subprocess.run(
+        command,
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=50,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def test_a_backend_whose_probe_fails_is_not_used() -> None:
+    assert probed({"PYOPENGL_PLATFORM": "egl", "MUJOCO_GL": "off"}) == "None"
+    assert not gl._works("no_such_backend")
+
+
+def test_the_wish_for_a_backend_is_tried_first() -> None:
+    if not gl._works("osmesa"):
+        pytest.skip("no OSMesa on this machine")
+    assert probed({"MUJOCO_GL": "osmesa"}) == "osmesa"
