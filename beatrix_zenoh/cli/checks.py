@@ -1,0 +1,128 @@
+"""What `beatrix doctor` looks at on this computer."""
+
+from __future__ import annotations
+
+import ctypes.util
+import importlib.util
+import os
+import platform
+import re
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+from typing import NamedTuple
+
+import beatrix_zenoh
+
+DISTRIBUTION = "beatrix-zenoh"
+OUR_PACKAGES = ("sim_node", "hw_node", "gui")
+REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)")
+EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
+SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
+
+
+class Finding(NamedTuple):
+    """One thing looked at: what must be done about it, or what may be; empty: nothing."""
+
+    what: str
+    found: str
+    todo: str = ""
+    advice: str = ""
+
+
+def this_computer() -> Iterator[Finding]:
+    """Everything that needs no network."""
+    yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
+    yield from packages()
+    yield from hidden_packages()
+    yield graphics()
+    yield from serial_ports()
+
+
+def packages() -> Iterator[Finding]:
+    """Ourselves and what each extra needs."""
+    try:
+        requirements = metadata.requires(DISTRIBUTION) or []
+        yield Finding(DISTRIBUTION, metadata.version(DISTRIBUTION))
+    except metadata.PackageNotFoundError:
+        yield Finding(
+            DISTRIBUTION,
+            "runs from its sources, not installed",
+            "pip install -e . in the folder of the sources",
+        )
+        return
+    needs: dict[str, list[str]] = {}
+    for line in requirements:
+        needed, only_for = REQUIREMENT.match(line), EXTRA.search(line)
+        if needed and needed[1] != DISTRIBUTION:
+            needs.setdefault(only_for[1] if only_for else "", []).append(needed[1])
+    needs.pop("all", None)
+    for extra, names in needs.items():
+        found = {name: version(name) for name in names}
+        missing = [name for name, number in found.items() if number is None]
+        title = f"extra {extra}" if extra else "core"
+        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
+        if missing:
+            wanted = f"{DISTRIBUTION}[{extra}]" if extra else DISTRIBUTION
+            yield Finding(
+                title, f"without {', '.join(missing)}", advice=f'if you need it: pip install "{wanted}"'
+            )
+        else:
+            yield Finding(title, present)
+
+
+def version(name: str) -> str | None:
+    """Version of an installed distribution."""
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def hidden_packages() -> Iterator[Finding]:
+    """Somebody else's `gui` could be imported instead of ours."""
+    home = Path(beatrix_zenoh.__file__).resolve().parents[1]
+    for name in OUR_PACKAGES:
+        spec = importlib.util.find_spec(name)
+        if not (home / name).is_dir():
+            continue
+        place = None if spec is None or spec.origin is None else Path(spec.origin).resolve()
+        if place is None or home not in place.parents:
+            yield Finding(
+                f"package {name}",
+                f"another one hides it: {place or 'a folder without __init__.py'}",
+                f"rename or move {place or name}, or start from another folder",
+            )
+
+
+def graphics() -> Finding:
+    """How the eyes of a simulation are drawn."""
+    if sys.platform != "linux":
+        return Finding("graphics", "of the system")
+    found = [name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)]
+    if found:
+        return Finding("graphics", f"{' and '.join(found)} for simulated eyes")
+    return Finding(
+        "graphics",
+        "no EGL, no OSMesa: simulated eyes are drawn by ray casting, coarser",
+        advice="for finer ones: apt install libegl1 libgl1-mesa-dri",
+    )
+
+
+def serial_ports() -> Iterator[Finding]:
+    """Serial devices and whether we may open them."""
+    if os.name == "nt":
+        return  # nobody is locked out there, and their names say nothing
+    devices = sorted(device for pattern in SERIAL_DEVICES for device in Path("/dev").glob(pattern))
+    if not devices:
+        yield Finding("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")
+    for device in devices:
+        if os.access(device, os.R_OK | os.W_OK):
+            yield Finding(f"port {device}", "may be opened")
+        else:
+            yield Finding(
+                f"port {device}",
+                "may not be opened",
+                "sudo usermod -aG dialout $USER, then log out and in again",
+            )

@@ -1,0 +1,157 @@
+"""Verbs that turn the head: look, move, home."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.cli.line import Line, Where, on_line
+from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
+from beatrix_zenoh.cli.unattended import hand_over
+from beatrix_zenoh.cli.verb import document, note, say, verb
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.readings import Reading
+from beatrix_zenoh.robot import Robot, motion_query, pose_query
+from beatrix_zenoh.twin import Plan, Twin
+
+Relative = Annotated[bool, typer.Option("--relative", help="By these angles, instead of to them.")]
+Speed = Annotated[
+    float | None, typer.Option(help="Top speed of the fastest arm in degrees/s; else the robot's default.")
+]
+NoWait = Annotated[
+    bool,
+    typer.Option("--no-wait", help="Return once it is accepted; the motion goes on without you and Ctrl-C."),
+]
+ROADS = {"pose": keys.pose, "motion": keys.motion}
+
+
+@verb
+def look(
+    yaw: Annotated[float, typer.Option(help="Degrees, left is positive.")] = 0.0,
+    pitch: Annotated[float, typer.Option(help="Degrees, nose down is positive.")] = 0.0,
+    roll: Annotated[float, typer.Option(help="Degrees, right ear down is positive.")] = 0.0,
+    relative: Relative = False,
+    speed: Speed = None,
+    no_wait: NoWait = False,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+    as_json: Json = False,
+) -> None:
+    """Turn the head to these angles (degrees); angles not given are 0. Ctrl-C stops it."""
+    query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+
+    def preview(twin: Twin) -> Plan:
+        return twin.preview(yaw, pitch, roll, relative=relative, speed=speed)
+
+    with on_line(Where(name, connect, who), on) as line:
+        carry_out(line, "pose", query, preview, no_wait=no_wait, as_json=as_json)
+
+
+@verb
+def move(
+    short: Annotated[float, typer.Argument(help="Short arm, degrees.")],
+    middle: Annotated[float, typer.Argument(help="Middle arm, degrees.")],
+    long: Annotated[float, typer.Argument(help="Long arm, degrees.")],
+    relative: Relative = False,
+    speed: Speed = None,
+    no_wait: NoWait = False,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+    as_json: Json = False,
+) -> None:
+    """Turn the three arms (degrees from home, counter-clockwise from above positive). Ctrl-C stops them."""
+    query = motion_query(short, middle, long, relative=relative, speed=speed)
+
+    def preview(twin: Twin) -> Plan:
+        return twin.preview_arms(short, middle, long, relative=relative, speed=speed)
+
+    with on_line(Where(name, connect, who), on) as line:
+        carry_out(line, "motion", query, preview, no_wait=no_wait, as_json=as_json)
+
+
+@verb
+def home(
+    name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
+) -> None:
+    """Turn the head home: all arms to 0 degrees. Ctrl-C stops it."""
+    query = motion_query(0, 0, 0, relative=False, speed=None)
+    with on_line(Where(name, connect, who), on) as line:
+        carry_out(
+            line, "motion", query, lambda twin: twin.preview_arms(0, 0, 0), no_wait=False, as_json=as_json
+        )
+
+
+def carry_out(
+    line: Line,
+    road: str,
+    query: MotionQuery | PoseQuery,
+    preview: Callable[[Twin], Plan],
+    *,
+    no_wait: bool,
+    as_json: bool,
+) -> None:
+    """A motion on the robots chosen, and where they are afterwards; both: previewed, then committed."""
+    robots = line.robots()
+    if no_wait:
+        if len(robots) > 1:
+            raise typer.BadParameter("--no-wait goes with one robot; both are waited for together.")
+        announce([(robot, hand_over(robot, ROADS[road], query)) for robot in robots], as_json)
+        return
+    with stopping(robots):
+        if len(robots) > 1:
+            commit(line, preview)
+            messages = ["There."] * len(robots)
+        else:
+            messages = [robot.begin(road, query).wait().message for robot in robots]
+    announce(list(zip(robots, messages, strict=True)), as_json)
+
+
+def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
+    """Preview on the simulation's copy, say what it will be, then both."""
+    settings = line.client.settings
+    with Twin(line.name, connect=settings.connect, who=settings.who) as twin:
+        plan = preview(twin)
+        note(f"Previewed: {plan.duration:.1f} s. {plan.verdict} Now both, the simulation first.")
+        plan.commit()
+
+
+@contextlib.contextmanager
+def stopping(robots: list[Robot]) -> Iterator[None]:
+    """Ctrl-C in here stops the robots, whatever they are doing."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for robot in robots:
+            with contextlib.suppress(BeatrixError):  # what has gone, moves no more
+                note(f"{robot}: {robot.stop().message}")
+        raise
+
+
+def announce(ends: list[tuple[Robot, str]], as_json: bool) -> None:
+    """Say where the robots are now."""
+    readings = [(robot, message, robot.positions()) for robot, message in ends]
+    if as_json:
+        rows = [{**where(robot, reading), "message": message} for robot, message, reading in readings]
+        document({"result": True, "robots": rows})
+        return
+    for robot, message, reading in readings:
+        say(f"{robot}: {message} {reading}")
+
+
+def where(robot: Robot, reading: Reading) -> Mapping[str, object]:
+    """A robot and its angles in degrees, for JSON."""
+    return {
+        "robot": robot.name,
+        "on": robot.twin,
+        "head_deg": {axis: round(angle, 3) for axis, angle in reading.head._asdict().items()},
+        "arms_deg": {arm: round(angle, 3) for arm, angle in reading.arms._asdict().items()},
+    }

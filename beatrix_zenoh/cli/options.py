@@ -1,0 +1,43 @@
+"""Options that mean the same in every verb."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+
+class Which(StrEnum):
+    """Which robots of a name."""
+
+    SIM = "sim"
+    HW = "hw"
+    BOTH = "both"
+
+
+Name = Annotated[
+    str | None,
+    typer.Option(
+        "--name", metavar="ROBOT", help="The robot; else BEATRIX_ROBOT, beatrix.toml, the only one on line."
+    ),
+]
+Connect = Annotated[
+    str | None,
+    typer.Option(
+        "--connect",
+        metavar="ENDPOINT",
+        help="The router; else BEATRIX_CONNECT, beatrix.toml, tcp/127.0.0.1:7447.",
+    ),
+]
+Who = Annotated[
+    str | None,
+    typer.Option("--who", metavar="SEAT", help="Who asks; else BEATRIX_WHO, beatrix.toml, your user name."),
+]
+On = Annotated[
+    Which | None,
+    typer.Option(
+        "--on", help="sim, hw or both; else the simulation if it is on line, otherwise the hardware."
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]

@@ -1,0 +1,162 @@
+"""Child processes that serve: started, waited for, watched, ended in order, never left behind."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Self
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import NoAnswer, Refused
+
+READY_S = 20.0
+"""A busy computer that imports MuJoCo for the first time may need this long."""
+END_S = 4.0
+"""A node stops its robot first; then it is killed."""
+TURN_S = 0.02
+LAST_WORDS = 5
+"""Lines of a child's output that are shown when it has failed."""
+ENDINGS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
+]
+
+NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
+"""Windows has a flag where other systems have `process_group`."""
+
+
+class Child:
+    """One `beatrix …` process whose output goes to a file.
+
+    It has a process group of its own, so Ctrl-C reaches the parent alone, and the other end of its
+    standard input, so it ends when the parent has gone, however that came about (see child.py).
+    """
+
+    def __init__(self, title: str, arguments: Sequence[str], log: Path) -> None:
+        self.title, self.log = title, log
+        with log.open("wb") as output:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "beatrix_zenoh.cli.child", *arguments],
+                stdin=subprocess.PIPE,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                process_group=None if sys.platform == "win32" else 0,
+                creationflags=NEW_GROUP,
+            )
+
+    @property
+    def ready(self) -> bool:
+        """It has said that it serves."""
+        return any(line.startswith("ready ") for line in self._lines())
+
+    @property
+    def code(self) -> int | None:
+        """Exit code, None while it runs."""
+        return self._process.poll()
+
+    def last_words(self) -> str:
+        """What it wrote last, to tell why it failed."""
+        return "\n".join(f"  {line}" for line in self._lines()[-LAST_WORDS:])
+
+    def _lines(self) -> list[str]:
+        return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+
+    def end(self) -> None:
+        """Ask it to end; kill it if it does not."""
+        self._process.terminate()
+        try:
+            self._process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
+
+class Fleet:
+    """Children that live as long as a `with` block; the last one started ends first."""
+
+    def __init__(self) -> None:
+        self.folder = tempfile.TemporaryDirectory(prefix="beatrix-")
+        self.children: list[Child] = []
+
+    def start(self, title: str, *arguments: str) -> Child:
+        """Start `beatrix …`; wait for it with `wait_ready`."""
+        log = Path(self.folder.name) / f"{title}.log"
+        child = Child(title, arguments, log)
+        self.children.append(child)
+        return child
+
+    def wait_ready(self, timeout_s: float = READY_S) -> None:
+        """Return when all children serve.
+
+        Raises:
+            Refused: one has ended.
+            NoAnswer: TIMED_OUT.
+        """
+        deadline = time.monotonic() + timeout_s
+        while waiting := [child for child in self.children if not child.ready]:
+            self.check()
+            if time.monotonic() > deadline:
+                child = waiting[0]
+                raise NoAnswer(
+                    Reason.TIMED_OUT,
+                    f"The {child.title} did not become ready within {timeout_s:.0f} s:\n{child.last_words()}",
+                )
+            time.sleep(TURN_S)
+
+    def check(self) -> None:
+        """Raise Refused if a child has ended."""
+        for child in self.children:
+            if child.code is not None:
+                raise Refused(
+                    Reason.SHUTDOWN,
+                    f"The {child.title} has ended (exit code {child.code}). Its last words:\n{child.last_words()}",
+                )
+
+    def end(self) -> None:
+        """End all, the last one started first."""
+        while self.children:
+            self.children.pop().end()
+        self.folder.cleanup()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        with deaf():
+            self.end()
+
+
+@contextmanager
+def heard() -> Iterator[None]:
+    """In here every signal that asks to end raises KeyboardInterrupt, also in a background job."""
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    with _handled(interrupt):
+        yield
+
+
+@contextmanager
+def deaf() -> Iterator[None]:
+    """In here nobody can interrupt: ending takes bounded time, and half of it would leave orphans."""
+    with _handled(signal.SIG_IGN):
+        yield
+
+
+@contextmanager
+def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
+    before = [(number, signal.signal(number, handler)) for number in ENDINGS]
+    try:
+        yield
+    finally:
+        for number, previous in before:
+            signal.signal(number, previous)

@@ -1,0 +1,81 @@
+"""Verbs that serve until Ctrl-C: router, sim, hw."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from importlib import metadata
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.verb import say, verb
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT
+
+PROCESSES = "beatrix.processes"
+"""Entry points of the programs that stand above this package; it never imports them."""
+TURN_S = 0.5
+"""Windows delivers Ctrl-C only between waits."""
+
+
+@verb
+def router(
+    listen: Annotated[
+        str, typer.Option(metavar="ENDPOINT", help="Where robots and programs connect.")
+    ] = DEFAULT_ENDPOINT,
+) -> None:
+    """Be the router where robots, simulations and programs meet; ends with Ctrl-C.
+
+    Other computers reach it with --listen tcp/0.0.0.0:7447. It asks nobody who they are: do that only
+    in a network you trust.
+    """
+    over = threading.Event()
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        over.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
+    session = zbus.open_router(listen)
+    try:
+        say(f"ready {listen}")
+        while not over.wait(TURN_S):
+            pass
+    finally:
+        session.close()
+
+
+@verb
+def sim(context: typer.Context) -> None:
+    """Simulate a robot; ends with Ctrl-C. `beatrix sim --help` lists its options."""
+    raise typer.Exit(run("sim", context.args))
+
+
+@verb
+def hw(context: typer.Context) -> None:
+    """Serve the robot on a serial port, or `--port virtual:`; ends with Ctrl-C. `beatrix hw --help` lists its options."""
+    raise typer.Exit(run("hw", context.args))
+
+
+def run(process: str, arguments: list[str]) -> int:
+    """Run a process of the group in this one; its exit code.
+
+    Raises:
+        Refused: it is not installed.
+    """
+    install = f'pip install "beatrix-zenoh[{process}]"'
+    entries = metadata.entry_points(group=PROCESSES, name=process)
+    if not entries:
+        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")
+    try:
+        main = next(iter(entries)).load()
+    except ModuleNotFoundError as error:
+        raise Refused(
+            Reason.BAD_VALUE, f"`beatrix {process}` needs {error.name}, which is not installed: {install}"
+        ) from error
+    code: int = main(arguments)
+    return code

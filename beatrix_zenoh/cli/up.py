@@ -1,0 +1,95 @@
+"""`beatrix up`: router, simulation and robot in one terminal."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli.options import Connect, Json, Name
+from beatrix_zenoh.cli.processes import Fleet, heard
+from beatrix_zenoh.cli.table import columns
+from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
+
+WATCH_S = 0.2
+
+
+@verb
+def up(
+    hw: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="Serve the robot on this serial port too, or on `virtual:`."),
+    ] = None,
+    no_sim: Annotated[bool, typer.Option("--no-sim", help="No simulation.")] = False,
+    ready: Annotated[
+        bool, typer.Option("--ready", help="The simulation starts with motors on and calibrated.")
+    ] = False,
+    name: Name = None,
+    connect: Connect = None,
+    as_json: Json = False,
+) -> None:
+    """Start a router (if none answers), a simulation and, with --hw, the robot; Ctrl-C ends them all."""
+    settings = resolve(name, connect)
+    if no_sim and hw is None:
+        raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
+    with heard(), Fleet() as fleet:
+        rows = [("router", settings.connect, "was there already" if answers(settings.connect) else "started")]
+        if rows[0][2] == "started":
+            fleet.start("router", "router", "--listen", settings.connect)
+            fleet.wait_ready()
+        where = ("--name", settings.robot, "--connect", settings.connect)
+        if not no_sim:
+            fleet.start("simulation", "sim", *where, *(["--ready"] if ready else []))
+            rows.append(("simulation", settings.robot, "ready" if ready else "motors off"))
+        if hw is not None:
+            fleet.start("hardware", "hw", *where, "--port", hw)
+            rows.append(("hardware", settings.robot, hw))
+        fleet.wait_ready()
+        if as_json:
+            document({
+                "result": True,
+                "endpoint": settings.connect,
+                "robot": settings.robot,
+                "running": [child.title for child in fleet.children],
+                "logs": fleet.folder.name,
+            })  # fmt: skip
+        else:
+            say(columns(("what", "where", ""), rows))
+            say(advice(settings, fleet.folder.name))
+        stay(fleet)
+
+
+def answers(endpoint: str) -> bool:
+    """Something accepts connections there."""
+    try:
+        zbus.probe(endpoint)
+    except NoAnswer:
+        return False
+    return True
+
+
+def advice(settings: Settings, logs: str) -> str:
+    """What to type next."""
+    there = "" if settings.connect == DEFAULT_ENDPOINT else f" --connect {settings.connect}"
+    return (
+        f"\nNow type in another terminal:\n"
+        f"  beatrix enable{there}\n"
+        f"  beatrix calibrate{there}\n"
+        f"  beatrix look --yaw 20{there}\n"
+        f"  beatrix stop{there}\n"
+        f"\nWhat they write is in {logs}. Ctrl-C here ends them all."
+    )
+
+
+def stay(fleet: Fleet) -> None:
+    """Until Ctrl-C or SIGTERM, which is how this is meant to end; raises Refused if a child ends by itself."""
+    try:
+        while True:
+            fleet.check()
+            time.sleep(WATCH_S)
+    except KeyboardInterrupt:
+        say("Ending.")
