@@ -64,9 +64,7 @@ class _Piece(NamedTuple):
     acceleration: float
 
 
-class _Profile(NamedTuple):
-    pieces: tuple[_Piece, ...]
-    end: float
+_Profile = tuple[_Piece, ...]
 
 
 def plan(
@@ -92,7 +90,9 @@ def plan(
             speed = (x, y, z)
         axes = zip(start, velocity, target, speed, strict=True)
         profiles = [_profile(p, v, goal, top, acceleration) for p, v, goal, top in axes]
-    return Trajectory(_sections(profiles), target, max(profile.end for profile in profiles))
+    sections = _sections(profiles)
+    end = sections[-1].begin + sections[-1].duration if sections else 0.0
+    return Trajectory(sections, target, end)
 
 
 def _profile(start: float, velocity: float, target: float, speed: float, acceleration: float) -> _Profile:
@@ -116,17 +116,16 @@ def _profile(start: float, velocity: float, target: float, speed: float, acceler
         if duration > 0:
             pieces.append(_Piece(t, p, v, rate))
             t, p, v = t + duration, p + (v + rate * duration / 2) * duration, v + rate * duration
-    return _Profile((*pieces, _Piece(t, target, 0.0, 0.0)), t)
+    return (*pieces, _Piece(t, target, 0.0, 0.0))
 
 
 def _scaled(profile: _Profile, start: float, share: float) -> _Profile:
-    pieces = (_Piece(t, start + share * p, share * v, share * a) for t, p, v, a in profile.pieces)
-    return _Profile(tuple(pieces), profile.end)
+    return tuple(_Piece(t, start + share * p, share * v, share * a) for t, p, v, a in profile)
 
 
 def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
     """The pieces of the three arms, cut where any of them changes its acceleration."""
-    cuts = sorted({piece.begin for profile in profiles for piece in profile.pieces})
+    cuts = sorted({piece.begin for profile in profiles for piece in profile})
     cuts = [
         cut for cut, following in zip(cuts, [*cuts[1:], math.inf], strict=True) if following - cut > _SHORTEST
     ]
@@ -138,8 +137,8 @@ def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
 
 
 def _state(profile: _Profile, t: float) -> tuple[float, float, float]:
-    piece = profile.pieces[0]
-    for following in profile.pieces[1:]:
+    piece = profile[0]
+    for following in profile[1:]:
         if following.begin > t + _SHORTEST:
             break
         piece = following

@@ -1,4 +1,4 @@
-"""Print the cost of one inverse and one forward call in microseconds, median over poses of up to 35 deg tilt."""
+"""Print what kinematics and the check of a motion cost: medians in microseconds over poses of up to 35 deg tilt."""
 
 from __future__ import annotations
 
@@ -8,35 +8,51 @@ import statistics
 import time
 from collections.abc import Callable
 
+from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.limits import Limits
 
 _POSES = 500
 _REPEATS = 20
 
 
-def median_us(
-    call: Callable[[float, float, float], object], inputs: list[tuple[float, float, float]]
-) -> float:
+def median_us(call: Callable[[Arms], object], inputs: list[Arms], repeats: int = _REPEATS) -> float:
     """Median over the inputs of the mean time of a few calls (us)."""
     times = []
-    for a, b, c in inputs:
+    for given in inputs:
         begin = time.perf_counter_ns()
-        for _ in range(_REPEATS):
-            call(a, b, c)
-        times.append((time.perf_counter_ns() - begin) / _REPEATS / 1000)
+        for _ in range(repeats):
+            call(given)
+        times.append((time.perf_counter_ns() - begin) / repeats / 1000)
     return statistics.median(times)
 
 
 def main() -> None:
     neck = Neck()
     rng = random.Random(1)
-    poses = []
+    poses: list[Arms] = []
     for _ in range(_POSES):
         tilt, direction = math.radians(35) * math.sqrt(rng.random()), rng.uniform(-math.pi, math.pi)
         poses.append((rng.uniform(-3, 3), tilt * math.cos(direction), tilt * math.sin(direction)))
     arms = [neck.inverse(*pose) for pose in poses]
-    print(f"inverse kinematics: {median_us(neck.inverse, poses):.1f} us (to reach: 10)")
-    print(f"forward kinematics: {median_us(lambda *a: neck.forward(a), arms):.1f} us (to reach: 20)")
+    print(f"inverse kinematics: {median_us(lambda pose: neck.inverse(*pose), poses):.1f} us (to reach: 10)")
+    print(f"forward kinematics: {median_us(neck.forward, arms):.1f} us (to reach: 20)")
+    limits, rest, speed = Limits(), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
+    def check(start: Arms, target: Arms) -> None:
+        limits.check_motion(start, rest, target, speed, straight=True)
+
+    tilted = [
+        neck.inverse(0.0, math.radians(20) * math.cos(i), math.radians(20) * math.sin(i)) for i in range(100)
+    ]
+    turns = [neck.inverse(math.pi, pitch, roll) for _, pitch, roll in poses[:100]]
+    small = median_us(lambda target: check(rest, target), tilted, 3)
+    large = median_us(
+        lambda end: check((end[0] - math.tau, end[1] - math.tau, end[2] - math.tau), end), turns, 3
+    )
+    print(
+        f"check of a motion: 20 deg of tilt {small:.0f} us (to reach: 500), 360 deg of yaw {large:.0f} us (to reach: 2000)"
+    )
 
 
 if __name__ == "__main__":

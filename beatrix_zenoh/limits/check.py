@@ -31,11 +31,11 @@ class Plan:
 
     trajectory: Trajectory
     tilt_max: float
-    """rad, of the head, within 0.2 deg"""
+    """rad, of the head, within 0.3 deg"""
     gap_min: float
-    """rad, between neighbouring arms, within 0.1 deg"""
+    """rad, between neighbouring arms, within 0.3 deg"""
     yaw_max_abs: float
-    """rad, of the head, either way, within 0.1 deg"""
+    """rad, of the head, either way, within 0.3 deg"""
 
     @property
     def duration(self) -> float:

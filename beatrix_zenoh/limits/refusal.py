@@ -16,7 +16,7 @@ from beatrix_zenoh.rotation import tilt_of
 from beatrix_zenoh.trajectory import Trajectory, plan
 
 _SAMPLES: Final = 24
-_TRIES: Final = 6
+_TRIES: Final = 5
 _PAIRS: Final = ("short and middle", "middle and long", "long and short")
 
 

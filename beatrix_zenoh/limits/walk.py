@@ -29,7 +29,7 @@ TOLERANCE: Final = math.radians(0.1)
 Arms stand on microsteps, so what was asked at a limit is up to half a step (0.045 deg) beyond it when it is read back.
 """
 _ROUNDING: Final = 1e-9
-_STRIDE: Final = 0.1
+_STRIDE: Final = 0.07
 """Longest step (rad of |d'|): keeps the reported extremes honest."""
 _STRIDE_OUTSIDE: Final = 0.02
 """The same where the curvature is not known, because a limit is already exceeded."""
@@ -48,8 +48,8 @@ _PLANE: Final = (
     (1 / math.sqrt(6), 1 / math.sqrt(6), -2 / math.sqrt(6)),
 )
 """Two directions without a common turn, at right angles."""
-TILT, YAW_LEFT, YAW_RIGHT, GAP = 0, 1, 2, 3
-"""Index of the margins; gaps are GAP + 0, 1, 2."""
+TILT, YAW_LEFT, GAP = 0, 1, 3
+"""Index of the margins; two of yaw, then three gaps."""
 
 Margins = tuple[float, float, float, float, float, float]
 
@@ -73,7 +73,7 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Extremes:
-    """The worst of a way that keeps its bounds (rad): tilt within 0.2 deg, the others within 0.1 deg."""
+    """The worst of a way that keeps its bounds (rad): each within 0.3 deg."""
 
     tilt_max: float
     gap_min: float
@@ -161,17 +161,19 @@ class Walker:
         speed, rate = _level(velocity), _level(acceleration)
         pace = speed + math.sqrt(speed * speed + 2 * longest * rate)
         stride = min(left, 2 * longest / pace) if pace else left
-        for index, (value, gradient) in enumerate(zip(*point, strict=True)):
-            room = value - way.floors[index] + self._slack[index]
-            first, second = dot(gradient, velocity), dot(gradient, acceleration)
-            curvature = self._curvature[index] / 2
-            length = (speed + rate * stride / 2) * stride
-            lowest = _lowest(first, second, stride)
-            while stride > _SHORTEST and room + lowest < curvature * length * length:
-                stride /= 2
+        stride = min(stride, _turning(velocity, acceleration))
+        courses = [(dot(by, velocity), dot(by, acceleration)) for by in point.gradients]
+        for index, (first, second) in enumerate(courses):
+            room = point.values[index] - way.floors[index] + self._slack[index]
+            bend = self._curvature[index] / 2
+            while stride > _SHORTEST:
                 length = (speed + rate * stride / 2) * stride
-                lowest = _lowest(first, second, stride)
-            way.expect(index, value + lowest)
+                if room + _lowest(first, second, stride) >= bend * length * length:
+                    break
+                stride /= 2
+        for index, (first, second) in enumerate(courses[YAW_LEFT:], YAW_LEFT):
+            # a common turn may go far and come back in one stride; tilt does not see it
+            way.expect(index, point.values[index] + _lowest(first, second, stride))
         return stride
 
 
@@ -210,6 +212,13 @@ def _level(vector: Arms) -> float:
     mean = (x + y + z) / 3
     x, y, z = x - mean, y - mean, z - mean
     return math.sqrt(x * x + y * y + z * z)
+
+
+def _turning(velocity: Arms, acceleration: Arms) -> float:
+    """Time (s) until two arms begin to part or to meet: there the head may be at its furthest."""
+    (u, v, w), (a, b, c) = velocity, acceleration
+    times = (-rate / change for rate, change in ((u - v, a - b), (v - w, b - c), (w - u, c - a)) if change)
+    return min((t for t in times if t > _SHORTEST), default=math.inf)
 
 
 def _lowest(first: float, second: float, duration: float) -> float:

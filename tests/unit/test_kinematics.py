@@ -1,0 +1,234 @@
+"""The neck solved both ways: closure, round trips, turns, and what it refuses."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import Geometry
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.rotation import dot, rotation_of, tilt_of
+
+ANGLES = ((45, 90, 90), (54, 90, 90), (45, 80, 85), (45, 95, 100), (60, 90, 90))
+NECKS = [
+    Neck(
+        Geometry(
+            arm_angle=a, rod_twist=r, mount_angle=m, hand=hand, arm_spacing=spacing, arm0_azimuth=azimuth
+        )
+    )
+    for (a, r, m), hand, (spacing, azimuth) in itertools.product(ANGLES, (1, -1), ((120, 90), (-120, -70)))
+]
+SHIPPED = Neck()
+
+necks = st.sampled_from(NECKS)
+directions = st.floats(-math.pi, math.pi)
+shares = st.floats(0, 1)
+
+
+def pose(tilt: float, direction: float) -> tuple[float, float]:
+    """Pitch and roll (rad) of a head tilted towards a direction."""
+    level = math.sin(tilt)
+    return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))
+
+
+def reachable(neck: Neck, share: float) -> float:
+    """Tilt (rad) up to 40 deg, or to just before the end of what is reached in every direction."""
+    return share * min(math.radians(40), neck.reach - math.radians(0.5))
+
+
+@given(necks, st.floats(-40, 40), shares, directions)
+def test_inverse_closes_all_three_loops(neck: Neck, yaw: float, share: float, direction: float) -> None:
+    pitch, roll = pose(reachable(neck, share), direction)
+    arms = neck.inverse(yaw, pitch, roll)
+    geometry = neck.geometry
+    alpha1, alpha2, beta = (
+        math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle)
+    )
+    cosine = (math.cos(alpha2) + math.cos(alpha1) * math.cos(beta)) / (math.sin(alpha1) * math.sin(beta))
+    rotation = rotation_of(yaw, pitch, roll)
+    for i, arm in enumerate(arms):
+        azimuth = math.radians(geometry.arm0_azimuth + i * geometry.arm_spacing)
+        elbow = (
+            math.sin(alpha1) * math.cos(azimuth + arm),
+            math.sin(alpha1) * math.sin(azimuth + arm),
+            -math.cos(alpha1),
+        )
+        at = azimuth + geometry.hand * math.acos(cosine)
+        home = (math.sin(beta) * math.cos(at), math.sin(beta) * math.sin(at), math.cos(beta))
+        x, y, z = (dot(row, home) for row in rotation)
+        assert dot(elbow, (x, y, z)) == pytest.approx(math.cos(alpha2), abs=1e-9)
+
+
+@given(necks, st.floats(-40, 40), shares, directions)
+def test_forward_undoes_inverse(neck: Neck, yaw: float, share: float, direction: float) -> None:
+    pitch, roll = pose(reachable(neck, share), direction)
+    assert neck.forward(neck.inverse(yaw, pitch, roll)) == pytest.approx((yaw, pitch, roll), abs=1e-9)
+
+
+@pytest.mark.parametrize("neck", NECKS)
+def test_home_is_upright(neck: Neck) -> None:
+    assert neck.inverse(0, 0, 0) == pytest.approx((0, 0, 0), abs=1e-12)
+    assert neck.forward((0, 0, 0)) == pytest.approx((0, 0, 0), abs=1e-12)
+    assert neck.gaps((0, 0, 0)) == pytest.approx([math.radians(120)] * 3)
+
+
+def test_turning_all_arms_left_turns_the_head_left() -> None:
+    assert SHIPPED.forward((0.5, 0.5, 0.5)) == pytest.approx((0.5, 0, 0), abs=1e-12)
+
+
+@pytest.mark.parametrize("neck", NECKS)
+@pytest.mark.parametrize("tilt_share", [0.0, 0.5, 1.0])
+def test_arms_follow_five_turns_without_a_jump(neck: Neck, tilt_share: float) -> None:
+    pitch, roll = pose(reachable(neck, tilt_share), 1.0)
+    step = math.tau / 90
+    ways = [neck.inverse(i * step, pitch, roll) for i in range(-450, 451)]
+    for before, after in itertools.pairwise(ways):
+        assert [b - a for a, b in zip(before, after, strict=True)] == pytest.approx([step] * 3)
+    assert neck.forward(ways[-1])[0] == pytest.approx(5 * math.tau, abs=1e-9)
+
+
+@given(necks, shares, directions, directions)
+def test_arms_of_close_poses_are_close(neck: Neck, share: float, direction: float, yaw: float) -> None:
+    tilt = 0.9 * reachable(neck, share)
+    here = neck.inverse(yaw, *pose(tilt, direction))
+    near = neck.inverse(yaw + 1e-4, *pose(tilt + 1e-4, direction + 1e-4))
+    assert max(abs(a - b) for a, b in zip(here, near, strict=True)) < 0.01
+
+
+@given(shares, directions, directions)
+def test_mean_of_the_arms_is_next_to_the_yaw(share: float, direction: float, yaw: float) -> None:
+    arms = SHIPPED.inverse(yaw, *pose(share * math.radians(44.9), direction))
+    mean = sum(arms) / 3
+    assert abs(mean - yaw) < math.pi / 2
+    assert all(abs(arm - mean) < math.pi for arm in arms)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "gap", "off_mean"),
+    [(0, 120, 0), (20, 80.7, 21.2), (30, 55.2, 34.5), (35, 39.8, 42.6), (40, 21.8, 52.8)],
+)
+def test_workspace_is_as_published(tilt: float, gap: float, off_mean: float) -> None:
+    ways = []
+    for direction in range(0, 360, 2):
+        # tilt without torsion: turn about a level axis
+        azimuth, t = math.radians(direction), math.radians(tilt)
+        x, y, v = -math.sin(azimuth), math.cos(azimuth), 1 - math.cos(t)
+        ax, ay, az = math.cos(t) + x * x * v, x * y * v, -y * math.sin(t)
+        bz, cz = x * math.sin(t), math.cos(t)
+        ways.append(SHIPPED.inverse(math.atan2(ay, ax), math.asin(-az), math.atan2(bz, cz)))
+    assert math.degrees(min(min(SHIPPED.gaps(arms)) for arms in ways)) == pytest.approx(gap, abs=0.1)
+    off = max(max(abs(arm - sum(arms) / 3) for arm in arms) for arms in ways)
+    assert math.degrees(off) == pytest.approx(off_mean, abs=0.1)
+
+
+def failure(neck: Neck, arms: Arms) -> BeatrixError | None:
+    """How the forward solution fails, if it does."""
+    try:
+        neck.forward(arms)
+    except BeatrixError as error:
+        return error
+    return None
+
+
+@given(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 3))
+def test_forward_ends_on_any_arms(arms: Arms) -> None:
+    error = failure(SHIPPED, arms)
+    assert error is None or error.reason in {Reason.OUT_OF_REACH, Reason.BAD_VALUE}
+
+
+@given(necks, st.tuples(*[st.floats(-math.pi, math.pi)] * 3))
+def test_forward_finds_the_home_assembly_or_nothing(neck: Neck, arms: Arms) -> None:
+    error = failure(neck, arms)
+    if error is None:
+        assert neck.in_home_assembly(arms, neck.rotation(arms))
+    else:
+        assert error.reason == Reason.OUT_OF_REACH
+        assert "calibrate" in error.message
+
+
+@given(necks, shares, directions, directions)
+def test_rotation_agrees_with_the_angles(neck: Neck, share: float, direction: float, yaw: float) -> None:
+    arms = neck.inverse(yaw, *pose(reachable(neck, share), direction))
+    for row, expected in zip(neck.rotation(arms), rotation_of(*neck.forward(arms)), strict=True):
+        assert row == pytest.approx(expected, abs=1e-9)
+
+
+@given(shares, directions)
+def test_a_head_turned_by_half_a_turn_is_another_assembly(share: float, direction: float) -> None:
+    """For 45/90/90 deg R Rz(pi) closes on the same arms, with every rod on the other side."""
+    pitch, roll = pose(reachable(SHIPPED, share), direction)
+    arms = SHIPPED.inverse(0, pitch, roll)
+    rotation = rotation_of(0, pitch, roll)
+    (a, b, c), (d, e, f), (g, h, i) = rotation
+    assert SHIPPED.in_home_assembly(arms, rotation)
+    assert not SHIPPED.in_home_assembly(arms, ((-a, -b, c), (-d, -e, f), (-g, -h, i)))
+
+
+@given(necks, shares, directions)
+def test_derivatives_agree_with_differences(neck: Neck, share: float, direction: float) -> None:
+    arms = neck.inverse(0.3, *pose(reachable(neck, 0.9 * share), direction))
+    head = neck.head(arms)
+    assert sum(head.yaw_by_arm) == pytest.approx(1)
+    assert sum(head.up_by_arm) == pytest.approx(0, abs=1e-9)
+    for i in range(3):
+        ahead = neck.head(tuple3([arm + 1e-5 * (j == i) for j, arm in enumerate(arms)]))
+        behind = neck.head(tuple3([arm - 1e-5 * (j == i) for j, arm in enumerate(arms)]))
+        assert head.yaw_by_arm[i] == pytest.approx((ahead.yaw - behind.yaw) / 2e-5, abs=1e-6)
+        assert head.up_by_arm[i] == pytest.approx((ahead.up - behind.up) / 2e-5, abs=1e-6)
+
+
+def tuple3(values: list[float]) -> Arms:
+    x, y, z = values
+    return x, y, z
+
+
+@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+def test_tilt_is_the_angle_of_the_head_axis(pitch: float, roll: float) -> None:
+    up = rotation_of(0.7, pitch, roll)[2][2]
+    assert math.cos(tilt_of(pitch, roll)) == pytest.approx(up, abs=1e-12)
+
+
+def test_gaps_name_the_neighbours_in_order() -> None:
+    short_middle, middle_long, long_short = SHIPPED.gaps((0.1, 0.0, 0.0))
+    assert short_middle == pytest.approx(math.radians(120) - 0.1)
+    assert middle_long == pytest.approx(math.radians(120))
+    assert long_short == pytest.approx(math.radians(120) + 0.1)
+
+
+def test_a_pose_out_of_reach_says_what_is_possible() -> None:
+    with pytest.raises(Refused, match=r"pitch 50.0 deg.*up to 45.0 deg every direction") as caught:
+        SHIPPED.inverse(0, math.radians(50), 0)
+    assert caught.value.reason == Reason.OUT_OF_REACH
+
+
+def test_degrees_typed_for_radians_are_pointed_out() -> None:
+    with pytest.raises(Refused, match="Were degrees meant"):
+        SHIPPED.inverse(0, 0, 20)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_angles_that_are_no_numbers_are_refused(bad: float, place: int) -> None:
+    angles = tuple3([bad if i == place else 0.0 for i in range(3)])
+    with pytest.raises(Refused) as caught:
+        SHIPPED.inverse(*angles)
+    assert caught.value.reason == Reason.BAD_VALUE
+    with pytest.raises(BeatrixError) as caught_too:
+        SHIPPED.forward(angles)
+    assert caught_too.value.reason == Reason.BAD_VALUE
+
+
+@pytest.mark.parametrize(
+    "geometry", [Geometry(rod_twist=20), Geometry(mount_angle=0), Geometry(hand=2), Geometry(arm_angle=0)]
+)
+def test_a_geometry_that_is_no_neck_is_refused(geometry: Geometry) -> None:
+    with pytest.raises(Refused) as caught:
+        Neck(geometry)
+    assert caught.value.reason == Reason.BAD_VALUE

@@ -1,0 +1,131 @@
+"""The time law: closed-form durations, straight lines, retargets without a jump."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.trajectory import Trajectory, plan
+
+ACCELERATION = 3.0
+REST: Arms = (0.0, 0.0, 0.0)
+
+angles = st.tuples(*[st.floats(-3, 3)] * 3)
+rates = st.tuples(*[st.floats(-2, 2)] * 3)
+speeds = st.tuples(*[st.floats(0.05, 2)] * 3)
+
+
+def samples(trajectory: Trajectory, count: int) -> list[tuple[float, Arms, Arms]]:
+    """Times, angles and velocities along the trajectory, its corners among them."""
+    times = {trajectory.duration * i / count for i in range(count + 1)}
+    times |= {section.begin for section in trajectory.sections}
+    return [(t, *trajectory.at(t)) for t in sorted(times)]
+
+
+@pytest.mark.parametrize(
+    ("way", "speed", "expected"),
+    [
+        (2.0, 1.0, 2.0 / 1.0 + 1.0 / ACCELERATION),
+        (0.1, 1.0, 2 * math.sqrt(0.1 / ACCELERATION)),
+        (-2.0, 1.0, 2.0 / 1.0 + 1.0 / ACCELERATION),
+        (1 / ACCELERATION, 1.0, 2.0 / ACCELERATION),
+        (0.0, 1.0, 0.0),
+    ],
+)
+def test_duration_from_rest_is_the_closed_form(way: float, speed: float, expected: float) -> None:
+    trajectory = plan(REST, REST, (way, 0.0, 0.0), (speed, 1.0, 1.0), ACCELERATION, straight=False)
+    assert trajectory.duration == pytest.approx(expected)
+
+
+def test_an_arm_that_cannot_stop_in_time_turns_back() -> None:
+    trajectory = plan(REST, (1.5, 0.0, 0.0), (0.1, 0.0, 0.0), (1.5, 1.0, 1.0), ACCELERATION, straight=False)
+    overshoot = 1.5**2 / (2 * ACCELERATION)
+    assert max(arms[0] for _, arms, _ in samples(trajectory, 400)) == pytest.approx(overshoot, abs=1e-4)
+    assert trajectory.duration == pytest.approx(
+        1.5 / ACCELERATION + 2 * math.sqrt((overshoot - 0.1) / ACCELERATION)
+    )
+
+
+def test_a_lower_top_speed_is_taken_up_in_motion() -> None:
+    trajectory = plan(REST, (2.0, 0.0, 0.0), (5.0, 0.0, 0.0), (0.5, 1.0, 1.0), ACCELERATION, straight=False)
+    braking = (2.0 - 0.5) / ACCELERATION
+    assert trajectory.at(braking + 1e-6)[1][0] == pytest.approx(0.5)
+    way = 5.0 - (2.0**2 - 0.5**2) / (2 * ACCELERATION)
+    assert trajectory.duration == pytest.approx(braking + way / 0.5 + 0.5 / (2 * ACCELERATION))
+
+
+def test_an_arm_on_its_way_goes_on_as_planned() -> None:
+    speed = (1.0, 1.0, 1.0)
+    first = plan(REST, REST, (2.0, 0.0, 0.0), speed, ACCELERATION, straight=False)
+    for share in (0.05, 0.5, 0.95):
+        t = share * first.duration
+        again = plan(*first.at(t), first.target, speed, ACCELERATION, straight=False)
+        assert again.duration == pytest.approx(first.duration - t)
+
+
+@given(angles, angles, speeds)
+def test_a_straight_motion_from_rest_stays_on_its_line(start: Arms, target: Arms, speed: Arms) -> None:
+    trajectory = plan(start, REST, target, speed, ACCELERATION, straight=True)
+    ways = [b - a for a, b in zip(start, target, strict=True)]
+    longest = max(range(3), key=lambda i: abs(ways[i]))
+    for _, arms, velocity in samples(trajectory, 20):
+        done = (arms[longest] - start[longest]) / ways[longest] if ways[longest] else 0.0
+        for i in range(3):
+            assert arms[i] == pytest.approx(start[i] + done * ways[i], abs=1e-9)
+            assert abs(velocity[i]) <= speed[0] + 1e-9
+
+
+def test_a_straight_motion_takes_as_long_as_its_longest_arm() -> None:
+    speed = (1.0, 0.1, 0.1)
+    trajectory = plan(REST, REST, (0.5, 2.0, -1.0), speed, ACCELERATION, straight=True)
+    assert trajectory.duration == pytest.approx(2.0 + 1.0 / ACCELERATION)
+    assert len(trajectory.sections) == 3
+
+
+@given(angles, rates, angles, speeds, st.booleans())
+def test_any_retarget_is_smooth_and_arrives(
+    start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+) -> None:
+    trajectory = plan(start, velocity, target, speed, ACCELERATION, straight=straight)
+    assert trajectory.at(trajectory.duration) == (target, REST)
+    if trajectory.sections:
+        begin, rate = trajectory.at(0.0)
+        assert begin == pytest.approx(start, abs=1e-7)
+        assert rate == pytest.approx(velocity, abs=1e-7)
+    previous = None
+    for t, arms, rate in samples(trajectory, 50):
+        if previous is not None:
+            before, arms_before, rate_before = previous
+            span = t - before
+            for i in range(3):
+                assert abs(rate[i] - rate_before[i]) <= ACCELERATION * span + 1e-6
+                fastest = max(abs(rate[i]), abs(rate_before[i])) + ACCELERATION * span
+                assert abs(arms[i] - arms_before[i]) <= fastest * span + 1e-7
+        previous = (t, arms, rate)
+
+
+@given(angles, rates, angles, speeds, st.booleans())
+def test_speeds_stay_below_what_was_asked_or_was_there(
+    start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+) -> None:
+    trajectory = plan(start, velocity, target, speed, ACCELERATION, straight=straight)
+    tops = [speed[0]] * 3 if straight else speed
+    for _, _, rate in samples(trajectory, 30):
+        for i in range(3):
+            assert abs(rate[i]) <= max(tops[i], abs(velocity[i])) + 1e-9
+
+
+def test_a_trajectory_rests_before_and_after() -> None:
+    trajectory = plan(REST, REST, (1.0, 0.5, 0.0), (1.0, 1.0, 1.0), ACCELERATION, straight=True)
+    assert trajectory.at(-1.0) == (REST, REST)
+    assert trajectory.at(1e9) == ((1.0, 0.5, 0.0), REST)
+
+
+def test_nothing_to_do_takes_no_time() -> None:
+    trajectory = plan((1.0, 2.0, 3.0), REST, (1.0, 2.0, 3.0), (1.0, 1.0, 1.0), ACCELERATION, straight=True)
+    assert trajectory.duration == 0
+    assert trajectory.at(0.0) == ((1.0, 2.0, 3.0), REST)
