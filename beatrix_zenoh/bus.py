@@ -53,30 +53,34 @@ class Incoming:
     """A query to be answered; must end with `finish`, or the asker waits until its timeout."""
 
     def __init__(self, query: zenoh.Query) -> None:
-        self._query: zenoh.Query | None = query
+        # Read nothing else yet: in a flood most queries are replaced before anybody looks at them.
+        self._query = query
         self.key = str(query.key_expr)
-        payload = query.payload
-        encoding = "" if query.encoding is None else str(query.encoding)
-        self.wording = Wording(
+
+    @property
+    def wording(self) -> Wording:
+        """What is asked; only before `finish`."""
+        payload, encoding = self._query.payload, self._query.encoding
+        return Wording(
             payload=b"" if payload is None else payload.to_bytes(),
-            encoding=encoding,
-            parameters=str(query.parameters),
+            encoding="" if encoding is None else str(encoding),
+            parameters=str(self._query.parameters),
         )
-        source = query.source_info
-        self.session = "" if source is None else str(source.source_id.zid)
+
+    @property
+    def session(self) -> str:
         """Session of the asker, empty for clients that do not say."""
+        source = self._query.source_info
+        return "" if source is None else str(source.source_id.zid)
 
     def reply(self, key: str, payload: bytes, encoding: str) -> None:
         """Send one reply on the answerer's own concrete key; an asker who has gone is no error."""
-        if self._query is not None:
-            with contextlib.suppress(zenoh.ZError):
-                self._query.reply(key, payload, encoding=encoding)
+        with contextlib.suppress(zenoh.ZError):
+            self._query.reply(key, payload, encoding=encoding)
 
     def finish(self) -> None:
         """Tell the asker that no more will come."""
-        if self._query is not None:
-            self._query.drop()
-            self._query = None
+        self._query.drop()
 
 
 class Publication:

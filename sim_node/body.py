@@ -7,9 +7,8 @@ import time
 
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import FrameType, Move, Telemetry
+from beatrix_zenoh._generated.serial import Move, Telemetry
 from beatrix_zenoh.board.board import Port
-from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.node import Pose, Preview
 from sim_node.clock import Pace
@@ -76,8 +75,7 @@ class Simulation:
             memory, plant = self._firmware.snapshot(), self._plant.copy()
         copy = Firmware(boot=1, name="preview")
         copy.restore(memory)
-        copy.transmit()
-        return run_ahead(plant, copy, encode(FrameType.MOVE, 1, move.pack()))
+        return run_ahead(plant, copy, move)
 
     def plant(self) -> PlantStatus | None:
         """Pace and mishaps."""

@@ -141,7 +141,7 @@ class Stage:
 
     def node(self, name: str) -> Node:
         """A node on the virtual board inside this process."""
-        node = Node(zbus.connect(self.endpoint), name, VirtualHardware(name))
+        node = Node(zbus.connect(self.endpoint), zbus.connect(self.endpoint), name, VirtualHardware(name))
         self._nodes.append(node)
         return node
 

@@ -109,6 +109,9 @@ class Board:
         self._retries = 0
         self._closed = threading.Event()
         self._thread = threading.Thread(target=self._run, name="beatrix-board", daemon=True)
+
+    def start(self) -> None:
+        """Open the port and begin to listen; the callbacks run from here on."""
         self._thread.start()
 
     # -- state ----------------------------------------------------------------------------------

@@ -6,13 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Vector3
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
 from beatrix_zenoh._generated.robot import RobotData
 from beatrix_zenoh._generated.serial import Move, Telemetry
 from beatrix_zenoh.board.board import STRAIGHT
 from beatrix_zenoh.drive import Arms, Gear
+from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.kinematics import Neck
 from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.rotation import tilt_of
+
+
+POSE_ROUNDING = math.radians(0.1)
+"""Poses travel as float32 and start from whole microsteps: the limit itself must pass."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,13 @@ class Course:
         if not query.absolute:
             here = self.neck.forward(start)
             yaw, pitch, roll = yaw + here[0], pitch + here[1], roll + here[2]
+        tilt, most = tilt_of(pitch, roll), self.limits.tilt_max
+        if tilt > most + POSE_ROUNDING:
+            raise Refused(
+                Reason.OUT_OF_REACH,
+                f"Yaw {degrees([yaw])}, pitch {degrees([pitch])}, roll {degrees([roll])} tilts the head by "
+                f"{degrees([tilt])}; at most {degrees([most])} is allowed.",
+            )
         return self.neck.inverse(yaw, pitch, roll)
 
     def _arms_asked(self, query: MotionQuery, start: Arms) -> Arms:

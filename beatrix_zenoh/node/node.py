@@ -59,14 +59,17 @@ class Node:
     Threads: Zenoh's callbacks only hand over to the mailbox (motions and commands), the stop desk
     (STOP alone), the front desk (questions about state) or the previewer; a broadcaster publishes.
 
+    Motions arrive through a session of their own: a flood of them fills that connection, and STOP,
+    commands and positions pass beside it.
+
     Raises:
         Refused: NAME_TAKEN, before anything is declared or moved.
     """
 
-    def __init__(self, bus: Bus, name: str, body: Body, robot: RobotData = ROBOT) -> None:
+    def __init__(self, bus: Bus, motions: Bus, name: str, body: Body, robot: RobotData = ROBOT) -> None:
         self.name, self.twin = names.check_name(name), body.twin
         refuse_taken(bus, self.name, self.twin)
-        self._bus, self._body = bus, body
+        self._bus, self._motions, self._body = bus, motions, body
         self._course = Course(robot)
         self._mailbox = Mailbox()
         self._last_state: tuple[int, ...] = ()
@@ -77,6 +80,7 @@ class Node:
         self._stop_desk, self._front_desk = Desk("stop"), Desk("front")
         self._thread = threading.Thread(target=self._work, name="beatrix-driver", daemon=True)
         self._thread.start()
+        self.board.start()
         self.board.wait_for(lambda _: True, BOARD_READY_S)
         self._declare()
         self._broadcast = Broadcast(bus, self.reporter, self.name, self.twin)
@@ -93,10 +97,10 @@ class Node:
         name, twin, bus = self.name, self.twin, self._bus
         bus.serve(keys.stop(name, twin), lambda incoming: self._stop(incoming, FrameType.STOP))
         bus.subscribe(keys.stop(name, twin), lambda *_: self._stop(None, FrameType.STOP))
-        bus.serve(keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery))
-        bus.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
+        self._motions.serve(keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery))
+        self._motions.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
         bus.serve(keys.command(name, twin, "*"), self._command)
-        bus.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
+        self._motions.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
         bus.watch(keys.seat("*", "*"), self._seat)
         reporter = self.reporter
         for key, build in (
@@ -123,19 +127,20 @@ class Node:
     def _asker(self, incoming: Incoming, road: str) -> Asker:
         """The way back to who asked, on the robot's own concrete key."""
         parts = incoming.key.split("/")
-        who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
+        who = parts[4] if len(parts) == 6 else ""  # noqa: PLR2004  # beatrix/robot/twin/cmd/who/road
         key = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}" if who else keys.stop(self.name, self.twin)
+        wording = incoming.wording
 
         def answer(message: msgspec.Struct) -> None:
-            incoming.reply(key, *incoming.wording.answer(message))
+            incoming.reply(key, *wording.answer(message))
 
         return Asker(who, incoming.session, answer, incoming.finish)
 
     def _motion(self, incoming: Incoming, kind: type[MotionQuery | PoseQuery]) -> None:
-        road = "motion" if kind is MotionQuery else "pose"
-        asker, driver = self._asker(incoming, road), self.driver
+        road, driver = "motion" if kind is MotionQuery else "pose", self.driver
 
         def run() -> None:
+            asker = self._asker(incoming, road)
             try:
                 query = requests.read(incoming.wording, kind)
                 names.check_name(asker.who, "seat")
@@ -144,8 +149,10 @@ class Node:
                 return
             driver.motion(query, asker)
 
-        task = Task(run, lambda error: driver.decline_motion(asker, error))
-        self._mailbox.post_latest(f"{asker.who}/{asker.session}", task)
+        def decline(error: BeatrixError) -> None:
+            driver.decline_motion(self._asker(incoming, road), error)
+
+        self._mailbox.post_latest(incoming.key, Task(run, decline))
 
     def _command(self, incoming: Incoming) -> None:
         asker = self._asker(incoming, "command")
@@ -231,6 +238,7 @@ class Node:
         self._broadcast.close()
         self._stop_desk.close()
         self._front_desk.close()
+        self._motions.close()
         self._bus.close()
         self.board.close()
         self._body.close()

@@ -48,7 +48,8 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
         return 0
     body = build()
     try:
-        node = Node(session, settings.robot, body)
+        motions = zbus.connect(settings.connect, label=settings.robot)
+        node = Node(session, motions, settings.robot, body)
     except BeatrixError as error:
         print(error.message, file=sys.stderr, flush=True)
         session.close()

@@ -126,8 +126,8 @@ def test_home_is_answered_when_the_arms_are_home(robot: Robot) -> None:
 
 
 REFUSALS = [
-    ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "gap"),
-    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "gap"),
+    ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "apart"),
+    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "apart"),
     ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),
     ((5.0, 0.0, 0.0), 0.0, Reason.SPEED_LIMIT, "speed"),
     ((5.0, 0.0, 0.0), -3.0, Reason.SPEED_LIMIT, "speed"),

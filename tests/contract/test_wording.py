@@ -182,6 +182,7 @@ def test_per_arm_topics_of_old_move_one_arm_each(robot: Robot) -> None:
         bus.put(keys.arm_target(robot.name, robot.twin, arm), angle, "text/plain")
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
     until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
+    until(lambda: robot.status().holder == "", "lease over", 5.0)
 
 
 def test_bad_per_arm_target_becomes_a_warning(robot: Robot) -> None:

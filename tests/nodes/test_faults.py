@@ -110,8 +110,7 @@ def test_signal_stops_the_arms_and_ends_cleanly(stage: Stage, module: str, numbe
 def test_router_killed_and_restarted_everybody_is_back(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     router = zbus.open_router(endpoint)
-    bus = zbus.connect(endpoint)
-    node = Node(bus, "bea", VirtualHardware("bea"))
+    node = Node(zbus.connect(endpoint), zbus.connect(endpoint), "bea", VirtualHardware("bea"))
     client = Client(Settings("bea", endpoint, "ana"))
     robot = ready(Robot("bea", "hw", client=client))
     robot.look(yaw=30, wait=False)
