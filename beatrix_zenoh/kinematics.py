@@ -6,9 +6,8 @@ s1, c1 = sin, cos of alpha1, elbow axis and skull mount axis of arm i are the un
 
     w_i = Rz(a_i + t_i) (s1, 0, -c1)          v_i = R m_i
 
-and every rod keeps w_i . v_i = cos(alpha2): three closures for three degrees of freedom. The symbols follow Bai, Hansen
-and Angeles, "A robust forward-displacement analysis of spherical parallel robots" (2009). Everything is plain Python
-floats: for 3x3 work that is an order of magnitude faster than arrays.
+and every rod keeps w_i . v_i = cos(alpha2): three closures for three degrees of freedom. All formulas here are derived
+from these closures. Everything is plain Python floats: for 3x3 work that is an order of magnitude faster than arrays.
 
 Turning all three arms by the same angle turns the head by that angle and nothing else. So both directions are solved
 without the common turn, which is added afterwards: angles stay continuous through any number of turns.
@@ -98,7 +97,6 @@ class Neck:
             for a in self._azimuth
         )
         self._mounts = (x, y, z)
-        self._frame = inverse_of_columns(x, y, cross(x, y))
         fall = math.pi - b
         far = a1 + a2 if a1 + a2 <= math.pi else math.tau - a1 - a2
         self.reach = min(fall - abs(a1 - a2), far - fall)
@@ -108,6 +106,7 @@ class Neck:
             raise Refused(
                 Reason.BAD_VALUE, f"a neck of {geometry} cannot move from upright; check its angles"
             )
+        self._frame = inverse_of_columns(x, y, cross(x, y))
 
     def _mount_offset(self, mount_angle: float) -> float:
         """Azimuth from arm to mount at home (rad), from closure there."""

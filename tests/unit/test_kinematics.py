@@ -226,7 +226,15 @@ def test_angles_that_are_no_numbers_are_refused(bad: float, place: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "geometry", [Geometry(rod_twist=20), Geometry(mount_angle=0), Geometry(hand=2), Geometry(arm_angle=0)]
+    "geometry",
+    [
+        Geometry(rod_twist=20),
+        Geometry(mount_angle=0),
+        Geometry(hand=2),
+        Geometry(arm_angle=0),
+        Geometry(arm_spacing=0),
+        Geometry(arm_spacing=180),
+    ],
 )
 def test_a_geometry_that_is_no_neck_is_refused(geometry: Geometry) -> None:
     with pytest.raises(Refused) as caught:

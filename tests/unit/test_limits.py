@@ -1,0 +1,266 @@
+"""Motions against limits: the whole way counts, not only its end."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+
+import pytest
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import Geometry, RobotData
+from beatrix_zenoh._generated.robot import Limits as LimitData
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.limits.walk import TOLERANCE
+from beatrix_zenoh.rotation import tilt_of
+
+NECK = Neck()
+LIMITS = Limits()
+CROWDED = Limits(RobotData(limits=LimitData(gap_min=60.0)))
+"""A robot whose arms are the tighter limit."""
+REST: Arms = (0.0, 0.0, 0.0)
+SPEED: Arms = (1.0, 1.0, 1.0)
+
+
+def arms_at(*degrees: float) -> Arms:
+    x, y, z = (math.radians(value) for value in degrees)
+    return x, y, z
+
+
+def pose(yaw: float, pitch: float, roll: float) -> Arms:
+    """Arms (rad) of a pose in degrees."""
+    return NECK.inverse(*(math.radians(value) for value in (yaw, pitch, roll)))
+
+
+def allowed(
+    target: Arms,
+    *,
+    start: Arms = REST,
+    velocity: Arms = REST,
+    straight: bool = False,
+    limits: Limits = LIMITS,
+) -> Plan:
+    return limits.check_motion(start, velocity, target, SPEED, straight=straight)
+
+
+def refused(
+    target: Arms,
+    *,
+    start: Arms = REST,
+    velocity: Arms = REST,
+    straight: bool = False,
+    limits: Limits = LIMITS,
+) -> Refused:
+    with pytest.raises(Refused) as caught:
+        limits.check_motion(start, velocity, target, SPEED, straight=straight)
+    return caught.value
+
+
+def tilt(arms: Arms) -> float:
+    _, pitch, roll = NECK.forward(arms)
+    return tilt_of(pitch, roll)
+
+
+def dense(plan: Plan, count: int = 200) -> list[Arms]:
+    return [plan.trajectory.at(plan.duration * i / count)[0] for i in range(count + 1)]
+
+
+@pytest.mark.parametrize("straight", [True, False])
+@pytest.mark.parametrize(
+    "target", [pose(20, -10, 5), pose(180, 0, 0), pose(-180, 35, 0), pose(0, 0, -35), arms_at(20, 0, 0)]
+)
+def test_ordinary_motions_are_accepted(target: Arms, straight: bool) -> None:
+    plan = allowed(target, straight=straight)
+    assert plan.trajectory.target == target
+    assert plan.duration > 0
+
+
+@pytest.mark.parametrize(
+    ("target", "reason", "words"),
+    [
+        (
+            arms_at(60, 0, 0),
+            Reason.OUT_OF_REACH,
+            "at the goal the head would tilt 35.6 deg; it may tilt up to 35.0 deg",
+        ),
+        (
+            arms_at(100, 0, 0),
+            Reason.ARM_GAP,
+            "short and middle arms would be 20.0 deg apart; they must keep 30.0 deg",
+        ),
+        (arms_at(0, 0, -100), Reason.ARM_GAP, "middle and long arms would be 20.0 deg apart"),
+        (arms_at(-100, 0, 0), Reason.ARM_GAP, "long and short arms would be 20.0 deg apart"),
+        (arms_at(185, 185, 185), Reason.YAW_LIMIT, r"yaw 185.0 deg; its cables allow \+-180.0 deg"),
+        (arms_at(-185, -185, -185), Reason.YAW_LIMIT, r"yaw -185.0 deg"),
+    ],
+)
+@pytest.mark.parametrize("straight", [True, False])
+def test_a_goal_beyond_a_limit_is_refused_by_name(
+    target: Arms, reason: Reason, words: str, straight: bool
+) -> None:
+    refusal = refused(target, straight=straight)
+    assert refusal.reason == reason
+    assert re.search(words, refusal.message), refusal.message
+    assert re.search(r"leaves the limits \d+\.\d\d s after the start with the arms at", refusal.message)
+
+
+@pytest.mark.parametrize("straight", [True, False])
+@pytest.mark.parametrize(
+    "target", [arms_at(60, 0, 0), arms_at(100, 10, 0), arms_at(300, 200, 200), arms_at(190, 190, 190)]
+)
+def test_what_a_refusal_offers_is_accepted(target: Arms, straight: bool) -> None:
+    message = refused(target, straight=straight).message
+    offer = re.search(r"first \d+ % of it, to arms at (.*) deg, would be accepted", message)
+    assert offer, message
+    plan = allowed(arms_at(*map(float, offer[1].split(","))), straight=straight)
+    assert max(math.dist(REST, arms) for arms in dense(plan)) > 0.5 * min(math.dist(REST, target), 1.0)
+
+
+def detour() -> tuple[Arms, Arms]:
+    """Two allowed poses; with arms that arrive one after another the head tilts too far between them."""
+    return pose(0, 30, 0), pose(0, -15, 30)
+
+
+def test_a_way_that_leaves_the_limits_between_two_allowed_poses_is_refused() -> None:
+    start, target = detour()
+    slow: Arms = (1.5, 0.05, 1.5)
+    LIMITS.check_pose(start)
+    LIMITS.check_pose(target)
+    with pytest.raises(Refused, match="the goal is allowed, but on the way the head would tilt") as caught:
+        LIMITS.check_motion(start, REST, target, slow, straight=False)
+    assert caught.value.reason == Reason.OUT_OF_REACH
+    offer = re.search(r"With speeds of (.*) deg/s, in proportion", caught.value.message)
+    assert offer, caught.value.message
+    together = arms_at(*map(float, offer[1].split(",")))
+    assert isinstance(LIMITS.check_motion(start, REST, target, together, straight=False), Plan)
+    assert isinstance(LIMITS.check_motion(start, REST, target, slow, straight=True), Plan)
+
+
+def test_swinging_through_a_limit_while_braking_is_refused() -> None:
+    start = pose(170, 0, 0)
+    fast: Arms = (1.5, 1.5, 1.5)
+    refusal = refused(pose(150, 0, 0), start=start, velocity=fast)
+    assert refusal.reason == Reason.YAW_LIMIT
+    assert "the goal is allowed" in refusal.message
+
+
+@pytest.mark.parametrize(
+    ("target", "reason"),
+    [
+        (arms_at(60, 0, 0), Reason.OUT_OF_REACH),
+        (arms_at(100, 0, 0), Reason.ARM_GAP),
+        (arms_at(200, 200, 200), Reason.YAW_LIMIT),
+        (arms_at(90, -90, 0), Reason.ARM_GAP),
+        ((math.nan, 0.0, 0.0), Reason.BAD_VALUE),
+    ],
+)
+def test_a_resting_pose_beyond_a_limit_is_refused_by_name(target: Arms, reason: Reason) -> None:
+    with pytest.raises(Refused) as caught:
+        LIMITS.check_pose(target)
+    assert caught.value.reason == reason
+
+
+@pytest.mark.parametrize("target", [pose(0, 0, 0), pose(0, 37, 0), pose(20, 20, 0)])
+def test_a_start_beyond_the_tilt_limit_may_be_left(target: Arms) -> None:
+    assert tilt(pose(0, 38, 0)) > LIMITS.tilt_max
+    assert allowed(target, start=pose(0, 38, 0), straight=True).tilt_max == pytest.approx(
+        math.radians(38), abs=1e-3
+    )
+
+
+@pytest.mark.parametrize("target", [pose(0, 38.5, 0), pose(0, -38, 0), pose(0, 41, 0)])
+def test_a_start_beyond_the_tilt_limit_may_not_be_made_worse(target: Arms) -> None:
+    assert refused(target, start=pose(0, 38, 0), straight=True).reason == Reason.OUT_OF_REACH
+
+
+def test_a_start_beyond_the_yaw_limit_may_be_left_towards_home_only() -> None:
+    start = arms_at(400, 400, 400)
+    allowed(arms_at(390, 390, 390), start=start)
+    allowed(REST, start=start)
+    assert refused(arms_at(401, 401, 401), start=start).reason == Reason.YAW_LIMIT
+
+
+def test_a_start_with_crowded_arms_may_be_left() -> None:
+    start = pose(0, 34, 0)
+    assert min(NECK.gaps(start)) < CROWDED.gap_min
+    allowed(REST, start=start, straight=True, limits=CROWDED)
+    assert refused(pose(0, 34.8, 0), start=start, straight=True, limits=CROWDED).reason == Reason.ARM_GAP
+
+
+def test_the_goal_itself_is_looked_at() -> None:
+    refusal = refused(pose(0, 35.07, 0), start=pose(0, 35, 0), straight=True)
+    assert "at the goal the head would tilt 35.1 deg" in refusal.message
+
+
+def test_small_motions_do_not_creep_beyond_a_limit() -> None:
+    here, step = pose(0, 35, 0), math.radians(0.03)
+    for i in range(100):
+        target = NECK.inverse(0, math.radians(35) + step * (i + 1), 0)
+        try:
+            allowed(target, start=here)
+        except Refused:
+            break
+        here = target
+    assert tilt(here) <= LIMITS.tilt_max + TOLERANCE
+
+
+def test_arms_that_fit_no_head_are_refused_with_what_to_do() -> None:
+    assert "calibrate" in refused(REST, start=arms_at(170, -170, 20)).message
+
+
+@pytest.mark.parametrize("value", [1e6, -1e6, 1e300, math.nan, math.inf, -math.inf])
+def test_absurd_numbers_are_refused_at_once(value: float) -> None:
+    began = time.perf_counter()
+    for place in range(3):
+        x, y, z = (value if i == place else 0.0 for i in range(3))
+        for target in ((x, y, z), (value, value, value)):
+            refused(target)
+        with pytest.raises(Refused):
+            LIMITS.check_motion((x, y, z), REST, REST, SPEED, straight=False)
+        with pytest.raises(Refused):
+            LIMITS.check_motion(REST, (x, y, z), REST, SPEED, straight=True)
+        with pytest.raises(Refused):
+            LIMITS.check_motion(REST, REST, REST, (x, y, z), straight=False)
+    assert time.perf_counter() - began < 1.0
+
+
+def test_degrees_typed_for_radians_are_pointed_out() -> None:
+    refusal = refused((20.0, -10.0, 0.0))
+    assert "Were degrees meant? 20, -10, 0 were read as radians" in refusal.message
+    with pytest.raises(Refused, match="Were degrees meant"):
+        LIMITS.check_speed((30.0, 30.0, 30.0))
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, 1.6])
+def test_speeds_outside_the_limit_are_refused(bad: float) -> None:
+    with pytest.raises(Refused, match=r"more than 0 and at most 90.0 deg/s") as caught:
+        LIMITS.check_speed((1.0, bad, 1.0))
+    assert caught.value.reason == Reason.SPEED_LIMIT
+
+
+def test_the_speed_limit_itself_is_accepted() -> None:
+    LIMITS.check_speed([LIMITS.speed_max] * 3)
+    LIMITS.check_speed([1.5707964] * 3)  # 90 deg/s as float32
+    LIMITS.check_speed([LIMITS.default_speed] * 3)
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        Geometry(hand=-1),
+        Geometry(arm_spacing=-120),
+        Geometry(arm_angle=54),
+        Geometry(rod_twist=80, mount_angle=85),
+    ],
+)
+def test_other_necks_are_checked_by_their_own_geometry(geometry: Geometry) -> None:
+    limits, neck = Limits(RobotData(geometry=geometry)), Neck(geometry)
+    assert limits.tilt_max <= math.radians(35)
+    inside = limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
+    assert inside.tilt_max == pytest.approx(limits.tilt_max, abs=1e-3)
+    with pytest.raises(Refused):
+        limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max + 0.01, 0), SPEED, straight=True)

@@ -1,0 +1,162 @@
+"""Limits as properties: whatever is accepted keeps them everywhere, whatever is refused breaks them somewhere."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import Limits as LimitData
+from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.drive import Arms, Gear
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.limits.walk import TOLERANCE
+from beatrix_zenoh.rotation import tilt_of
+from beatrix_zenoh.trajectory import plan as time_law
+
+NECK = Neck()
+LIMITS = Limits()
+CROWDED = Limits(RobotData(limits=LimitData(gap_min=60.0)))
+"""A robot whose arms are the tighter limit."""
+REST: Arms = (0.0, 0.0, 0.0)
+SPEED: Arms = (1.0, 1.0, 1.0)
+
+
+def dense(plan: Plan, count: int = 200) -> list[Arms]:
+    return [plan.trajectory.at(plan.duration * i / count)[0] for i in range(count + 1)]
+
+
+directions = st.floats(-math.pi, math.pi)
+
+
+@st.composite
+def poses(draw: st.DrawFn, tilt_max: float = 35.0) -> Arms:
+    level = math.sin(math.radians(draw(st.floats(0, tilt_max))))
+    direction = draw(directions)
+    upright = math.sqrt(1 - level * level)
+    return NECK.inverse(
+        draw(st.floats(-math.pi, math.pi)),
+        math.asin(level * math.cos(direction)),
+        math.atan2(level * math.sin(direction), upright),
+    )
+
+
+rates = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
+speeds = st.tuples(*[st.floats(0.1, 1.5)] * 3)
+
+
+@given(
+    poses(),
+    rates | st.just(REST),
+    poses(40) | st.tuples(*[st.floats(-4, 4)] * 3),
+    speeds,
+    st.booleans(),
+    st.sampled_from([LIMITS, CROWDED]),
+)
+def test_accepted_ways_keep_the_limits_and_refused_ways_do_not(
+    start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool, limits: Limits
+) -> None:
+    assume(min(NECK.gaps(start)) > limits.gap_min)
+    met = verdict(limits, start, velocity, target, speed, straight)
+    if isinstance(met, Refused):
+        assert breaks(limits, met.reason, start, velocity, target, speed, straight)
+    else:
+        assert_keeps(limits, met)
+
+
+def verdict(
+    limits: Limits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+) -> Plan | Refused:
+    try:
+        return limits.check_motion(start, velocity, target, speed, straight=straight)
+    except Refused as refusal:
+        return refusal
+
+
+def assert_keeps(limits: Limits, plan: Plan) -> None:
+    """The densely sampled way keeps the limits, and its extremes are those of the plan."""
+    ways = dense(plan)
+    heads = [NECK.forward(arms) for arms in ways]
+    tilt_max = max(tilt_of(pitch, roll) for _, pitch, roll in heads)
+    yaw_max = max(abs(yaw) for yaw, _, _ in heads)
+    gap_min = min(min(NECK.gaps(arms)) for arms in ways)
+    assert tilt_max <= limits.tilt_max + TOLERANCE
+    assert yaw_max <= limits.yaw_max + TOLERANCE
+    assert gap_min >= limits.gap_min - TOLERANCE
+    near = math.radians(0.3)
+    assert plan.tilt_max == pytest.approx(tilt_max, abs=near)
+    assert plan.yaw_max_abs == pytest.approx(yaw_max, abs=near)
+    assert plan.gap_min == pytest.approx(gap_min, abs=near)
+
+
+def breaks(
+    limits: Limits, reason: Reason, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+) -> bool:
+    """Whether a densely sampled way breaks the limit of this reason."""
+    trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
+    ways = (trajectory.at(trajectory.duration * i / 2000)[0] for i in range(2001))
+    return any(breaks_at(limits, reason, arms) for arms in ways)
+
+
+def breaks_at(limits: Limits, reason: Reason, arms: Arms) -> bool:
+    if reason == Reason.ARM_GAP:
+        return min(NECK.gaps(arms)) < limits.gap_min
+    try:
+        yaw, pitch, roll = NECK.forward(arms)
+    except BeatrixError:
+        return True
+    return abs(yaw) > limits.yaw_max if reason == Reason.YAW_LIMIT else tilt_of(pitch, roll) > limits.tilt_max
+
+
+@given(poses())
+def test_poses_read_back_from_steps_may_be_asked_again(target: Arms) -> None:
+    gear = Gear()
+    here = gear.to_rad(gear.to_steps(target))
+    LIMITS.check_motion(here, REST, here, SPEED, straight=True)
+    LIMITS.check_motion(here, REST, target, SPEED, straight=True)
+
+
+@given(directions)
+def test_a_pose_at_the_tilt_limit_is_accepted_and_one_just_beyond_is_not(direction: float) -> None:
+    def towards(degrees: float) -> Arms:
+        level = math.sin(math.radians(degrees))
+        upright = math.sqrt(1 - level * level)
+        return NECK.inverse(
+            0, math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), upright)
+        )
+
+    LIMITS.check_pose(towards(35.0))
+    with pytest.raises(Refused):
+        LIMITS.check_pose(towards(35.1))
+
+
+def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
+    """Taylor's bound, on which the walk rests, against the function itself."""
+    walker = LIMITS._judge._walker
+    up_bend, yaw_bend = walker._curvature[0], walker._curvature[1]
+    reach = 0.1
+    for i in range(4000):
+        share, direction, turn = math.sqrt((i * 0.618034) % 1), i * 2.399963, i * 0.754877
+        level = math.sin(share * math.radians(35))
+        arms = NECK.inverse(
+            0,
+            math.asin(level * math.cos(direction)),
+            math.atan2(level * math.sin(direction), math.sqrt(1 - level**2)),
+        )
+        c, s = reach * math.cos(turn), reach * math.sin(turn)
+        step = (
+            c / math.sqrt(2) + s / math.sqrt(6),
+            -c / math.sqrt(2) + s / math.sqrt(6),
+            -2 * s / math.sqrt(6),
+        )
+        here, there = NECK.head(arms), NECK.head((arms[0] + step[0], arms[1] + step[1], arms[2] + step[2]))
+        up = sum(a * b for a, b in zip(here.up_by_arm, step, strict=True))
+        yaw = sum(a * b for a, b in zip(here.yaw_by_arm, step, strict=True))
+        if there.up >= math.cos(math.radians(37)):
+            assert abs(there.up - here.up - up) <= up_bend / 2 * reach**2
+            assert abs(there.yaw - here.yaw - yaw) <= yaw_bend / 2 * reach**2
