@@ -26,6 +26,8 @@ from beatrix_zenoh.requests import Wording
 
 LEASE_MS = 2000
 """A frozen session counts as gone after this long; the default of 10 s is too long for a moving robot."""
+TCP = {"so_sndbuf": 32768, "so_rcvbuf": 32768}
+"""Small socket buffers: what a flooding client has sent waits with the client, not for seconds in the kernel."""
 ROUTER_PROBE_S = 1.0
 STALE_S = 0.02
 """After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
@@ -103,7 +105,9 @@ class Publication:
 class Question:
     """An `ask` under way: replies as they come, each waited for with its own time-out."""
 
-    def __init__(self, session: zenoh.Session, key: str, payload: bytes | None, encoding: str | None) -> None:
+    def __init__(
+        self, session: zenoh.Session, key: str, payload: bytes | None, encoding: str | None, priority: str
+    ) -> None:
         self._inbox: queue.SimpleQueue[Answer | None] = queue.SimpleQueue()
         self._cancel = zenoh.CancellationToken()
         session.get(
@@ -112,6 +116,7 @@ class Question:
             payload=payload,
             encoding=encoding,
             consolidation=zenoh.ConsolidationMode.NONE,
+            priority=PRIORITIES[priority],
             timeout=FOR_EVER_S,
             source_info=zenoh.SourceInfo(session.id, 0),
             cancellation_token=self._cancel,
@@ -155,9 +160,11 @@ class Bus:
 
     # -- asking ---------------------------------------------------------------------------------
 
-    def question(self, key: str, payload: bytes | None = None, encoding: str | None = None) -> Question:
+    def question(
+        self, key: str, payload: bytes | None = None, encoding: str | None = None, priority: str = "data"
+    ) -> Question:
         """Ask and collect replies one by one; close the question afterwards."""
-        return Question(self._session, key, payload, encoding)
+        return Question(self._session, key, payload, encoding, priority)
 
     def answers(self, key: str, timeout_s: float, payload: bytes | None = None) -> Iterator[Answer]:
         """All good replies to a (wildcard) key within `timeout_s`."""
@@ -263,6 +270,7 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
         "scouting/gossip/enabled": False,
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": LEASE_MS,
+        "transport/link/tcp": TCP,
         "metadata": {"name": label},
     }
     for key, value in settings.items():
@@ -316,6 +324,7 @@ def open_router(listen: str) -> zenoh.Session:
         "scouting/delay": 0,
         "adminspace/enabled": True,
         "transport/shared_memory/enabled": False,
+        "transport/link/tcp": TCP,
     }
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))

@@ -64,7 +64,7 @@ class Conversation:
         self._question = self._ask()
 
     def _ask(self) -> Question:
-        return self._bus.question(self._key, self._payload, codec.MSGPACK)
+        return self._bus.question(self._key, self._payload, codec.MSGPACK, priority(self._key))
 
     def next(self, kind: type[M], timeout_s: float) -> M:
         """The next reply, waiting up to `timeout_s`; raises NoAnswer as `Client.ask`, TIMED_OUT too."""
@@ -117,3 +117,11 @@ class Conversation:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def priority(key: str) -> str:
+    """How urgent a question is: STOP overtakes what this session has sent before, streams of motions nothing."""
+    road = key.rpartition("/")[2]
+    if road == "stop":
+        return "real_time"
+    return "data" if road in ("motion", "pose", "preview") else "interactive_high"

@@ -24,6 +24,7 @@ from beatrix_zenoh.lease import Lease
 from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
+from beatrix_zenoh.node.halt import Halt
 
 ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
@@ -46,8 +47,8 @@ class Running:
 class Driver:
     """The state machine between requests and the board.
 
-    All methods are called on one thread (the node's mailbox reader); `holder`, `warnings`,
-    `motion` and `arms` may be read from others.
+    All methods are called on one thread (the node's mailbox reader), except `halt`; `holder`,
+    `warnings` and `arms` may be read from others.
     """
 
     def __init__(self, body: Body, board: Board, course: Course) -> None:
@@ -55,6 +56,7 @@ class Driver:
         self._board = board
         self._course = course
         self._lease = Lease()
+        self._halt = Halt()
         self._running: Running | None = None
         self._stopping: list[Asker] = []
         self._cause = Reason.STOPPED
@@ -90,7 +92,7 @@ class Driver:
             asker.finish()
 
         try:
-            goal = self._goal(query, asker.who)
+            goal = self._goal(query, asker)
             number, started = self._begin(goal, asker, end)
         except BeatrixError as error:
             self.decline_motion(asker, error)
@@ -103,8 +105,10 @@ class Driver:
         asker.answer(motion_reply(Phase.ACCEPTED, error.reason, error.message, 0, 0.0, self.arms()))
         asker.finish()
 
-    def _goal(self, query: MotionQuery | PoseQuery, who: str) -> Goal:
-        self._lease.check(who, time.monotonic())
+    def _goal(self, query: MotionQuery | PoseQuery, asker: Asker) -> Goal:
+        now = time.monotonic()
+        self._lease.check(asker.who, now)
+        self._halt.check(asker.who, asker.session, now, resting=not self._moving() and not self._stopping)
         return self._course.goal(query, self.ready_telemetry())
 
     def ready_telemetry(self) -> Telemetry:
@@ -148,7 +152,7 @@ class Driver:
         target[arm] = angle
         query = MotionQuery(position=Vector3(*target))
         try:
-            self._begin(self._goal(query, ARM_TOPICS), asker, self._end_arm_target)
+            self._begin(self._goal(query, asker), asker, self._end_arm_target)
         except BeatrixError as error:
             self.warn(f"{ARM_TOPICS}: {error.message}")
 
@@ -216,7 +220,7 @@ class Driver:
             self._answer(asker, reason, text)
 
         query = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
-        self._begin(self._goal(query, asker.who), asker, end)
+        self._begin(self._goal(query, asker), asker, end)
 
     def _await(self, holds: Callable[[Telemetry], bool]) -> None:
         """Until telemetry shows what the firmware acknowledged, so that the next request sees it too."""
@@ -225,8 +229,15 @@ class Driver:
 
     # -- ends -----------------------------------------------------------------------------------
 
+    def halt(self, session: str) -> None:
+        """STOP was pressed by `session` (empty: unknown): begin no motion. Called on the stop desk's thread."""
+        now = time.monotonic()
+        self._halt.begin(self._lease.holder(now), session, now)
+
     def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
+        if error is None and self._moving():
+            self.stop_motion()  # a motion may have been on its way when STOP passed it
         if asker is None:
             return
         if error is not None:

@@ -97,7 +97,9 @@ class Node:
         name, twin, bus = self.name, self.twin, self._bus
         bus.serve(keys.stop(name, twin), lambda incoming: self._stop(incoming, FrameType.STOP))
         bus.subscribe(keys.stop(name, twin), lambda *_: self._stop(None, FrameType.STOP))
-        self._motions.serve(keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery))
+        self._motions.serve(
+            keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery)
+        )
         self._motions.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
         bus.serve(keys.command(name, twin, "*"), self._command)
         self._motions.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
@@ -174,6 +176,7 @@ class Node:
 
         def stop() -> None:
             failure = None
+            self.driver.halt("" if asker is None else asker.session)
             try:
                 self.board.request(road)
             except BeatrixError as error:

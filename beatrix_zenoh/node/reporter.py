@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import threading
 import time
 from importlib import metadata
@@ -99,7 +98,7 @@ class Reporter:
 
     def info(self) -> Info:
         """What a stranger needs to drive this robot."""
-        limits, twin = self._course.robot.limits, self._body.twin
+        limits, twin = self._course.limits, self._body.twin
         names = {"robot": self._name, "twin": twin, "who": "<who>", "arm": "<arm>", "session": "<session>"}
         base = keys.motion(self._name, twin, "me").rpartition("/")[0]
         return Info(
@@ -111,12 +110,12 @@ class Reporter:
             steps_per_turn=self._course.gear.steps_per_turn,
             arms=["short", "middle", "long"],
             limits=msg.LimitInfo(
-                tilt_max=math.radians(limits.tilt_max),
-                gap_min=math.radians(limits.gap_min),
-                yaw_max=math.radians(limits.yaw_max),
-                speed_default=math.radians(limits.speed_default),
-                speed_max=math.radians(limits.speed_max),
-                acceleration=math.radians(limits.acceleration),
+                tilt_max=limits.tilt_max,
+                gap_min=limits.gap_min,
+                yaw_max=limits.yaw_max,
+                speed_default=limits.default_speed,
+                speed_max=limits.speed_max,
+                acceleration=limits.acceleration,
             ),
             commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
             reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Protocol
+from typing import Protocol, Self
 
 import pytest
 from stage import Stage, until
@@ -112,7 +112,7 @@ class Flood:
             if len(self._questions) > 500:
                 self._questions.pop(0).close()
 
-    def __enter__(self) -> Flood:
+    def __enter__(self) -> Self:
         self._thread.start()
         return self
 
@@ -136,15 +136,46 @@ def test_stop_is_answered_while_another_client_floods(body: Body, robot: Robot) 
     assert before > 0
 
 
-def test_after_a_flood_the_newest_target_wins_and_the_next_command_is_prompt(robot: Robot) -> None:
+def test_command_of_another_client_is_answered_beside_a_flood(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
     with Flood(robot) as flood:
         until(lambda: flood.sent > 500, "flooded", 15.0)
-    sent_s = time.monotonic()
-    motion = robot.look(yaw=5, speed=60, wait=False)
-    took_s = time.monotonic() - sent_s
-    motion.wait()
+        sent_s = time.monotonic()
+        with pytest.raises(Refused, match="ana drives"):
+            other.calibrate()
+        took_s = time.monotonic() - sent_s
+    assert took_s < 0.5, "the figure itself is printed by make bench"
+
+
+def test_after_a_flood_the_newest_target_wins(robot: Robot) -> None:
+    with Flood(robot) as flood:
+        until(lambda: flood.sent > 500, "flooded", 15.0)
+    robot.timeout_s = 10.0
+    robot.look(yaw=5, speed=60)
     assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
-    assert took_s < 1.0, "the figure itself is printed by make bench"
+
+
+def test_a_stopped_stream_must_pause_before_it_moves_again(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    robot.look(yaw=40, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    other.stop()
+    rest = robot.positions().commanded
+    with pytest.raises(Refused, match="pressed STOP") as refusal:
+        robot.look(yaw=40)
+    assert refusal.value.reason is Reason.STOPPED
+    assert robot.positions().commanded == rest
+
+    def moves_again() -> bool:
+        try:
+            robot.look(yaw=0, speed=60, wait=False)
+        except Refused:
+            return False
+        return True
+
+    assert not moves_again(), "each try begins the pause anew"
+    until(lambda: robot.status().holder == "", "two quiet seconds", 4.0)
+    assert moves_again()
 
 
 def test_of_waiting_targets_only_the_newest_runs(robot: Robot) -> None:

@@ -45,7 +45,7 @@ def test_two_robots_side_by_side_hear_nothing_of_each_other(stage: Stage) -> Non
     two.disable()
     motion.wait()
     assert one.positions().commanded.short == pytest.approx(20, abs=0.1)
-    assert (one.status().holder, two.status().holder) == ("ana", "")
+    assert (one.status().holder, two.status().holder) == ("ana", "ben")
     assert first.board.telemetry is not None
     assert second.board.telemetry is not None
     assert first.board.telemetry.motion == 1
