@@ -1,0 +1,96 @@
+"""Drive both robots with Zenoh's own example programs: `python tools/zenoh_examples.py FOLDER`.
+
+FOLDER holds the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. Prints every call and what it printed.
+"""
+
+from __future__ import annotations
+
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+ENDPOINT = "tcp/127.0.0.1:7461"
+CLIENT = ["-m", "client", "-e", ENDPOINT]
+
+
+def say(command: list[str], result: str) -> None:
+    """Print a call and its output."""
+    print("$", shlex.join([Path(command[1]).name, *command[2:]]))
+    print("\n".join("    " + line for line in result.splitlines()), flush=True)
+
+
+def call(folder: Path, program: str, *arguments: str) -> str:
+    """Run a program to its end."""
+    command = [sys.executable, str(folder / program), *CLIENT, *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True).stdout
+    say(command, result)
+    return result
+
+
+def listen(folder: Path, key: str, lines: int) -> str:
+    """Run z_sub.py until it has printed some lines of samples."""
+    command = [sys.executable, "-u", str(folder / "z_sub.py"), *CLIENT, "-k", key]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        heard = [program.stdout.readline() for _ in range(lines + 3)]
+        program.send_signal(signal.SIGINT)
+    say(command[:1] + command[2:], "".join(heard))
+    return "".join(heard)
+
+
+def drive(folder: Path, twin: str) -> None:
+    """Read, enable, calibrate, look, move and stop one robot; fail if anything is not as it should be."""
+    base = f"beatrix/zed/{twin}"
+    assert '"enabled":false' in call(folder, "z_get.py", "-s", f"{base}/state/status")
+    assert "NOT_ENABLED" in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.2")
+    assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command?command=enable")
+    assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command", "-p", "calibrate")
+    assert '"phase":"done"' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.35;pitch=-0.17")
+    assert '"phase":"done"' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/motion", "-p", "0.1 0 -0.1 0.5")
+    assert "position" in call(folder, "z_get.py", "-s", f"{base}/state/positions")
+    assert "commanded" in listen(folder, f"{base}/state/positions/json", 2)
+    assert "calibrated" in listen(folder, f"{base}/state/status/json", 1)
+    long = [sys.executable, str(folder / "z_get.py"), *CLIENT, "-s", f"{base}/cmd/me/pose?yaw=1.5;speed=0.3"]
+    with subprocess.Popen(long, stdout=subprocess.PIPE, text=True) as moving:
+        while '"moving":true' not in call(folder, "z_get.py", "-s", f"{base}/state/status"):
+            pass
+        if twin == "sim":
+            call(folder, "z_put.py", "-k", f"{base}/stop", "-p", "now")
+        else:
+            assert "rest at" in call(folder, "z_get.py", "-s", f"{base}/stop")
+        assert moving.stdout is not None
+        ended = moving.stdout.read()
+    say(long, ended)
+    assert "STOPPED" in ended
+
+
+def main() -> None:
+    """Router, simulation and hardware node as processes; the examples as clients."""
+    folder = Path(sys.argv[1]).resolve()
+    beatrix = [sys.executable, "-m", "beatrix_zenoh.cli"]
+    name = ["--name", "zed", "--connect", ENDPOINT]
+    processes = []
+    try:
+        for command in (
+            [*beatrix, "router", "--listen", ENDPOINT],
+            [sys.executable, "-m", "sim_node", *name],
+            [sys.executable, "-m", "hw_node", *name, "--port", "virtual:"],
+        ):
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+            processes.append(process)
+            assert process.stdout is not None
+            assert process.stdout.readline().startswith("ready")
+        drive(folder, "sim")
+        drive(folder, "hw")
+        print("both robots read, driven and stopped")
+    finally:
+        for process in reversed(processes):
+            process.send_signal(signal.SIGINT)
+            process.wait(10)
+
+
+if __name__ == "__main__":
+    main()
