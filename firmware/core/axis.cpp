@@ -62,13 +62,10 @@ void Axis::commit() {
 // The fastest pace that still comes to rest within what is left. The present one always leaves room for a slower one,
 // unless the target has been moved inside the stopping distance: then braking is all that can be done.
 Pace Axis::choose(Fine left) const {
-  const Pace &top = ramp_.top;
-  if (pace_.speed <= top.speed) {
+  if (pace_.speed <= ramp_.top.speed) {
     Pace up = faster();
     if (up.reach <= left) return up;
     if (pace_.reach <= left) return pace_;
-  } else if (pace_.speed - ramp_.acceleration < top.speed && top.reach <= left) {
-    return top;
   }
   return slower();
 }

@@ -1,5 +1,5 @@
-// The guard from places where no motion can bring the arms.
-#include "guard.h"
+// The core alone: its guard from places where no motion can bring the arms, and its motions by the million.
+#include "motion.h"
 
 using namespace beatrix;
 
@@ -11,4 +11,83 @@ extern "C" int guard_first_tick(const int32_t start[ARMS], const int32_t target[
     axes[i].plan();
   }
   return guard_tick(axes);
+}
+
+namespace {
+
+class Chance {
+ public:
+  explicit Chance(uint32_t seed) : state_(seed * 2654435761U + 1) {}
+
+  // Numerical Recipes' generator; the low bits are poor and are dropped.
+  int32_t between(int32_t low, int32_t high) {
+    state_ = state_ * 1664525U + 1013904223U;
+    return low + int32_t((uint64_t(state_ >> 8) * uint64_t(high - low + 1)) >> 24);
+  }
+
+ private:
+  uint32_t state_;
+};
+
+struct Seen {
+  int64_t ticks, crossed, steep, trips, missed;
+};
+
+// Targets close to what is allowed: arms close together, or turned far.
+Move any_move(Chance &chance, bool far) {
+  Move move;
+  move.flags = uint8_t(chance.between(0, 1));
+  int32_t turn = far ? chance.between(2200, 2340) * (chance.between(0, 1) ? 1 : -1) : chance.between(-300, 300);
+  int32_t apart = far ? chance.between(1, 500) : chance.between(0, 1) ? 1058 : 529;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    move.target[i] = turn + chance.between(-apart, apart);
+    move.speed[i] = uint16_t(chance.between(chance.between(0, 3) ? 1500 : 1, SPEED_MAX));
+  }
+  return move;
+}
+
+void look(const Motion &motion, const Fine before[ARMS], bool settled, bool fresh, Seen *seen) {
+  int32_t steps[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) {
+    const Axis &axis = motion.axis(i);
+    steps[i] = axis.steps();
+    Fine change = axis.end() - axis.start() - before[i];
+    // The last rest of a motion is one move of up to `a`; a new one may begin the other way right after it.
+    Fine allowed = from_q26(ACCELERATION) * (fresh ? 2 : 1);
+    if (!settled && (change > allowed || change < -allowed)) seen->steep++;
+    if (!motion.moving() && motion.outcome() == OUTCOME_DONE && axis.end() != to_fine(axis.target())) seen->missed++;
+  }
+  if (guard_steps(steps) != OUTCOME_NONE) seen->crossed++;
+}
+
+void pass(Motion &motion, int32_t ticks, Seen *seen) {
+  for (int32_t t = 0; t < ticks; t++) {
+    Fine before[ARMS];
+    for (uint8_t i = 0; i < ARMS; i++) before[i] = motion.axis(i).end() - motion.axis(i).start();
+    bool moved = motion.moving(), braked = motion.braking();
+    motion.tick();
+    // Braked arms are settled on their last steps, all at once.
+    bool settled = braked && !motion.braking();
+    look(motion, before, settled, t == 0, seen);
+    if (moved && !motion.moving() && (motion.outcome() == OUTCOME_GAP || motion.outcome() == OUTCOME_YAW)) seen->trips++;
+    seen->ticks++;
+  }
+}
+
+}  // namespace
+
+extern "C" void live(uint32_t seed, uint32_t motions, Seen *seen) {
+  Chance chance(seed);
+  Motion motion;
+  for (uint32_t i = 0; i < motions; i++) {
+    Move move = any_move(chance, i / 100 % 2);
+    if (guard_steps(move.target) == OUTCOME_NONE) {
+      uint32_t todo[ARMS];
+      bool resting;
+      motion.survey(move.target, todo, &resting);
+      motion.start(motion.plan(move, todo, resting));
+    }
+    if (chance.between(0, 9) == 0) motion.brake(OUTCOME_STOPPED);
+    pass(motion, chance.between(1, chance.between(0, 3) ? 300 : 4000), seen);
+  }
 }

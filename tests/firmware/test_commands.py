@@ -129,6 +129,7 @@ def test_an_emergency_stops_within_the_same_call(ready: Rig) -> None:
     at = ready.steps
     ready.ask(FrameType.EMERGENCY_STOP)
     assert (ready.state, ready.outcome) == (LATCHED, Outcome.EMERGENCY)
+    assert ready.last.velocity == (0, 0, 0)
     ready.tick(100)
     assert ready.steps == at
 

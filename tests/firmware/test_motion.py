@@ -108,7 +108,7 @@ def test_retargeting_never_exceeds_the_acceleration_nor_misses_the_target(
         assert max(abs(b - a) for a, b in zip(before, after, strict=True)) <= bound + ROUNDING, tick
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(TARGETS, st.integers(20, SPEED_MAX), TARGETS)
 def test_a_straight_move_from_rest_is_straight_and_together(first: Steps, speed: int, target: Steps) -> None:
     watched = Watched()
@@ -146,6 +146,55 @@ def test_a_target_behind_is_reached_by_braking_and_turning_back() -> None:
     assert watched.rig.steps == (turn_at, turn_at, turn_at)
 
 
+def test_a_target_just_ahead_is_not_landed_on_at_full_speed() -> None:
+    watched = Watched()
+    watched.rig.move((2000, 2000, 2000), 999)
+    watched.tick(600)
+    while not 0 < (ahead := math.ceil(watched.path[-1][0])) - watched.path[-1][0] < ACCELERATION:
+        watched.tick()
+    watched.rig.move((ahead, ahead, ahead), 999)
+    watched.run()
+    furthest = max(steps[0] for steps in watched.steps)
+    assert furthest - ahead == pytest.approx((999 / 4000) ** 2 / ACCELERATION / 2, abs=1)
+
+
+def test_an_arm_slowed_for_a_straight_line_brakes_with_its_full_ramp_afterwards() -> None:
+    watched = Watched()
+    watched.rig.move((1500, 750, 0), 4000, straight=True)
+    watched.tick(800)
+    x, y, _ = watched.steps[-1]
+    begin = len(watched.path)
+    watched.rig.move((x + 500, y + 100, 0), 4000)
+    watched.run()
+    moves = watched.moves()[begin:]
+    last = max(tick for tick, move in enumerate(moves) if move[1])
+    # Way 100 from half speed: speed up, brake; at best sqrt(2 (2 a way + v^2)) / a - v / a ticks.
+    best = (math.sqrt(2 * (2 * ACCELERATION * 100 + 0.25)) - 0.5) / ACCELERATION
+    assert last == pytest.approx(best, abs=3)
+
+
+def test_a_replaced_straight_motion_gives_every_arm_its_full_ramp() -> None:
+    watched = Watched()
+    assert watched.rig.move((1000, 100, 0), 4000, straight=True) == Error.OK
+    watched.tick(600)
+    assert watched.rig.move((1000, 600, 0), 4000, straight=True) == Error.OK
+    before = watched.moves()[-1][1]
+    watched.tick(20)
+    assert watched.moves()[-1][1] - before == pytest.approx(20 * ACCELERATION, rel=0.01)
+
+
+def test_an_arm_that_only_turns_back_does_not_crawl(ready: Rig) -> None:
+    ready.move((0, 400, 0))
+    ready.tick(400)
+    way = ready.steps[1]
+    assert ready.move((1000, way, 0), straight=True) == Error.OK
+    for _ in range(10):
+        ready.tick(300)
+        ready.ask(FrameType.PING)
+    # A sixteenth of the top speed brings it back the 168 steps it needs to stop.
+    assert ready.outcome == Outcome.DONE
+
+
 def test_a_lower_speed_is_reached_by_braking() -> None:
     watched = Watched()
     watched.rig.move((2000, 2000, 2000))
@@ -175,6 +224,7 @@ def test_stop_slows_every_arm_in_the_very_next_tick(
     watched.run()
     assert watched.rig.outcome == Outcome.STOPPED
     assert watched.rig.last.position == watched.rig.steps == watched.steps[-1]
+    assert watched.path[-1] == watched.steps[-1]
     longest = max(abs(v) for v in before) / ACCELERATION
     assert len(watched.path) < longest * 16 + ms + 10
 
