@@ -1,0 +1,181 @@
+"""Requests to the board: a lost reply costs one retry, two callers never get each other's answer."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from beatrix_zenoh import NoAnswer, Refused
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+
+
+class LossyPort:
+    """A virtual board whose wire can lose, delay or forge frames to the host."""
+
+    name = "lossy:"
+
+    def __init__(self, board: VirtualBoard) -> None:
+        self.board = board
+        self.lose: list[int] = []
+        self.gone = False
+        self.forged = b""
+        self._decoder = Decoder()
+
+    def write(self, data: bytes) -> None:
+        if self.gone:
+            raise OSError("gone")
+        self.board.write(data)
+
+    def read(self, timeout_s: float) -> bytes:
+        if self.gone:
+            raise OSError("gone")
+        out, self.forged = self.forged, b""
+        for frame in self._decoder.feed(self.board.read(timeout_s)):
+            if frame.type in self.lose:
+                self.lose.remove(frame.type)
+            else:
+                out += encode(frame.type, frame.seq, frame.payload)
+        return out
+
+    def close(self) -> None:
+        """The board behind stays."""
+
+
+class Rig:
+    """A board on a lossy wire, and what it reported."""
+
+    def __init__(self) -> None:
+        self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))
+        self.ticker = RealTimeTicker(self.virtual)
+        self.port = LossyPort(self.virtual)
+        self.heard: list[Telemetry] = []
+        self.link_changes = 0
+        self.board = Board(lambda: self.port, self.heard.append, self._changed)
+        self.board.start()
+        assert self.board.wait_for(lambda _: True, 2.0)
+
+    def _changed(self) -> None:
+        self.link_changes += 1
+
+    def close(self) -> None:
+        self.board.close()
+        self.ticker.close()
+        self.virtual.close()
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    made = Rig()
+    yield made
+    made.close()
+
+
+def test_one_lost_reply_costs_one_retry(rig: Rig) -> None:
+    rig.port.lose = [FrameType.ENABLE | 0x80]
+    rig.board.enable(on=True)
+    assert rig.board.link.retries == 1
+    assert rig.board.link.connected
+
+
+def test_a_reply_lost_every_time_is_a_lost_board(rig: Rig) -> None:
+    rig.port.lose = [FrameType.ENABLE | 0x80] * 10
+    with pytest.raises(NoAnswer, match="does not answer") as loss:
+        rig.board.enable(on=True)
+    assert loss.value.reason is Reason.BOARD_LOST
+
+
+def test_two_callers_at_once_never_get_each_others_answer(rig: Rig) -> None:
+    """STOP always succeeds, CALIBRATE with motors off never does: a mixed-up answer would show."""
+    mixed: list[str] = []
+
+    def stop() -> None:
+        for _ in range(200):
+            try:
+                rig.board.request(FrameType.STOP)
+            except Refused as error:
+                mixed.append(error.message)
+
+    def calibrate() -> None:
+        for _ in range(200):
+            try:
+                rig.board.request(FrameType.CALIBRATE)
+            except Refused:
+                continue
+            mixed.append("calibrated with motors off")
+
+    threads = [threading.Thread(target=work) for work in (stop, calibrate)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert mixed == []
+
+
+def test_the_firmwares_refusal_keeps_its_reason(rig: Rig) -> None:
+    with pytest.raises(Refused, match="motors are off") as refusal:
+        rig.board.move(1, (0, 0, 0), (400, 400, 400), straight=True)
+    assert refusal.value.reason is Reason.NOT_ENABLED
+
+
+def test_firmware_of_another_contract_is_named_and_not_moved(rig: Rig) -> None:
+    stranger = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
+    rig.port.forged = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
+    while rig.board.link.understood:
+        rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
+    with pytest.raises(NoAnswer, match="00000bad") as refusal:
+        rig.board.enable(on=True)
+    assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+
+
+def test_an_unknown_error_code_is_a_refusal_not_a_crash(rig: Rig) -> None:
+    rig.port.lose = [FrameType.STOP | 0x80] * 3
+    errors: list[Refused] = []
+
+    def request() -> None:
+        try:
+            rig.board.request(FrameType.STOP)
+        except Refused as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=request)
+    thread.start()
+    for seq in range(1, 30):
+        rig.port.forged += encode(FrameType.STOP | 0x80, seq, bytes([max(Error) + 40]))
+    thread.join()
+    assert "unknown error" in errors[0].message
+
+
+def test_a_port_that_goes_and_comes_is_found_again(rig: Rig) -> None:
+    rig.port.gone = True
+    until = threading.Event()
+    while rig.board.link.connected:
+        until.wait(0.01)
+    with pytest.raises(NoAnswer):
+        rig.board.enable(on=True)
+    rig.port.gone = False
+    while not rig.board.link.connected:
+        until.wait(0.01)
+    rig.board.enable(on=True)
+    assert rig.link_changes >= 3
+
+
+def test_a_reset_board_is_noticed_by_its_boot_number(rig: Rig) -> None:
+    rig.board.enable(on=True)
+    with rig.virtual.lock:
+        rig.virtual.firmware = Firmware(boot=2, name="bea")
+    assert rig.board.wait_for(lambda telemetry: telemetry.boot == 2, 3.0)
+    assert rig.board.link.hello is not None
+    assert rig.board.link.hello.boot == 2
+
+
+def test_the_heartbeat_keeps_an_idle_host_moving(rig: Rig) -> None:
+    rig.board.enable(on=True)
+    rig.board.request(FrameType.CALIBRATE)
+    rig.board.move(7, (500, 500, 500), (1600, 1600, 1600), straight=True)
+    assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)

@@ -1,0 +1,95 @@
+"""Who drives, and for how long; who was stopped must pause."""
+
+from __future__ import annotations
+
+import pytest
+
+from beatrix_zenoh import Refused
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.lease import LINGER_S, Lease
+from beatrix_zenoh.node.halt import PAUSE_S, Halt
+
+
+def test_a_free_robot_is_taken_by_the_first() -> None:
+    lease = Lease()
+    assert lease.holder(0) == ""
+    lease.take("ana", 0)
+    assert lease.holder(0) == "ana"
+
+
+def test_others_are_refused_by_name() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    with pytest.raises(Refused, match="ana drives") as refusal:
+        lease.take("ben", 100)
+    assert refusal.value.reason is Reason.NOT_HOLDER
+
+
+def test_the_lease_lingers_exactly_so_long_after_rest() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.rest(10)
+    with pytest.raises(Refused, match=r"1\.0 s more"):
+        lease.check("ben", 10 + LINGER_S - 1)
+    assert lease.holder(10 + LINGER_S - 0.001) == "ana"
+    assert lease.holder(10 + LINGER_S) == ""
+    lease.take("ben", 10 + LINGER_S)
+
+
+def test_moving_again_keeps_the_lease() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.rest(1)
+    lease.take("ana", 2)
+    assert lease.holder(100) == "ana"
+
+
+def test_the_teacher_outranks_and_then_holds() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.take("teacher", 1)
+    with pytest.raises(Refused, match="teacher drives"):
+        lease.check("ana", 1)
+
+
+def test_a_freed_robot_is_free_at_once() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.free()
+    lease.take("ben", 0)
+
+
+def test_nobody_moves_while_the_arms_come_to_rest() -> None:
+    halt = Halt()
+    halt.begin("ana", "session", 0)
+    for who, session in (("ana", "session"), ("ben", "")):
+        with pytest.raises(Refused, match="coming to rest"):
+            halt.check(who, session, 5, resting=False)
+
+
+def test_the_stopped_seat_must_be_quiet_for_the_whole_pause() -> None:
+    halt = Halt()
+    halt.begin("ana", "other", 0)
+    for now in (0.5, 1.4, 2.3):
+        with pytest.raises(Refused, match="send no motion"):
+            halt.check("ana", "mine", now, resting=True)
+    halt.check("ana", "mine", 2.3 + PAUSE_S, resting=True)
+
+
+def test_others_need_not_pause() -> None:
+    halt = Halt()
+    halt.begin("ana", "other", 0)
+    halt.check("ben", "his", 0.1, resting=True)
+
+
+def test_who_pressed_stop_himself_need_not_pause() -> None:
+    halt = Halt()
+    halt.begin("ana", "mine", 0)
+    halt.check("ana", "mine", 0.1, resting=True)
+
+
+def test_an_unknown_stopper_is_not_taken_for_an_unknown_driver() -> None:
+    halt = Halt()
+    halt.begin("ana", "", 0)
+    with pytest.raises(Refused):
+        halt.check("ana", "", 0.1, resting=True)

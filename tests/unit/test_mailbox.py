@@ -1,0 +1,57 @@
+"""Requests wait in order; of one seat's motions only the newest; never more than fit."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.node.mailbox import CAPACITY, Mailbox, Task
+
+
+class Log:
+    """Tasks that write down what became of them."""
+
+    def __init__(self) -> None:
+        self.ran: list[str] = []
+        self.declined: list[tuple[str, Reason]] = []
+
+    def task(self, name: str) -> Task:
+        def decline(error: BeatrixError) -> None:
+            self.declined.append((name, error.reason))
+
+        return Task(lambda: self.ran.append(name), decline)
+
+
+def drain(mailbox: Mailbox) -> None:
+    mailbox.close()
+    while (task := mailbox.take()) is not None:
+        task.run()
+
+
+def test_entries_run_in_order() -> None:
+    log, mailbox = Log(), Mailbox()
+    for name in "abc":
+        mailbox.post(log.task(name))
+    drain(mailbox)
+    assert log.ran == ["a", "b", "c"]
+
+
+def test_a_newer_motion_takes_its_place_at_the_end() -> None:
+    log, mailbox = Log(), Mailbox()
+    mailbox.post_latest("ana", log.task("old"))
+    mailbox.post(log.task("command"))
+    mailbox.post_latest("ben", log.task("other"))
+    mailbox.post_latest("ana", log.task("new"))
+    drain(mailbox)
+    assert log.ran == ["command", "other", "new"]
+    assert log.declined == [("old", Reason.REPLACED)]
+
+
+def test_too_many_commands_are_declined_as_busy_and_events_never() -> None:
+    log, mailbox = Log(), Mailbox()
+    for number in range(CAPACITY + 1):
+        mailbox.post(log.task(str(number)))
+    mailbox.post_event(lambda: log.ran.append("event"))
+    drain(mailbox)
+    assert len(log.ran) == CAPACITY + 1
+    assert log.ran[-1] == "event"
+    assert log.declined == [(str(CAPACITY), Reason.BUSY)]
