@@ -30,6 +30,7 @@ Outcome guard_steps(const int32_t steps[ARMS]) {
 
 static bool gap_allowed(const Axis &arm, const Axis &next, int32_t least) {
   int32_t then = next.next_rest_steps() - arm.next_rest_steps();
+  if (then > least + 1) return true;  // the exact difference is less than two steps off
   if (then >= least && next.next_rest() - arm.next_rest() >= to_fine(least)) return true;
   int32_t now = next.steps() - arm.steps();
   return now < least && then >= now;

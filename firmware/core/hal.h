@@ -6,7 +6,7 @@
 //                           written at once and must never be dropped; bytes wait in the body's receive buffer;
 //   machine.poll()          from its main loop, at least once per millisecond or after every interrupt that woke it;
 //   machine.tick()          every millisecond, from a timer interrupt; after it, motion().axis(i).start(), .end() and
-//                           .steps() say where each arm's set point began and ended this millisecond (exact, Q42) and
+//                           .steps() say where each arm's set point began and ended this millisecond (exact, Q40) and
 //                           how many steps are made by its end. A step belongs to the moment the set point leaves the
 //                           integer it came from, so a motion's first step stands at the begin of its first tick.
 //                           steps() also changes in receive() (CALIBRATE), never the number of steps to make.
