@@ -21,7 +21,7 @@ class Motion {
  public:
   Limits limits;
 
-  // The way each arm has to go, read before plan(); 0 in `resting` if any of them moves.
+  // The way each arm has to go, read before plan(); `resting` says whether all of them rest.
   void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
