@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Reason
+from beatrix_zenoh.bus import Question
 from beatrix_zenoh.cli.line import Where, named, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.verb import document, exit_code, note, say, verb
@@ -19,6 +21,7 @@ from beatrix_zenoh.settings import resolve
 
 STOP_S = 3.0
 """The slowest stop, from 90 deg/s, takes half a second."""
+URGENT = "real_time"
 
 
 @verb
@@ -33,7 +36,7 @@ def enable(
 def disable(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Switch the motors off; the head may sink and home is forgotten."""
+    """Switch the motors off. The head may sink, and home is forgotten."""
     command(Where(name, connect, who), on, Command.ENABLE, value=False, as_json=as_json)
 
 
@@ -70,13 +73,14 @@ def stop(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Stop robot and simulation at once, whoever drives. Without a name: every robot at the router."""
+    """Stop at once, whoever drives. Robot and simulation of a name; without a name every robot at the router."""
     settings = resolve(name, connect, who)
     robot = "*" if every or not named(Where(name, connect, who), settings) else settings.robot
     twin = "*" if on in (None, Which.BOTH) else on.value
     with Client(settings) as client:
-        replies = dict(stop_all(client, robot, twin, emergency=emergency))
-        present = client.bus.robots()
+        question = ask_to_stop(client, robot, twin, emergency=emergency)
+        present = client.bus.robots()  # asked after STOP, and before a frozen robot counts as gone
+        replies = dict(answers(question))
     wanted = [place for place in present if robot in ("*", place[0]) and twin in ("*", place[1])]
     if not wanted and not replies:
         found = ", ".join(f"{found} ({side})" for found, side in present) or "nobody"
@@ -86,18 +90,27 @@ def stop(
     tell_stopped(replies, [place for place in wanted if place not in replies], as_json=as_json)
 
 
-def stop_all(
-    client: Client, robot: str, twin: str, *, emergency: bool
-) -> Iterator[tuple[tuple[str, str], CommandReply]]:
-    """Ask all robots that match at once, each on its own road; answers as the arms come to rest."""
-    bus, query = client.bus, None
-    key = keys.stop(robot, twin)
+def ask_to_stop(client: Client, robot: str, twin: str, *, emergency: bool) -> Question:
+    """Ask all robots that match at once, each on its own road."""
     if emergency:
+        query = CommandQuery(command=Command.EMERGENCY_STOP.value)
         key = keys.command(robot, twin, client.settings.who)
-        query = codec.encode_json(CommandQuery(command=Command.EMERGENCY_STOP.value))
-    for answer in bus.answers(key, STOP_S, query):
-        _, found, side, *_ = answer.key.split("/")
-        yield (found, side), codec.decode_json(answer.payload, CommandReply)
+        return client.bus.question(key, codec.encode(query), codec.MSGPACK, URGENT)
+    return client.bus.question(keys.stop(robot, twin), None, codec.MSGPACK, URGENT)
+
+
+def answers(question: Question) -> Iterator[tuple[tuple[str, str], CommandReply]]:
+    """Name, twin and reply of each robot, as its arms come to rest."""
+    deadline = time.monotonic() + STOP_S
+    try:
+        while (answer := question.next(deadline - time.monotonic())) is not None:
+            if not answer.error:
+                _, robot, twin, *_ = answer.key.split("/")
+                yield (robot, twin), codec.decode(answer.payload, CommandReply)
+    except TimeoutError:
+        return
+    finally:
+        question.close()
 
 
 def tell_stopped(

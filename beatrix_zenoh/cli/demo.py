@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.compare import Comparison
 
 ROBOT = "demo"
+NEXT = ("look --yaw 20 --on both", "top", "stop")
 
 
 @verb
@@ -35,10 +36,11 @@ def demo(
     ),
     as_json: Json = False,
 ) -> None:
-    """Show it: a simulation and a robot on a virtual board nod, shake and look around together.
+    """Show simulation and robot moving together.
 
-    Starts everything it needs, records both, and tells how far they were apart. Needs no robot, no
-    display and no network. Exit code 1 if they did not make the same movement.
+    Starts a simulation and a second robot, the same firmware on a virtual board; both nod, shake and
+    look around. Records them and tells how far they were apart. Needs no robot, no display and no
+    network. Exit code 1 if they did not make the same movement.
     """
     make_folder(out)
     with heard(), Fleet() as fleet:
@@ -46,7 +48,7 @@ def demo(
         with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
             good = present(twin, out, as_json=as_json)
         if keep:
-            note(advice(settings, fleet.folder.name))
+            note(advice(settings.connect, NEXT, fleet.folder.name))
             stay(fleet)
     if not good:
         raise typer.Exit(FAILED)

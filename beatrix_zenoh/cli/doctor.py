@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import CONTRACT, Info
+from beatrix_zenoh._generated.messages import CONTRACT, FAULT_TEXT, Fault, Info
 from beatrix_zenoh.cli.checks import Finding, this_computer
 from beatrix_zenoh.cli.clocks import clock_offset
-from beatrix_zenoh.cli.listing import descriptions, state, states, troubles
+from beatrix_zenoh.cli.listing import descriptions, state, states
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.verb import FAILED, document, say, verb
 from beatrix_zenoh.client import Client
@@ -24,7 +24,7 @@ OFFSET_S = 0.05
 
 @verb
 def doctor(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """Look for what is wrong: packages, graphics, ports, router, robots. Exit code 1 if something must be done."""
+    """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
     settings = resolve(None, connect, who)
     sections = [("this computer", list(this_computer())), (settings.connect, list(network(settings)))]
     findings = [finding for _, section in sections for finding in section]
@@ -72,8 +72,8 @@ def robots(client: Client) -> Iterator[Finding]:
         if status is None or info is None:
             yield Finding(title, "on line, but does not answer", "end it and start it again")
             continue
-        trouble = troubles(status)
-        yield Finding(title, state(status), " ".join(trouble))
+        fault = "" if status.fault is Fault.NONE else FAULT_TEXT[status.fault]
+        yield Finding(title, state(status), fault, " ".join(status.warnings))
         yield contract(title, info)
         yield clock(Robot(name, twin, client=client))
 

@@ -24,7 +24,7 @@ Place = tuple[str, str]
 
 @verb
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """List the robots on line: state, who drives, what is wrong, versions."""
+    """List the robots on line. State, who drives, what is wrong, versions."""
     with Client(resolve(None, connect, who)) as client:
         endpoint = client.bus.endpoint
         statuses, infos = states(client.bus), descriptions(client.bus)
@@ -117,7 +117,7 @@ def state_row(status: Status) -> dict[str, object]:
 def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Show what a stranger needs to drive a robot: versions, limits (degrees), commands, keys, examples."""
+    """Show versions, limits, commands and keys. What a stranger needs to drive a robot; degrees."""
     with on_line(Where(name, connect, who), on) as line:
         infos = [robot.info() for robot in line.robots()]
     if as_json:

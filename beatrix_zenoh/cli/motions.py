@@ -44,7 +44,7 @@ def look(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Turn the head to these angles (degrees); angles not given are 0. Ctrl-C stops it."""
+    """Turn the head: yaw, pitch, roll. Degrees; angles not given are 0. Ctrl-C stops it."""
     query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
 
     def preview(twin: Twin) -> Plan:
@@ -68,7 +68,7 @@ def move(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Turn the three arms (degrees from home, counter-clockwise from above positive). Ctrl-C stops them."""
+    """Turn the three arms. Degrees from home, counter-clockwise from above positive. Ctrl-C stops them."""
     query = motion_query(short, middle, long, relative=relative, speed=speed)
 
     def preview(twin: Twin) -> Plan:
@@ -82,7 +82,7 @@ def move(
 def home(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Turn the head home: all arms to 0 degrees. Ctrl-C stops it."""
+    """Turn the head home. All arms go to 0 degrees; Ctrl-C stops them."""
     query = motion_query(0, 0, 0, relative=False, speed=None)
     with on_line(Where(name, connect, who), on) as line:
         carry_out(
@@ -101,18 +101,20 @@ def carry_out(
 ) -> None:
     """A motion on the robots chosen, and where they are afterwards; both: previewed, then committed."""
     robots = line.robots()
+    if len(robots) > 1 and no_wait:
+        raise typer.BadParameter("--no-wait goes with one robot; both are waited for together.")
     if no_wait:
-        if len(robots) > 1:
-            raise typer.BadParameter("--no-wait goes with one robot; both are waited for together.")
-        announce([(robot, hand_over(robot, ROADS[road], query)) for robot in robots], as_json)
-        return
-    with stopping(robots):
-        if len(robots) > 1:
+        sentence = hand_over(robots[0], ROADS[road], query)
+        if not as_json:
+            say(f"{robots[0]}: {sentence}")
+            return
+    elif len(robots) > 1:
+        with stopping(robots):
             commit(line, preview)
-            messages = ["There."] * len(robots)
-        else:
-            messages = [robot.begin(road, query).wait().message for robot in robots]
-    announce(list(zip(robots, messages, strict=True)), as_json)
+    else:
+        with stopping(robots):
+            robots[0].begin(road, query).wait()
+    announce(robots, as_json=as_json)
 
 
 def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
@@ -120,7 +122,7 @@ def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
     settings = line.client.settings
     with Twin(line.name, connect=settings.connect, who=settings.who) as twin:
         plan = preview(twin)
-        note(f"Previewed: {plan.duration:.1f} s. {plan.verdict} Now both, the simulation first.")
+        note(f"Preview: {plan.verdict} Now both, the simulation first.")
         plan.commit()
 
 
@@ -136,15 +138,14 @@ def stopping(robots: list[Robot]) -> Iterator[None]:
         raise
 
 
-def announce(ends: list[tuple[Robot, str]], as_json: bool) -> None:
+def announce(robots: list[Robot], *, as_json: bool) -> None:
     """Say where the robots are now."""
-    readings = [(robot, message, robot.positions()) for robot, message in ends]
+    readings = [(robot, robot.positions()) for robot in robots]
     if as_json:
-        rows = [{**where(robot, reading), "message": message} for robot, message, reading in readings]
-        document({"result": True, "robots": rows})
+        document({"result": True, "robots": [where(robot, reading) for robot, reading in readings]})
         return
-    for robot, message, reading in readings:
-        say(f"{robot}: {message} {reading}")
+    for robot, reading in readings:
+        say(f"{robot}: {reading}")
 
 
 def where(robot: Robot, reading: Reading) -> Mapping[str, object]:

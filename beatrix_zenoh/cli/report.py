@@ -30,6 +30,9 @@ write_picture(Path(sys.argv[1]), Neck().inverse(*(math.radians(float(angle)) for
 """
 
 
+ROBOT_HEADS = ("robot", "accepted after ms", "longest ms", "positions/s", "sd of period ms")
+
+
 class RobotFigures(msgspec.Struct, frozen=True):
     """One robot; times in ms, of queries to their `accepted` and between positions."""
 
@@ -98,28 +101,29 @@ def text(report: Report) -> str:
         for axis in report.axes
     ]
     behind = "behind" if report.lag_ms >= 0 else "ahead of"
-    sim, hw = report.sim, report.hw
-    facts = [
-        ("lag", f"hardware {abs(report.lag_ms):.1f} ms {behind} the simulation"),
-        (
-            "simulation",
-            f"real-time factor {report.real_time_factor:.3f}, {report.late_steps} late physics steps",
-        ),
-        ("accepted", f"after {accepted(sim)} by the simulation, {accepted(hw)} by the hardware"),
-        ("positions", f"{rate(sim)} of the simulation, {rate(hw)} of the hardware"),
-        ("files", ", ".join(report.files)),
-    ]
-    return f"{columns(heads, rows)}\n\n{columns(('', ''), facts).lstrip()}\n\n{report.message}"
+    busy = ": this computer was busy" if report.late_steps else ""
+    return "\n".join([
+        columns(heads, rows),
+        "",
+        columns(ROBOT_HEADS, [robot_row("simulation", report.sim), robot_row("hardware", report.hw)]),
+        "",
+        f"The hardware was {abs(report.lag_ms):.1f} ms {behind} the simulation.",
+        f"The simulation ran at {report.real_time_factor:.3f} of real time, {report.late_steps} physics steps late{busy}.",
+        f"Look at {', '.join(report.files)}.",
+        "",
+        report.message,
+    ])  # fmt: skip
 
 
-def accepted(robot: RobotFigures) -> str:
-    """Latency in words."""
-    return f"{robot.accepted_median_ms:.1f} ms (longest {robot.accepted_longest_ms:.1f})"
-
-
-def rate(robot: RobotFigures) -> str:
-    """Rate in words."""
-    return f"{robot.positions_hz:.1f} a second (sd of period {robot.period_sd_ms:.2f} ms)"
+def robot_row(name: str, robot: RobotFigures) -> tuple[str, ...]:
+    """A line of the second table."""
+    return (
+        name,
+        f"{robot.accepted_median_ms:.1f}",
+        f"{robot.accepted_longest_ms:.1f}",
+        f"{robot.positions_hz:.1f}",
+        f"{robot.period_sd_ms:.2f}",
+    )
 
 
 def write_csv(path: Path, found: Comparison) -> None:

@@ -28,9 +28,9 @@ def router(
         str, typer.Option(metavar="ENDPOINT", help="Where robots and programs connect.")
     ] = DEFAULT_ENDPOINT,
 ) -> None:
-    """Be the router where robots, simulations and programs meet; ends with Ctrl-C.
+    """Be the router where all of them meet.
 
-    Other computers reach it with --listen tcp/0.0.0.0:7447. It asks nobody who they are: do that only
+    Robots, simulations and programs connect to it; it ends with Ctrl-C. Other computers reach it with --listen tcp/0.0.0.0:7447. It asks nobody who they are: do that only
     in a network you trust.
     """
     over = threading.Event()
@@ -51,13 +51,13 @@ def router(
 
 @verb
 def sim(context: typer.Context) -> None:
-    """Simulate a robot; ends with Ctrl-C. `beatrix sim --help` lists its options."""
+    """Simulate a robot. `beatrix sim --help` lists its options."""
     raise typer.Exit(run("sim", context.args))
 
 
 @verb
 def hw(context: typer.Context) -> None:
-    """Serve the robot on a serial port, or `--port virtual:`; ends with Ctrl-C. `beatrix hw --help` lists its options."""
+    """Serve a robot, or a virtual board. `beatrix hw --help` lists its options."""
     raise typer.Exit(run("hw", context.args))
 
 

@@ -89,7 +89,7 @@ def echo(
     on: On = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document a line.")] = False,
 ) -> None:
-    """Show what a robot publishes, as it comes: positions in degrees, or status."""
+    """Show positions or status as they come. Degrees; ends with Ctrl-C or --count."""
     with on_line(Where(name, connect, who), on) as line:
         listener = Listener(line, stream)
         for _ in range(count) if count else itertools.count():
@@ -138,7 +138,7 @@ def hz(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Measure how regularly a robot's positions come: rate, jitter, age, losses."""
+    """Measure how regularly positions come. Rate, jitter, age and losses."""
     with on_line(Where(name, connect, who), on) as line:
         offsets = {robot.twin: clock_offset(robot).offset for robot in line.robots()}
         listener = Listener(line, Stream.POSITIONS)

@@ -110,7 +110,7 @@ def top(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Watch all robots live: state, head (degrees), rate, who drives; ends with Ctrl-C."""
+    """Watch all robots live. State, head (degrees), rate, who drives; ends with Ctrl-C."""
     with Client(resolve(None, connect, who)) as client:
         watch = Watch(client.bus)
         if once or as_json:

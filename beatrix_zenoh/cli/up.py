@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import time
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
@@ -13,9 +15,11 @@ from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
 from beatrix_zenoh.cli.verb import document, say, verb
 from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
 
 WATCH_S = 0.2
+FIRST = ("enable", "calibrate")
+NEXT = ("look --yaw 20", "top", "stop")
 
 
 @verb
@@ -32,7 +36,10 @@ def up(
     connect: Connect = None,
     as_json: Json = False,
 ) -> None:
-    """Start a router (if none answers), a simulation and, with --hw, the robot; Ctrl-C ends them all."""
+    """Start router, simulation and robot at once.
+
+    The router only if none answers yet, the robot only with --hw. Ctrl-C ends what was started.
+    """
     settings = resolve(name, connect)
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
@@ -59,7 +66,7 @@ def up(
             })  # fmt: skip
         else:
             say(columns(("what", "where", ""), rows))
-            say(advice(settings, fleet.folder.name))
+            say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder.name))
         stay(fleet)
 
 
@@ -72,17 +79,13 @@ def answers(endpoint: str) -> bool:
     return True
 
 
-def advice(settings: Settings, logs: str) -> str:
-    """What to type next."""
-    there = "" if settings.connect == DEFAULT_ENDPOINT else f" --connect {settings.connect}"
-    return (
-        f"\nNow type in another terminal:\n"
-        f"  beatrix enable{there}\n"
-        f"  beatrix calibrate{there}\n"
-        f"  beatrix look --yaw 20{there}\n"
-        f"  beatrix stop{there}\n"
-        f"\nWhat they write is in {logs}. Ctrl-C here ends them all."
-    )
+def advice(endpoint: str, verbs: Sequence[str], logs: str) -> str:
+    """What to type next, and where."""
+    lines = [f"  beatrix {words}" for words in verbs]
+    if endpoint != DEFAULT_ENDPOINT:
+        lines.insert(0, f"  {'set' if os.name == 'nt' else 'export'} BEATRIX_CONNECT={endpoint}")
+    typed = "\n".join(lines)
+    return f"\nNow type in another terminal:\n{typed}\n\nWhat they write is in {logs}. Ctrl-C here ends them all."
 
 
 def stay(fleet: Fleet) -> None:

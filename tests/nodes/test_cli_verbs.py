@@ -1,0 +1,364 @@
+"""The command line as people use it: real processes, exit codes, text and JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stage import ROOT, Process, free_endpoint, until
+
+from beatrix_zenoh import Robot
+
+CLI = "beatrix_zenoh.cli"
+NAME = "bea1"
+pytestmark = pytest.mark.xdist_group("cli")
+
+
+class Shell:
+    """Somebody who types at one router."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.endpoint = endpoint
+
+    def environment(self) -> dict[str, str]:
+        kept = {key: value for key, value in os.environ.items() if not key.startswith("BEATRIX_")}
+        return {**kept, "BEATRIX_CONNECT": self.endpoint, "BEATRIX_WHO": "ana", "PYTHONPATH": str(ROOT)}
+
+    def run(self, *words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", CLI, *words]
+        done = subprocess.run(
+            command, capture_output=True, text=True, env=self.environment(), timeout=30, check=False, cwd=cwd
+        )
+        assert "Traceback" not in done.stderr, done.stderr
+        return done
+
+    def good(self, *words: str) -> str:
+        done = self.run(*words)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def json(self, *words: str) -> dict[str, Any]:
+        document: dict[str, Any] = json.loads(self.run(*words, "--json").stdout)
+        return document
+
+    def start(self, *words: str) -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            [sys.executable, "-m", CLI, *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=self.environment(),
+            cwd=ROOT,
+        )
+
+    def robot(self, twin: str) -> Robot:
+        return Robot(NAME, twin, connect=self.endpoint, who="ana")
+
+
+@pytest.fixture(scope="module")
+def shell() -> Iterator[Shell]:
+    """Router, simulation and virtual robot by `beatrix up`."""
+    endpoint = free_endpoint()
+    where = ("--connect", endpoint, "--name", NAME)
+    up = Process(CLI, "up", *where, "--hw", "virtual:", "--ready", "--json")
+    try:
+        up.expect('{"result":true')
+        made = Shell(endpoint)
+        made.good("enable", "--on", "hw")
+        made.good("calibrate", "--on", "hw")
+        yield made
+    finally:
+        assert up.end(signal.SIGINT) == 0
+
+
+@contextmanager
+def another(shell: Shell, name: str) -> Iterator[Process]:
+    """One more robot at the same router."""
+    process = Process(CLI, "hw", "--name", name, "--port", "virtual:", "--connect", shell.endpoint)
+    try:
+        process.expect("ready")
+        yield process
+    finally:
+        process.end()
+
+
+@pytest.fixture
+def free(shell: Shell) -> Shell:
+    """Nobody drives: who was stopped must pause, and a driver keeps the robot for a while."""
+    with shell.robot("hw") as hardware, shell.robot("sim") as simulation:
+        until(lambda: not (hardware.status().holder or simulation.status().holder), "both are free")
+    return shell
+
+
+def yaw_deg(robot: Robot) -> float:
+    return robot.positions().commanded.short
+
+
+# -- asking -----------------------------------------------------------------------------------
+
+
+def test_ls_lists_both_robots(shell: Shell) -> None:
+    rows = shell.json("ls")["robots"]
+    assert [(row["robot"], row["on"], row["state"]) for row in rows] == [
+        (NAME, "sim", "ready"),
+        (NAME, "hw", "ready"),
+    ]
+
+
+def test_output_into_a_pipe_is_plain_text(shell: Shell) -> None:
+    for verb in (("ls",), ("top", "--once"), ("doctor",), ("--help",), ("look", "--help")):
+        text = shell.good(*verb)
+        assert text.isprintable() or all(line.isprintable() for line in text.splitlines())
+        assert not set(text) & set("│┃━─╭╰")
+
+
+def test_warnings_are_shown_by_ls(shell: Shell) -> None:
+    with shell.robot("hw") as robot:
+        robot.client.bus.put(f"beatrix/{NAME}/hw/arm/elbow/target", b"1", "text/plain")
+        until(lambda: bool(robot.status().warnings), "a warning")
+    assert "There is no arm 'elbow'" in shell.good("ls")
+
+
+def test_info_gives_limits_in_degrees(shell: Shell) -> None:
+    (row,) = shell.json("info", "--on", "hw")["robots"]
+    assert row["limits_deg"]["tilt_max"] == pytest.approx(35)
+    assert "35°" in shell.good("info")
+
+
+def test_only_robot_on_line_needs_no_name_and_is_named_beside_the_result(shell: Shell) -> None:
+    done = shell.run("info")
+    assert NAME in done.stderr
+
+
+def test_echo_shows_as_many_as_asked_for(shell: Shell) -> None:
+    lines = shell.good("echo", "--count", "3", "--json").splitlines()
+    first, *_, last = (json.loads(line) for line in lines)
+    assert (len(lines), last["seq"] - first["seq"]) == (3, 2)
+    assert set(first["head_deg"]) == {"yaw", "pitch", "roll"}
+
+
+def test_echo_shows_status_in_words(shell: Shell) -> None:
+    assert "ready" in shell.good("echo", "status", "--count", "1", "--on", "hw")
+
+
+def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
+    echo = shell.start("echo")
+    assert echo.stdout is not None
+    assert "yaw" in echo.stdout.readline() + echo.stdout.readline()
+    echo.stdout.close()
+    echo.wait(5)
+
+
+def test_hz_counts_fifty_positions_a_second_and_no_loss(shell: Shell) -> None:
+    (row,) = shell.json("hz", "--seconds", "1", "--on", "hw")["robots"]
+    assert row["lost"] == 0
+    assert 40 < row["hz"] < 60
+    assert math.isfinite(row["age_ms"])
+
+
+def test_top_shows_all_robots_once(shell: Shell) -> None:
+    rows = shell.json("top", "--once")["robots"]
+    assert [(row["robot"], row["on"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
+    assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
+
+
+def test_doctor_finds_router_contract_and_clock(shell: Shell) -> None:
+    done = shell.run("doctor", "--json")
+    findings = {(row["what"], row["found"].split(",")[0]) for row in json.loads(done.stdout)["findings"]}
+    assert done.returncode == 0, done.stdout
+    assert ("router", "answers") in findings
+    assert any(what == f"{NAME} (sim)" and "its clock is" in found for what, found in findings)
+
+
+def test_doctor_says_what_to_do_without_a_router() -> None:
+    done = Shell(free_endpoint()).run("doctor")
+    assert done.returncode == 1
+    assert "beatrix router" in done.stdout
+
+
+# -- driving ----------------------------------------------------------------------------------
+
+
+def test_look_turns_the_simulation_unless_told_otherwise(shell: Shell) -> None:
+    with shell.robot("hw") as hardware:
+        before = hardware.positions().commanded
+        (row,) = shell.json("look", "--yaw", "12", "--speed", "80")["robots"]
+        assert row["on"] == "sim"
+        assert row["head_deg"]["yaw"] == pytest.approx(12, abs=0.5)
+        assert hardware.positions().commanded == before
+
+
+def test_look_on_both_is_previewed_and_turns_both(shell: Shell) -> None:
+    done = shell.run("look", "--pitch", "-8", "--speed", "80", "--on", "both", "--json")
+    assert "Preview" in done.stderr
+    pitches = [row["head_deg"]["pitch"] for row in json.loads(done.stdout)["robots"]]
+    assert pitches == pytest.approx([-8, -8], abs=0.5)
+
+
+def test_move_understands_negative_angles_and_relative_ones(shell: Shell) -> None:
+    shell.good("move", "-10", "-5", "0", "--speed", "80")
+    (row,) = shell.json("move", "-1", "2", "-3.5", "--relative")["robots"]
+    assert list(row["arms_deg"].values()) == pytest.approx([-11, -3, -3.5], abs=0.5)
+
+
+def test_home_turns_all_arms_to_zero(shell: Shell) -> None:
+    shell.good("look", "--yaw", "10", "--on", "both")
+    rows = shell.json("home", "--on", "both")["robots"]
+    assert [row["arms_deg"]["short"] for row in rows] == pytest.approx([0, 0], abs=0.5)
+
+
+def test_motors_are_switched_and_home_is_declared(shell: Shell) -> None:
+    assert "home is forgotten" in shell.good("disable", "--on", "hw")
+    refused = shell.run("look", "--yaw", "5", "--on", "hw")
+    assert (refused.returncode, "ENABLE" in refused.stderr) == (1, True)
+    shell.good("enable", "--on", "hw")
+    assert shell.json("calibrate", "--on", "hw")["result"] is True
+    shell.good("look", "--yaw", "5", "--on", "hw", "--speed", "80")
+
+
+def test_refusal_is_one_sentence_and_exit_code_one(shell: Shell) -> None:
+    done = shell.run("look", "--pitch", "50")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "tilt" in done.stderr
+
+
+def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
+    done = shell.run("look", "--pitch", "50", "--json", "--name", NAME)
+    document = json.loads(done.stdout)
+    assert (document["result"], document["reason"], done.stderr) == (False, "OUT_OF_REACH", "")
+
+
+def test_interrupted_look_stops_the_robot(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
+        until(lambda: robot.status().moving, "the motion begins")
+        look.send_signal(signal.SIGINT)
+        output, _ = look.communicate(timeout=10)
+        assert look.returncode == 130
+        assert "rest at" in output
+        assert not robot.status().moving
+        assert yaw_deg(robot) < 90
+
+
+def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
+    with free.robot("hw") as hardware, free.robot("sim") as simulation:
+        look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
+        until(
+            lambda: look.poll() is not None or (hardware.status().moving and simulation.status().moving),
+            "both move",
+        )
+        assert look.poll() is None, look.communicate()
+        look.send_signal(signal.SIGINT)
+        look.communicate(timeout=10)
+        assert look.returncode == 130
+        assert not hardware.status().moving
+        assert not simulation.status().moving
+
+
+def test_no_wait_lets_the_motion_go_on(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        start = yaw_deg(robot)
+        free.good("look", "--yaw", f"{start + 6:.0f}", "--speed", "10", "--on", "hw", "--no-wait")
+        assert robot.status().moving
+        until(lambda: not robot.status().moving, "it rests")
+        assert yaw_deg(robot) == pytest.approx(start + 6, abs=1)
+
+
+def test_stop_ends_a_motion_and_its_asker_is_told(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
+        until(lambda: robot.status().moving, "the motion begins")
+        rows = free.json("stop", "--who", "ben")["robots"]
+        output, _ = look.communicate(timeout=10)
+    assert {(row["on"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
+    assert (look.returncode, "STOP" in output) == (1, True)
+
+
+def test_emergency_stop_of_all_robots_needs_enable_afterwards(shell: Shell) -> None:
+    shell.good("stop", "--all", "--emergency")
+    assert {row["fault"] for row in shell.json("ls")["robots"]} == {"EMERGENCY"}
+    assert "EMERGENCY_STOP was pressed" in shell.good("ls")
+    shell.good("enable", "--on", "both")
+    shell.good("calibrate", "--on", "both")
+
+
+# -- exit codes ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "words", [("look", "--yaw", "left"), ("move", "1", "2"), ("dance",), ("look", "--on", "moon")]
+)
+def test_wrong_usage_is_exit_code_two(words: tuple[str, ...]) -> None:
+    assert Shell(free_endpoint()).run(*words).returncode == 2
+
+
+def test_nobody_there_is_exit_code_three(shell: Shell) -> None:
+    done = shell.run("look", "--name", "bea7")
+    assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
+
+
+def test_stop_that_finds_nobody_is_exit_code_three(shell: Shell) -> None:
+    assert shell.run("stop", "--name", "bea7").returncode == 3
+
+
+def test_no_router_is_exit_code_three() -> None:
+    done = Shell(free_endpoint()).run("ls")
+    assert (done.returncode, "beatrix router" in done.stderr) == (3, True)
+
+
+def test_both_with_one_of_them_missing_moves_nothing(shell: Shell) -> None:
+    with another(shell, "bea2"):
+        done = shell.run("look", "--name", "bea2", "--on", "both")
+    assert (done.returncode, "bea2 (sim)" in done.stderr) == (3, True)
+
+
+def test_frozen_robot_is_named_by_stop_and_exit_code_four(shell: Shell) -> None:
+    with another(shell, "bea3") as robot:
+        robot.send(signal.SIGSTOP)
+        done = shell.run("stop", "--name", "bea3")
+        robot.end(signal.SIGKILL)
+    assert (done.returncode, "bea3 (hw): did not answer" in done.stderr) == (4, True)
+
+
+def test_several_robots_and_no_name_are_listed(shell: Shell) -> None:
+    with another(shell, "bea4"):
+        done = shell.run("look", "--yaw", "5")
+    assert (done.returncode, f"{NAME}, bea4" in done.stderr) == (1, True)
+
+
+def test_name_comes_from_beatrix_toml(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "beatrix.toml").write_text('robot = "bea9"\n', encoding="utf-8")
+    done = shell.run("look", cwd=tmp_path)
+    assert "bea9" in done.stderr
+    flag = shell.run("info", "--name", NAME, cwd=tmp_path)
+    assert flag.returncode == 0
+
+
+def test_a_one_shot_verb_imports_nothing_slow(shell: Shell) -> None:
+    slow = ("rich", "numpy", "matplotlib", "mujoco", "wasmtime")
+    code = f"""
+import sys
+from beatrix_zenoh.cli.app import main
+try:
+    main(["look", "--yaw", "0"])
+finally:
+    print("slow:", [name for name in {slow} if name in sys.modules])
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env=shell.environment(),
+        timeout=30,
+        check=False,
+    )
+    assert "slow: []" in done.stdout, done.stdout + done.stderr
