@@ -64,7 +64,7 @@ def main() -> None:
     finally:
         router.end()
     show(console, figures)
-    for script in ("bench_kinematics.py", "bench_plant.py"):
+    for script in ("bench_kinematics.py", "bench_plant.py", "bench_poses.py"):
         console.print(f"\n{script}")
         subprocess.run([sys.executable, str(ROOT / "tools" / script)], check=True)
 

@@ -132,9 +132,9 @@ class Driver:
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
         now = time.monotonic()
-        number = self._number % 65535 + 1
+        # A new number even if the board does not answer: it may have heard, and ignores a number it knows.
+        self._number = number = self._number % 65535 + 1
         self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
-        self._number = number
         self._lease.take(asker.who, now)
         replaced, telemetry = self._running, self._board.telemetry
         boot = 0 if telemetry is None else telemetry.boot

@@ -1,0 +1,133 @@
+"""Both robots of one name: previewed, then the simulation first, then the hardware."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
+from beatrix_zenoh._generated.messages import Reason
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea")
+        made.hardware("bea")
+        yield made
+
+
+@pytest.fixture
+def twin(stage: Stage) -> Iterator[Twin]:
+    """Both robots at home."""
+    with Twin("bea", connect=stage.endpoint, who="ana") as made:
+        made.stop()
+        made.disable()
+        made.enable()
+        made.calibrate()
+        yield made
+        made.stop()
+
+
+def commanded(robot: Robot) -> tuple[float, float, float]:
+    return robot.positions().commanded
+
+
+def test_a_preview_moves_nothing_and_is_faster_than_the_motion(twin: Twin) -> None:
+    began_s = time.monotonic()
+    plan = twin.preview(yaw=60, pitch=-10)
+    assert time.monotonic() - began_s < plan.duration
+    assert plan.duration == pytest.approx(2.2, abs=0.3)
+    assert plan.path.head[-1] == pytest.approx((60, -10, 0), abs=0.5)
+    assert plan.path.t == sorted(plan.path.t)
+    assert commanded(twin.sim) == commanded(twin.hw) == (0, 0, 0)
+    plan.abort()
+
+
+def test_commit_moves_both_to_the_same_place_the_simulation_first(twin: Twin) -> None:
+    sim, hw = twin.sim.stream(), twin.hw.stream()
+    plan = twin.preview(yaw=20, pitch=8, speed=60)
+    plan.commit()
+    assert commanded(twin.sim) == commanded(twin.hw)
+    until(lambda: twin.sim.positions().head == pytest.approx(plan.path.head[-1], abs=0.3), "as previewed")
+    first = [next(p.t_mono_ns for p in stream.take(0.5) if p.steps.x != 0) for stream in (sim, hw)]
+    assert first[0] <= first[1] + 20_000_000, "published every 20 ms"
+
+
+def test_an_aborted_or_committed_plan_is_used_up(twin: Twin) -> None:
+    plan = twin.preview(yaw=2, speed=60)
+    plan.abort()
+    with pytest.raises(Refused, match="aborted already"):
+        plan.commit()
+    plan = twin.preview(yaw=2, speed=60)
+    plan.commit()
+    with pytest.raises(Refused, match="committed already"):
+        plan.abort()
+    assert commanded(twin.hw) != (0, 0, 0)
+
+
+def test_an_impossible_plan_is_refused_before_anything_moves(twin: Twin) -> None:
+    with pytest.raises(Refused, match="35"):
+        twin.preview(pitch=50)
+    with pytest.raises(Refused) as refusal:
+        twin.preview_arms(120, 0, 0)
+    assert refusal.value.reason is Reason.ARM_GAP
+
+
+def test_arms_can_be_previewed_too(twin: Twin) -> None:
+    plan = twin.preview_arms(10, 10, 10, speed=60)
+    assert plan.path.head[-1] == pytest.approx((10, 0, 0), abs=0.3)
+    plan.commit()
+    twin.home()
+    assert commanded(twin.sim) == commanded(twin.hw) == (0, 0, 0)
+
+
+def test_hardware_that_refuses_stops_the_simulation(twin: Twin) -> None:
+    plan = twin.preview(yaw=60)
+    twin.hw.disable()
+    with pytest.raises(Refused) as refusal:
+        plan.commit()
+    assert refusal.value.reason is Reason.NOT_ENABLED
+    assert not twin.sim.status().moving
+    assert commanded(twin.sim)[0] < 30
+
+
+def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
+    other = stage.robot("bea", "hw", "ben")
+    plan = twin.preview(yaw=90)
+    ended: list[Interrupted] = []
+
+    def commit() -> None:
+        try:
+            plan.commit()
+        except Interrupted as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=commit)
+    thread.start()
+    until(lambda: other.positions().commanded.short > 5, "moving")
+    other.stop()
+    thread.join()
+    assert "bea (hw)" in ended[0].message
+    assert not twin.sim.status().moving
+    assert commanded(twin.sim)[0] < 60
+
+
+def test_a_preview_without_motors_is_refused_like_the_motion(twin: Twin) -> None:
+    twin.sim.disable()
+    with pytest.raises(Refused, match="ENABLE"):
+        twin.preview(yaw=5)
+
+
+def test_a_missing_simulation_is_named() -> None:
+    with Stage() as stage:
+        stage.node("lonely")
+        with (
+            Twin("lonely", connect=stage.endpoint) as twin,
+            pytest.raises(NoAnswer, match=r"lonely \(sim\) is not on line"),
+        ):
+            twin.preview(yaw=5)
