@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from beatrix_zenoh.compare import ARMS, AXES, Comparison, Floats
-from beatrix_zenoh.twin import Path
+from beatrix_zenoh.readings import Path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

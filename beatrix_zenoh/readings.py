@@ -45,6 +45,15 @@ class Reading:
         return f"head: {self.head}; arms: {self.arms}"
 
 
+@dataclass(frozen=True)
+class Path:
+    """A previewed path: times in s, arms and head in deg."""
+
+    t: list[float]
+    arms: list[ArmAngles]
+    head: list[HeadAngles]
+
+
 def arm_angles(vector: Vector3) -> ArmAngles:
     """Rad to degrees."""
     return ArmAngles(*(math.degrees(value) for value in (vector.x, vector.y, vector.z)))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
-from beatrix_zenoh.readings import ArmAngles, HeadAngles, arm_angles, head_angles
+from beatrix_zenoh.readings import Path, arm_angles, head_angles
 from beatrix_zenoh.robot import MARGIN_S, Motion, Robot, motion_query, pose_query
 from beatrix_zenoh.settings import resolve
 
@@ -19,15 +18,6 @@ if TYPE_CHECKING:
 
 PREVIEW_S = 10.0
 TURN_S = 0.02
-
-
-@dataclass(frozen=True)
-class Path:
-    """A previewed path: times in s, arms and head in deg."""
-
-    t: list[float]
-    arms: list[ArmAngles]
-    head: list[HeadAngles]
 
 
 class Plan:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
-
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import Move, Telemetry
 from beatrix_zenoh.board.board import Port
+from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.drive import Gear
 from beatrix_zenoh.node import Pose, Preview
 from hw_node.port import SerialPort, find

@@ -52,7 +52,9 @@ def frame(name: str, table: dict[str, object]) -> str:
         for lines, write in (("r", False), ("w", True)):
             if count > 1:
                 at = f"{offset} + {WIDTH[kind]} * i"
-                text = f"    for (uint8_t i = 0; i < {count}; i++) " + access(kind, at, f"{field_name}[i]", write=write)
+                text = f"    for (uint8_t i = 0; i < {count}; i++) " + access(
+                    kind, at, f"{field_name}[i]", write=write
+                )
             else:
                 text = "    " + access(kind, str(offset), field_name, write=write)
             if lines == "r":
@@ -73,28 +75,53 @@ def limits(contract: Contract) -> str:
     def number(table: dict[str, object], name: str) -> float:
         return float(table[name]["value"])  # type: ignore[index]
 
-    turn = number(drive, "full_steps") * number(drive, "microsteps") * number(drive, "gear_ring") / number(drive, "gear_pinion")
+    turn = (
+        number(drive, "full_steps")
+        * number(drive, "microsteps")
+        * number(drive, "gear_ring")
+        / number(drive, "gear_pinion")
+    )
     per_degree = turn / 360
     spacing = float(contract.robot["geometry"]["arm_spacing"]["value"])  # type: ignore[index]
     values = {
         "ARM_SPACING": (round(spacing * per_degree), "microsteps between neighbouring arms at home"),
         "ARM_TURN": (round(turn), "microsteps of a whole turn of an arm"),
-        "GAP_MIN": (round(number(bounds, "guard_gap_min") * per_degree), "microsteps that must stay between neighbours"),
-        "YAW_SUM_MAX": (round(3 * number(bounds, "guard_yaw_max") * per_degree), "largest sum of the three arms, microsteps"),
-        "SPEED_DEFAULT": (round(number(bounds, "speed_default") * per_degree * QUARTERS), "quarter microsteps per second"),
-        "SPEED_MAX": (round(number(bounds, "speed_max") * per_degree * QUARTERS) + QUARTERS, "quarter microsteps per second, rounded up"),
+        "GAP_MIN": (
+            round(number(bounds, "guard_gap_min") * per_degree),
+            "microsteps that must stay between neighbours",
+        ),
+        "YAW_SUM_MAX": (
+            round(3 * number(bounds, "guard_yaw_max") * per_degree),
+            "largest sum of the three arms, microsteps",
+        ),
+        "SPEED_DEFAULT": (
+            round(number(bounds, "speed_default") * per_degree * QUARTERS),
+            "quarter microsteps per second",
+        ),
+        "SPEED_MAX": (
+            round(number(bounds, "speed_max") * per_degree * QUARTERS) + QUARTERS,
+            "quarter microsteps per second, rounded up",
+        ),
         "ACCELERATION": (
             round(number(bounds, "acceleration") * per_degree * 2**FRACTION_BITS / TICK_HZ**2),
             "Q26 microsteps per tick, per tick",
         ),
     }
-    return "".join(f"static const int32_t {name} = {value};  // {doc}\n" for name, (value, doc) in values.items())
+    return "".join(
+        f"static const int32_t {name} = {value};  // {doc}\n" for name, (value, doc) in values.items()
+    )
 
 
 def header(contract: Contract) -> str:
     table = contract.serial
-    out = PREAMBLE + f"static const uint32_t CONTRACT = 0x{contract.serial_hash:08X}UL;  // hash of serial.toml\n"
-    out += "".join(f"static const uint8_t VERSION_{n} = {v};\n" for n, v in zip(("MAJOR", "MINOR", "PATCH"), VERSION, strict=True))
+    out = (
+        PREAMBLE
+        + f"static const uint32_t CONTRACT = 0x{contract.serial_hash:08X}UL;  // hash of serial.toml\n"
+    )
+    out += "".join(
+        f"static const uint8_t VERSION_{n} = {v};\n"
+        for n, v in zip(("MAJOR", "MINOR", "PATCH"), VERSION, strict=True)
+    )
     out += f"static const uint16_t TICK_HZ = {TICK_HZ};  // planner ticks per second\n"
     for name, row in table["link"].items():
         kind = "uint32_t" if name == "baud" else "uint16_t"
@@ -102,11 +129,22 @@ def header(contract: Contract) -> str:
     out += "\n" + limits(contract) + "\n"
     for title, key in (("Error", "error"), ("Outcome", "outcome")):
         out += f"enum {title} : uint8_t {{\n"
-        out += "".join(f"  {title.upper()}_{n} = {r['code']},  // {r['doc']}\n" for n, r in table[key].items()) + "};\n\n"
+        out += (
+            "".join(f"  {title.upper()}_{n} = {r['code']},  // {r['doc']}\n" for n, r in table[key].items())
+            + "};\n\n"
+        )
     out += "enum StateBit : uint8_t {\n"
-    out += "".join(f"  STATE_{n} = {1 << int(str(r['bit']))},  // {r['doc']}\n" for n, r in table["state"].items()) + "};\n\n"
+    out += (
+        "".join(
+            f"  STATE_{n} = {1 << int(str(r['bit']))},  // {r['doc']}\n" for n, r in table["state"].items()
+        )
+        + "};\n\n"
+    )
     out += "enum FrameType : uint8_t {\n"
-    out += "".join(f"  FRAME_{n} = 0x{r['type']:02X},  // {r['doc']}\n" for n, r in table["frame"].items()) + "};\n\n"
+    out += (
+        "".join(f"  FRAME_{n} = 0x{r['type']:02X},  // {r['doc']}\n" for n, r in table["frame"].items())
+        + "};\n\n"
+    )
     out += "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t MOVE_STRAIGHT = 1;\n\n" + CODEC
     out += "".join(frame(name, row) for name, row in table["frame"].items() if "fields" in row)
     return out + "}  // namespace beatrix\n\n#endif\n"

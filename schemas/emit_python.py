@@ -126,9 +126,17 @@ def frame_class(name: str, table: dict[str, object]) -> str:
         unpack.append(unpack_one)
         at += used
     const = f"_{name}"
-    lines += ["", "    def pack(self) -> bytes:", '        """Payload bytes, without type, seq and checksum."""']
+    lines += [
+        "",
+        "    def pack(self) -> bytes:",
+        '        """Payload bytes, without type, seq and checksum."""',
+    ]
     lines += [f"        return {const}.pack({', '.join(pack)})"]
-    lines += ["", "    @classmethod", f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:"]
+    lines += [
+        "",
+        "    @classmethod",
+        f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:",
+    ]
     lines += ['        """Raises struct.error if the length does not fit."""']
     lines += [f"        values = {const}.unpack(payload)", f"        return cls({', '.join(unpack)})"]
     size = f'{name}_SIZE: Final = {const}.size\n"""Payload bytes of {name}."""\n'
@@ -151,7 +159,9 @@ def serial(contract: Contract) -> str:
         out += f"\n\n{title.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
         out += "".join(f"    {title}.{n}: {r['doc']!r},\n" for n, r in table[key].items()) + "}\n"
     out += '\n\nclass State(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
-    out += "".join(f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items())
+    out += "".join(
+        f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()
+    )
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
     for name, frame in table["frame"].items():

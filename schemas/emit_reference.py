@@ -25,42 +25,83 @@ def messages(contract: Contract) -> str:
         lines: list[list[object]] = []
         for field, row in rows(message).items():
             kind = f"list of {row['type']}" if row.get("list") else row["type"]
-            default = "may be missing" if row.get("optional") else f"default {row['default']}" if "default" in row else ""
+            default = (
+                "may be missing"
+                if row.get("optional")
+                else f"default {row['default']}"
+                if "default" in row
+                else ""
+            )
             lines.append([f"`{row.get('wire', field)}`", kind, row.get("unit", ""), default, row["doc"]])
         out += table(["field", "type", "unit", "", "meaning"], lines)
     out += "\n## Commands\n\n"
-    out += table(["code", "name", "value", "meaning"], [[r["code"], n, r.get("value", "ignored"), r["doc"]] for n, r in contract.messages["command"].items()])
+    out += table(
+        ["code", "name", "value", "meaning"],
+        [
+            [r["code"], n, r.get("value", "ignored"), r["doc"]]
+            for n, r in contract.messages["command"].items()
+        ],
+    )
     for name, enum in contract.messages["enum"].items():
-        out += f"\n## {name}\n\n{enum['doc']}\n\n" + table(["name", "meaning"], [[f"`{k}`", v] for k, v in enum.items() if k != "doc"])
+        out += f"\n## {name}\n\n{enum['doc']}\n\n" + table(
+            ["name", "meaning"], [[f"`{k}`", v] for k, v in enum.items() if k != "doc"]
+        )
     return out
 
 
 def keys(contract: Contract) -> str:
-    out = NOTE.format(source="keys.toml") + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{twin}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`.\n\n"
-    lines: list[list[object]] = [[f"`{r['key']}`", r["kind"], r["payload"], r["reply"], r.get("rate_hz", ""), r["doc"]] for r in contract.keys.values()]
+    out = (
+        NOTE.format(source="keys.toml")
+        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{twin}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`.\n\n"
+    )
+    lines: list[list[object]] = [
+        [f"`{r['key']}`", r["kind"], r["payload"], r["reply"], r.get("rate_hz", ""), r["doc"]]
+        for r in contract.keys.values()
+    ]
     return out + table(["key", "kind", "payload", "reply", "Hz", "meaning"], lines)
 
 
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
     out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
-    out += table(["name", "value", "unit", "meaning"], [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()])
+    out += table(
+        ["name", "value", "unit", "meaning"],
+        [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()],
+    )
     for name, row in contract.serial["frame"].items():
         out += f"\n## {name} (0x{row['type']:02X})\n\n{row['doc']}\n"
         if "fields" in row:
             fields: list[dict[str, object]] = list(row["fields"])  # type: ignore[call-overload]
-            out += "\n" + table(["field", "type", "unit", "meaning"], [[f["name"], f"{f.get('count', 1)} x {f['type']}", f.get("unit", ""), f["doc"]] for f in fields])
+            out += "\n" + table(
+                ["field", "type", "unit", "meaning"],
+                [
+                    [f["name"], f"{f.get('count', 1)} x {f['type']}", f.get("unit", ""), f["doc"]]
+                    for f in fields
+                ],
+            )
     for name in ("error", "outcome"):
-        out += f"\n## Codes of {name}\n\n" + table(["code", "name", "reason over Zenoh", "meaning"], [[r["code"], n, r["reason"], r["doc"]] for n, r in contract.serial[name].items()])
-    out += "\n## State bits\n\n" + table(["bit", "name", "meaning"], [[r["bit"], n, r["doc"]] for n, r in contract.serial["state"].items()])
+        out += f"\n## Codes of {name}\n\n" + table(
+            ["code", "name", "reason over Zenoh", "meaning"],
+            [[r["code"], n, r["reason"], r["doc"]] for n, r in contract.serial[name].items()],
+        )
+    out += "\n## State bits\n\n" + table(
+        ["bit", "name", "meaning"], [[r["bit"], n, r["doc"]] for n, r in contract.serial["state"].items()]
+    )
     return out
 
 
 def robot(contract: Contract) -> str:
-    out = NOTE.format(source="robot.toml") + "# The robot\n\nknown: stated by paper or makers; inferred: concluded from programs and measurements; open: a choice, your robot may differ.\n"
+    out = (
+        NOTE.format(source="robot.toml")
+        + "# The robot\n\nknown: stated by paper or makers; inferred: concluded from programs and measurements; open: a choice, your robot may differ.\n"
+    )
     for group, values in contract.robot.items():
-        lines: list[list[object]] = [[n, r["value"], r["unit"], r["source"], r["doc"]] for n, r in rows(values).items()]
-        out += f"\n## {group}\n\n{values['doc']}\n\n" + table(["name", "value", "unit", "source", "meaning"], lines)
+        lines: list[list[object]] = [
+            [n, r["value"], r["unit"], r["source"], r["doc"]] for n, r in rows(values).items()
+        ]
+        out += f"\n## {group}\n\n{values['doc']}\n\n" + table(
+            ["name", "value", "unit", "source", "meaning"], lines
+        )
     return out
 
 

@@ -15,14 +15,40 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
     ("Vector3", {"x": 0.1, "y": -0.25, "z": 1.5}),
     ("Steps", {"x": 0, "y": -129, "z": 70000}),
     ("Head", {"yaw": 0.5, "pitch": -0.125, "roll": 0.0}),
-    ("MotionQuery", {"absolute": True, "position": {"x": 0.1, "y": -0.25, "z": 1.5}, "speed": {"x": 0.5, "y": 0.5, "z": 0.5}}),
+    (
+        "MotionQuery",
+        {
+            "absolute": True,
+            "position": {"x": 0.1, "y": -0.25, "z": 1.5},
+            "speed": {"x": 0.5, "y": 0.5, "z": 0.5},
+        },
+    ),
     ("MotionQuery", {"absolute": False, "position": {"x": 0.0, "y": 0.0, "z": -0.0625}, "speed": None}),
     ("PoseQuery", {"absolute": True, "yaw": 0.5, "pitch": -0.125, "roll": 0.0, "speed": None}),
     ("PoseQuery", {"absolute": False, "yaw": 0.0, "pitch": 0.1, "roll": 0.0, "speed": 1.0}),
     ("CommandQuery", {"command": 1, "value": True}),
     ("CommandQuery", {"command": -2, "value": False}),
-    ("CommandReply", {"result": False, "reason": "NOT_ENABLED", "message": "Die Motoren sind aus – ✓", "position": {"x": 0.0, "y": 0.0, "z": 0.0}}),
-    ("MotionReply", {"result": True, "phase": "accepted", "reason": "OK", "message": "", "motion": 65535, "duration": 1.25, "position": {"x": 0.5, "y": 0.5, "z": 0.5}}),
+    (
+        "CommandReply",
+        {
+            "result": False,
+            "reason": "NOT_ENABLED",
+            "message": "Die Motoren sind aus – ✓",
+            "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+        },
+    ),
+    (
+        "MotionReply",
+        {
+            "result": True,
+            "phase": "accepted",
+            "reason": "OK",
+            "message": "",
+            "motion": 65535,
+            "duration": 1.25,
+            "position": {"x": 0.5, "y": 0.5, "z": 0.5},
+        },
+    ),
     ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
 ]
 
@@ -42,7 +68,11 @@ FRAMES: list[tuple[str, int, dict[str, object]]] = [
 def msgpack_int(value: int) -> bytes:
     if 0 <= value < 128 or -32 <= value < 0:
         return struct.pack("b" if value < 0 else "B", value)
-    forms = [(0xCC, "B"), (0xCD, "H"), (0xCE, "I"), (0xCF, "Q")] if value > 0 else [(0xD0, "b"), (0xD1, "h"), (0xD2, "i"), (0xD3, "q")]
+    forms = (
+        [(0xCC, "B"), (0xCD, "H"), (0xCE, "I"), (0xCF, "Q")]
+        if value > 0
+        else [(0xD0, "b"), (0xD1, "h"), (0xD2, "i"), (0xD3, "q")]
+    )
     for lead, form in forms:
         try:
             return bytes([lead]) + struct.pack(">" + form, value)
@@ -100,10 +130,14 @@ def payload(contract: Contract, frame: str, values: dict[str, object]) -> bytes:
 
 def files(contract: Contract) -> dict[str, str]:
     """Relative path -> text of the golden files."""
-    messages = [{"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in MESSAGES]
+    messages = [
+        {"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in MESSAGES
+    ]
     frames = []
     for name, seq, values in FRAMES:
-        body = bytes([int(str(contract.serial["frame"][name]["type"])), seq]) + payload(contract, name, values)
+        body = bytes([int(str(contract.serial["frame"][name]["type"])), seq]) + payload(
+            contract, name, values
+        )
         wire = b"\0" + cobs(body + struct.pack("<H", crc16(body))) + b"\0"
         frames.append({"frame": name, "seq": seq, "fields": values, "wire": wire.hex()})
     return {

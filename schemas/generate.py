@@ -1,7 +1,7 @@
 """Write every file that follows from schemas/*.toml; `--check` only compares.
 
-    python schemas/generate.py          write
-    python schemas/generate.py --check  exit 1 and name the files that differ
+python schemas/generate.py          write
+python schemas/generate.py --check  exit 1 and name the files that differ
 """
 
 from __future__ import annotations
@@ -26,13 +26,21 @@ def formatted(path: str, text: str) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     check = parser.parse_args().check
     contract = load()
     emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
-    wanted = {path: formatted(path, text) for emitter in emitters for path, text in emitter.files(contract).items()}
-    stale = [path for path, text in wanted.items() if not (ROOT / path).exists() or (ROOT / path).read_text(encoding="utf-8") != text]
+    wanted = {
+        path: formatted(path, text) for emitter in emitters for path, text in emitter.files(contract).items()
+    }
+    stale = [
+        path
+        for path, text in wanted.items()
+        if not (ROOT / path).exists() or (ROOT / path).read_text(encoding="utf-8") != text
+    ]
     if check:
         for path in stale:
             print(f"{path} differs from schemas/*.toml: run `make generate`")

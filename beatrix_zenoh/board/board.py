@@ -10,8 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from beatrix_zenoh.board.link import Decoder, Frame, encode
-
 from beatrix_zenoh._generated import serial as wire
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import (
@@ -23,6 +21,7 @@ from beatrix_zenoh._generated.serial import (
     Move,
     Telemetry,
 )
+from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 REPLY_BIT = 0x80

@@ -33,10 +33,10 @@ VERBS = {
 }
 """Verb and the file it is in, in the order of the help."""
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
-"""`sim` and `hw` have options of their own, which their processes know."""
+"""For verbs whose options only their process knows."""
+PROCESSES = ("sim", "hw")
 SETTINGS: dict[str, dict[str, object]] = {
-    "sim": PASS_THROUGH,
-    "hw": PASS_THROUGH,
+    **dict.fromkeys(PROCESSES, PASS_THROUGH),
     "move": {"ignore_unknown_options": True},  # else -10 is an option
 }
 HELP = """BEATRIX, the humanoid head: simulation, robot, or both. All angles are degrees.

@@ -16,7 +16,6 @@ from beatrix_zenoh.kinematics import Neck
 from beatrix_zenoh.limits import Limits, Plan
 from beatrix_zenoh.rotation import tilt_of
 
-
 POSE_ROUNDING = math.radians(0.1)
 """Poses travel as float32 and start from whole microsteps: the limit itself must pass."""
 

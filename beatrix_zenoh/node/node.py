@@ -129,7 +129,7 @@ class Node:
     def _asker(self, incoming: Incoming, road: str) -> Asker:
         """The way back to who asked, on the robot's own concrete key."""
         parts = incoming.key.split("/")
-        who = parts[4] if len(parts) == 6 else ""  # noqa: PLR2004  # beatrix/robot/twin/cmd/who/road
+        who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
         key = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}" if who else keys.stop(self.name, self.twin)
         wording = incoming.wording
 

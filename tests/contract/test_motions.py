@@ -47,7 +47,8 @@ def test_relative_move_starts_from_the_set_point(robot: Robot) -> None:
 def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     robot.look(yaw=15, pitch=-8, roll=5, speed=60)
     wanted = Neck().inverse(*map(math.radians, (15, -8, 5)))
-    assert_rests_at(robot, tuple(map(math.degrees, wanted)))
+    short, middle, long = map(math.degrees, wanted)
+    assert_rests_at(robot, (short, middle, long))
     until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose", 2.0)
 
 

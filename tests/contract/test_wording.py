@@ -148,7 +148,12 @@ def test_info_tells_a_stranger_everything(robot: Robot) -> None:
 def test_positions_come_fifty_times_a_second_without_gaps(robot: Robot) -> None:
     stream = robot.stream()
     got: list[Positions] = []
-    until(lambda: got.extend(stream.take(0.1)) or len(got) >= 60, "60 positions", 10.0)  # type: ignore[func-returns-value]
+
+    def enough() -> bool:
+        got.extend(stream.take(0.1))
+        return len(got) >= 60
+
+    until(enough, "60 positions", 10.0)
     numbers = [positions.seq for positions in got]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     span_s = (got[-1].t_mono_ns - got[0].t_mono_ns) / 1e9
