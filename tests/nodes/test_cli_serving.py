@@ -1,0 +1,126 @@
+"""Verbs that serve: one Ctrl-C ends all they started, and nothing survives them."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from stage import Process, free_endpoint, until
+
+from beatrix_zenoh import bus as zbus
+
+CLI = "beatrix_zenoh.cli"
+pytestmark = pytest.mark.xdist_group("cli")
+
+
+@pytest.fixture
+def endpoint() -> str:
+    """A free one."""
+    return free_endpoint()
+
+
+def alive(number: int) -> bool:
+    """The process runs."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def children(process: Process) -> dict[str, int]:
+    """Verb and number of the processes somebody started."""
+    found = {}
+    for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
+        for number in listing.read_text().split():
+            words = Path(f"/proc/{number}/cmdline").read_text().split("\0")
+            found[words[words.index("-m") + 2]] = int(number)
+    return found
+
+
+@pytest.fixture
+def up(endpoint: str) -> Iterator[Process]:
+    """Router, simulation and virtual robot."""
+    process = Process(CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
+    try:
+        process.expect("router")
+        process.expect("What they write")
+        yield process
+    finally:
+        process.end(signal.SIGKILL)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_router_says_that_it_is_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
+    router = Process(CLI, "router", "--listen", endpoint)
+    assert router.expect("ready") == f"ready {endpoint}"
+    zbus.connect(endpoint).close()
+    assert router.end(number) == 0
+
+
+def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
+    first = Process(CLI, "router", "--listen", endpoint)
+    first.expect("ready")
+    second = Process(CLI, "router", "--listen", endpoint)
+    assert second.wait() == 3
+    assert any("another router" in line for line in second.lines)
+    assert first.end() == 0
+
+
+def test_options_of_a_process_pass_through(endpoint: str) -> None:
+    robot = Process(CLI, "hw", "--help")
+    assert robot.wait() == 0
+    assert any("--port" in line for line in robot.lines)
+    wrong = Process(CLI, "sim", "--nonsense", "--connect", endpoint)
+    assert wrong.wait() == 2
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals) -> None:
+    started = children(up)
+    assert set(started) == {"router", "sim", "hw"}
+    assert up.end(number) == 0
+    assert not [verb for verb, process in started.items() if alive(process)]
+
+
+def test_nothing_survives_a_killed_up(up: Process) -> None:
+    started = children(up)
+    up.end(signal.SIGKILL)
+    until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
+
+
+def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
+    started = children(up)
+    os.kill(started["sim"], signal.SIGKILL)
+    assert up.wait() == 1
+    assert any("simulation has ended" in line for line in up.lines)
+    assert not [verb for verb, process in started.items() if alive(process)]
+
+
+def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
+    session = zbus.open_router(endpoint)
+    up = Process(CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
+    try:
+        document = json.loads(up.expect("{"))
+        assert document["running"] == ["hardware"]
+        with zbus.connect(endpoint) as bus:
+            assert bus.robots() == [("bea", "hw")]
+        assert up.end(signal.SIGINT) == 0
+        zbus.connect(endpoint).close()
+    finally:
+        session.close()
+        up.end(signal.SIGKILL)
+
+
+def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> None:
+    second = Process(CLI, "up", "--connect", endpoint, "--name", "bea")
+    assert second.wait(20) == 1
+    assert any("on line at" in line and "already" in line for line in second.lines)
+    assert alive(up.pid)
+
+
+def test_up_with_nothing_to_serve_is_wrong_usage(endpoint: str) -> None:
+    assert Process(CLI, "up", "--connect", endpoint, "--no-sim").wait() == 2

@@ -1,0 +1,33 @@
+"""Figures: they are drawn without a display and show every curve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from beatrix_zenoh.compare import Recording, compare
+from beatrix_zenoh.plot import path_figure, twin_figure
+from beatrix_zenoh.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.readings import Path as HeadPath
+
+
+def test_two_recordings_make_a_picture(tmp_path: Path) -> None:
+    t = np.arange(0.0, 4.0, 0.02)
+    first = Recording(t, np.sin(t)[:, None] * np.arange(1, 7))
+    figure = twin_figure(compare(first, Recording(t, first.angles + 0.1)), "two robots")
+    arms, head, apart = figure.axes
+    assert [len(panel.get_lines()) for panel in (arms, head, apart)] == [6, 6, 3]
+    figure.savefig(tmp_path / "twin.png", dpi=50)
+    with Image.open(tmp_path / "twin.png") as picture:
+        assert np.asarray(picture.convert("L")).std() > 10
+
+
+def test_a_previewed_path_shows_arms_and_head() -> None:
+    path = HeadPath(
+        [0.0, 0.1], [ArmAngles(0, 0, 0), ArmAngles(1, 2, 3)], [HeadAngles(0, 0, 0), HeadAngles(2, 0, 1)]
+    )
+    arms, head = path_figure(path).axes
+    assert [line.get_label() for line in arms.get_lines()] == ["short", "middle", "long"]
+    assert [np.asarray(line.get_ydata())[-1] for line in head.get_lines()] == [2, 0, 1]
