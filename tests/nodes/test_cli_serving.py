@@ -13,8 +13,7 @@ from stage import Process, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
 
-CLI = "beatrix_zenoh.cli"
-pytestmark = pytest.mark.xdist_group("cli")
+CLI = ("-m", "beatrix_zenoh.cli")
 
 
 @pytest.fixture
@@ -44,7 +43,7 @@ def children(process: Process) -> dict[str, int]:
 @pytest.fixture
 def up(endpoint: str) -> Iterator[Process]:
     """Router, simulation and virtual robot."""
-    process = Process(CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
+    process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
     try:
         process.expect("router")
         process.expect("What they write")
@@ -55,26 +54,26 @@ def up(endpoint: str) -> Iterator[Process]:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_router_says_that_it_is_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
-    router = Process(CLI, "router", "--listen", endpoint)
+    router = Process(*CLI, "router", "--listen", endpoint)
     assert router.expect("ready") == f"ready {endpoint}"
     zbus.connect(endpoint).close()
     assert router.end(number) == 0
 
 
 def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
-    first = Process(CLI, "router", "--listen", endpoint)
+    first = Process(*CLI, "router", "--listen", endpoint)
     first.expect("ready")
-    second = Process(CLI, "router", "--listen", endpoint)
+    second = Process(*CLI, "router", "--listen", endpoint)
     assert second.wait() == 3
     assert any("another router" in line for line in second.lines)
     assert first.end() == 0
 
 
 def test_options_of_a_process_pass_through(endpoint: str) -> None:
-    robot = Process(CLI, "hw", "--help")
+    robot = Process(*CLI, "hw", "--help")
     assert robot.wait() == 0
     assert any("--port" in line for line in robot.lines)
-    wrong = Process(CLI, "sim", "--nonsense", "--connect", endpoint)
+    wrong = Process(*CLI, "sim", "--nonsense", "--connect", endpoint)
     assert wrong.wait() == 2
 
 
@@ -102,7 +101,7 @@ def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
 
 def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
     session = zbus.open_router(endpoint)
-    up = Process(CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
+    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
     try:
         document = json.loads(up.expect("{"))
         assert document["running"] == ["hardware"]
@@ -116,11 +115,11 @@ def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
 
 
 def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> None:
-    second = Process(CLI, "up", "--connect", endpoint, "--name", "bea")
+    second = Process(*CLI, "up", "--connect", endpoint, "--name", "bea")
     assert second.wait(20) == 1
     assert any("on line at" in line and "already" in line for line in second.lines)
     assert alive(up.pid)
 
 
 def test_up_with_nothing_to_serve_is_wrong_usage(endpoint: str) -> None:
-    assert Process(CLI, "up", "--connect", endpoint, "--no-sim").wait() == 2
+    assert Process(*CLI, "up", "--connect", endpoint, "--no-sim").wait() == 2

@@ -18,7 +18,7 @@ from stage import ROOT, Process, free_endpoint, until
 
 from beatrix_zenoh import Robot
 
-CLI = "beatrix_zenoh.cli"
+CLI = ("-m", "beatrix_zenoh.cli")
 NAME = "bea1"
 pytestmark = pytest.mark.xdist_group("cli")
 
@@ -34,7 +34,7 @@ class Shell:
         return {**kept, "BEATRIX_CONNECT": self.endpoint, "BEATRIX_WHO": "ana", "PYTHONPATH": str(ROOT)}
 
     def run(self, *words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", CLI, *words]
+        command = [sys.executable, *CLI, *words]
         done = subprocess.run(
             command, capture_output=True, text=True, env=self.environment(), timeout=30, check=False, cwd=cwd
         )
@@ -52,7 +52,7 @@ class Shell:
 
     def start(self, *words: str) -> subprocess.Popen[str]:
         return subprocess.Popen(
-            [sys.executable, "-m", CLI, *words],
+            [sys.executable, *CLI, *words],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -69,7 +69,7 @@ def shell() -> Iterator[Shell]:
     """Router, simulation and virtual robot by `beatrix up`."""
     endpoint = free_endpoint()
     where = ("--connect", endpoint, "--name", NAME)
-    up = Process(CLI, "up", *where, "--hw", "virtual:", "--ready", "--json")
+    up = Process(*CLI, "up", *where, "--hw", "virtual:", "--ready", "--json")
     try:
         up.expect('{"result":true')
         made = Shell(endpoint)
@@ -83,7 +83,7 @@ def shell() -> Iterator[Shell]:
 @contextmanager
 def another(shell: Shell, name: str) -> Iterator[Process]:
     """One more robot at the same router."""
-    process = Process(CLI, "hw", "--name", name, "--port", "virtual:", "--connect", shell.endpoint)
+    process = Process(*CLI, "hw", "--name", name, "--port", "virtual:", "--connect", shell.endpoint)
     try:
         process.expect("ready")
         yield process

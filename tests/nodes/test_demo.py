@@ -14,14 +14,13 @@ import pytest
 from PIL import Image
 from stage import ROOT, Process
 
-pytestmark = pytest.mark.xdist_group("cli")
-CLI = "beatrix_zenoh.cli"
+CLI = ("-m", "beatrix_zenoh.cli")
 
 
 def test_demo_makes_one_movement_on_both_robots_in_less_than_a_minute(tmp_path: Path) -> None:
     begin = time.monotonic()
     done = subprocess.run(
-        [sys.executable, "-m", CLI, "demo", "--out", str(tmp_path), "--json"],
+        [sys.executable, *CLI, "demo", "--out", str(tmp_path), "--json"],
         capture_output=True,
         text=True,
         timeout=55,
@@ -47,7 +46,7 @@ def test_demo_makes_one_movement_on_both_robots_in_less_than_a_minute(tmp_path: 
 
 
 def test_interrupted_demo_stops_and_ends_everything(tmp_path: Path) -> None:
-    demo = Process(CLI, "demo", "--out", str(tmp_path))
+    demo = Process(*CLI, "demo", "--out", str(tmp_path))
     demo.expect("Both: nod")
     begin = time.monotonic()
     assert demo.end(signal.SIGINT) == 130
@@ -57,6 +56,6 @@ def test_interrupted_demo_stops_and_ends_everything(tmp_path: Path) -> None:
 
 def test_demo_says_at_once_if_it_may_not_write(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    demo = Process(CLI, "demo", "--out", str(tmp_path / "file"))
+    demo = Process(*CLI, "demo", "--out", str(tmp_path / "file"))
     assert demo.wait() == 1
     assert any("--out" in line for line in demo.lines)
