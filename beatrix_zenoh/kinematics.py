@@ -82,7 +82,7 @@ class Neck:
         """Raise Refused if no neck of this geometry closes upright."""
         a1, a2, b = (math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
         if geometry.hand not in {-1, 1}:
-            raise Refused(Reason.BAD_VALUE, f"hand is {geometry.hand}; it must be +1 or -1")
+            raise Refused(Reason.BAD_VALUE, f"Hand is {geometry.hand}; it must be +1 or -1.")
         self.geometry = geometry
         self._hand = geometry.hand
         self._s1, self._c1, self._c2 = math.sin(a1), math.cos(a1), math.cos(a2)
@@ -104,7 +104,7 @@ class Neck:
         self._home = _linearise(self._mounts, self._elbows((0.0, 0.0, 0.0)), self._c2)
         if self.reach <= 0 or abs(self._home.det) < 1e-6:
             raise Refused(
-                Reason.BAD_VALUE, f"a neck of {geometry} cannot move from upright; check its angles"
+                Reason.BAD_VALUE, f"A neck of {geometry} cannot move from upright; check its angles."
             )
         self._frame = inverse_of_columns(x, y, cross(x, y))
 
@@ -115,8 +115,8 @@ class Neck:
         if abs(cosine) >= 1:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"a neck of {self.geometry} does not close upright; rod_twist must lie strictly between "
-                "|180 deg - mount_angle - arm_angle| and 180 deg - mount_angle + arm_angle",
+                f"A neck of {self.geometry} does not close upright; rod_twist must lie strictly between "
+                "|180 deg - mount_angle - arm_angle| and 180 deg - mount_angle + arm_angle.",
             )
         return self._hand * math.acos(cosine)
 
@@ -130,7 +130,7 @@ class Neck:
         if not math.isfinite(yaw + pitch + roll):
             raise Refused(
                 Reason.BAD_VALUE,
-                f"yaw {yaw}, pitch {pitch}, roll {roll}: all three must be finite angles in rad",
+                f"Yaw {yaw}, pitch {pitch}, roll {roll}: all three must be finite angles in rad.",
             )
         if abs(pitch) >= math.pi / 2 or abs(roll) >= math.pi / 2:
             raise self._out_of_reach(pitch, roll)
@@ -152,12 +152,12 @@ class Neck:
 
     def _out_of_reach(self, pitch: float, roll: float) -> Refused:
         asked = (
-            f"pitch {math.degrees(pitch):.1f} deg with roll {math.degrees(roll):.1f} deg "
+            f"Pitch {math.degrees(pitch):.1f} deg with roll {math.degrees(roll):.1f} deg "
             f"tilts the head {math.degrees(tilt_of(pitch, roll)):.1f} deg and no arm angles reach that; "
-            f"up to {math.degrees(self.reach):.1f} deg every direction can be reached"
+            f"up to {math.degrees(self.reach):.1f} deg every direction can be reached."
         )
         if max(abs(pitch), abs(roll)) > math.tau:
-            asked += f". Were degrees meant? {pitch:g} and {roll:g} were read as radians"
+            asked += f" Over Zenoh angles are in rad, not in deg: {pitch:g} and {roll:g} rad came."
         return Refused(Reason.OUT_OF_REACH, asked)
 
     def forward(self, arms: Sequence[float]) -> tuple[float, float, float]:
@@ -234,7 +234,7 @@ class Neck:
         mean = (x + y + z) / 3
         x, y, z = x - mean, y - mean, z - mean
         if not math.isfinite(x + y + z):
-            raise BeatrixError(Reason.BAD_VALUE, f"arms {arms}: all three must be finite angles in rad")
+            raise BeatrixError(Reason.BAD_VALUE, f"Arms {arms}: all three must be finite angles in rad.")
         elbows = self._elbows((x, y, z))
         nx, ny, nz = self._home.normal_z
         mounts = _moved(self._mounts, self._home.inverse, (x * nx, y * ny, z * nz))[0]
@@ -251,8 +251,8 @@ class Neck:
         degrees = ", ".join(f"{math.degrees(angle):.1f}" for angle in arms)
         raise BeatrixError(
             Reason.OUT_OF_REACH,
-            f"no head fits the arms at {degrees} deg: counters and arms disagree, or the neck has snapped through; "
-            "switch the motors off, set the head upright, switch on and calibrate",
+            f"No head fits the arms at {degrees} deg: counters and arms disagree, or the neck has snapped through; "
+            "switch the motors off, set the head upright, switch on and calibrate.",
         )
 
     def _attitude(self, mounts: Triple) -> Rotation:

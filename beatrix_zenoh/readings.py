@@ -17,7 +17,7 @@ class ArmAngles(NamedTuple):
     long: float
 
     def __str__(self) -> str:
-        return f"short {self.short:.1f}°, middle {self.middle:.1f}°, long {self.long:.1f}°"
+        return f"short {self.short:z.1f}°, middle {self.middle:z.1f}°, long {self.long:z.1f}°"
 
 
 class HeadAngles(NamedTuple):
@@ -28,7 +28,7 @@ class HeadAngles(NamedTuple):
     roll: float
 
     def __str__(self) -> str:
-        return f"yaw {self.yaw:.1f}°, pitch {self.pitch:.1f}°, roll {self.roll:.1f}°"
+        return f"yaw {self.yaw:z.1f}°, pitch {self.pitch:z.1f}°, roll {self.roll:z.1f}°"
 
 
 @dataclass(frozen=True)

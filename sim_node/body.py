@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 
+from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import Move, Telemetry
@@ -35,8 +36,7 @@ class Simulation:
         self._left_s = float("-inf")
         self._lock = threading.Lock()
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="beatrix-physics", daemon=True)
-        self._thread.start()
+        self._thread = threads.start(self._run, "physics")
 
     def open_port(self) -> Port:
         """The virtual board; always there."""

@@ -48,9 +48,9 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = 5.0) -> None:
 class Process:
     """A child process whose output lines are read as they come."""
 
-    def __init__(self, module: str, *arguments: str) -> None:
+    def __init__(self, *command: str) -> None:
         self._child = subprocess.Popen(
-            [sys.executable, "-m", module, *arguments],
+            [sys.executable, *command],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -123,7 +123,13 @@ class Stage:
 
     def process(self, module: str, *arguments: str) -> Process:
         """Start a process that is ended with the stage."""
-        process = Process(module, *arguments)
+        return self._started(Process("-m", module, *arguments))
+
+    def script(self, path: Path, *arguments: str) -> Process:
+        """Start a Python program that is ended with the stage."""
+        return self._started(Process(str(path), *arguments))
+
+    def _started(self, process: Process) -> Process:
         self._processes.append(process)
         return process
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from beatrix_zenoh import threads
 from beatrix_zenoh._generated import serial as wire
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import (
@@ -107,11 +108,11 @@ class Board:
         self._seq = 0
         self._retries = 0
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="beatrix-board", daemon=True)
+        self._thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Open the port and begin to listen; the callbacks run from here on."""
-        self._thread.start()
+        self._thread = threads.start(self._run, "board")
 
     # -- state ----------------------------------------------------------------------------------
 
@@ -256,7 +257,8 @@ class Board:
     def close(self) -> None:
         """Free the port; the board itself stays as it is."""
         self._closed.set()
-        self._thread.join(timeout=2.0)
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
 
 
 def mismatch_text(hello: HelloReply) -> str:

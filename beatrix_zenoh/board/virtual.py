@@ -10,6 +10,7 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Final
 
+from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import BeatrixError
 
@@ -198,8 +199,7 @@ class RealTimeTicker:
         self._board = board
         self._period_ms = period_ms
         self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="beatrix-virtual-time", daemon=True)
-        self._thread.start()
+        self._thread = threads.start(self._run, "virtual-time")
 
     def _run(self) -> None:
         start_s = time.monotonic()

@@ -69,15 +69,15 @@ class Limits:
         """Raise Refused (SPEED_LIMIT, BAD_VALUE) unless the speeds (rad/s) of all arms are > 0 and allowed."""
         if not all(math.isfinite(value) for value in speed):
             raise Refused(
-                Reason.BAD_VALUE, f"speed {listed(speed)} rad/s: every speed must be a finite number"
+                Reason.BAD_VALUE, f"Speed {listed(speed)} rad/s: every speed must be a finite number."
             )
         top = math.degrees(self.speed_max)
         if not all(0 < value <= self.speed_max * _SPEED_ROUNDING for value in speed):
-            hint = ". Were degrees meant? The numbers were read as rad/s" if max(speed) > math.tau else ""
+            hint = " Over Zenoh speeds are in rad/s, not in deg/s." if max(speed) > math.tau else ""
             raise Refused(
                 Reason.SPEED_LIMIT,
-                f"speed {degrees(speed)} deg/s: every arm needs more than 0 and at most {top:.1f} deg/s "
-                f"({self.speed_max:.3f} rad/s){hint}",
+                f"Speed {degrees(speed)} deg/s: every arm needs more than 0 and at most {top:.1f} deg/s "
+                f"({self.speed_max:.3f} rad/s).{hint}",
             )
 
     def check_motion(self, start: Arms, velocity: Arms, target: Arms, speed: Arms, *, straight: bool) -> Plan:
@@ -103,6 +103,6 @@ class Limits:
             return
         raise Refused(
             Reason.BAD_VALUE,
-            f"the arms are said to be at {listed(start)} rad, moving with {listed(velocity)} rad/s: that cannot be; "
-            "set the head upright and calibrate",
+            f"The arms are said to be at {listed(start)} rad, moving with {listed(velocity)} rad/s: that cannot be; "
+            "set the head upright and calibrate.",
         )

@@ -60,21 +60,21 @@ class Judge:
         Every arm of an allowed pose is within half a turn of the head's yaw.
         """
         if not all(math.isfinite(angle) for angle in arms):
-            raise Refused(Reason.BAD_VALUE, f"arms {listed(arms)} rad: every angle must be a finite number")
+            raise Refused(Reason.BAD_VALUE, f"Arms {listed(arms)} rad: every angle must be a finite number.")
         furthest = max(abs(angle) for angle in arms)
         if furthest > max(self._arm_max, *(abs(angle) for angle in start)):
-            hint = f". Were degrees meant? {listed(arms)} were read as radians" if furthest > math.tau else ""
+            hint = f" Over Zenoh angles are in rad, not in deg: {listed(arms)} rad came." if furthest > math.tau else ""
             raise Refused(
                 Reason.YAW_LIMIT,
-                f"arms at {degrees(arms)} deg: the head may turn to yaw +-{math.degrees(self._limit.yaw_max):.1f} deg, "
-                f"and no arm gets further than {math.degrees(self._arm_max):.1f} deg with it{hint}",
+                f"Arms at {degrees(arms)} deg: the head may turn to yaw +-{math.degrees(self._limit.yaw_max):.1f} deg, "
+                f"and no arm gets further than {math.degrees(self._arm_max):.1f} deg with it.{hint}",
             )
 
     def pose(self, arms: Sequence[float]) -> None:
         """Raise Refused if the head must not rest with the arms (rad) there."""
         index = self._broken(arms)
         if index is not None:
-            raise Refused(_reason(index), f"{self._says(index, arms)}; {self._allowed(index)}")
+            raise Refused(_reason(index), f"There {self._says(index, arms)}; {self._allowed(index)}.")
 
     def walk(self, trajectory: Trajectory) -> Extremes | Breach:
         """As `Walker.walk`, but raises Refused if no head fits the start."""
@@ -92,9 +92,9 @@ class Judge:
         where = f"{breach.t:.2f} s after the start with the arms at {degrees(breach.arms)} deg"
         if goal is None:
             worst = max(self._after(breach, trajectory), key=lambda arms: self._badness(index, arms))
-            text = f"the goal is allowed, but on the way {self._says(index, worst)}; {self._allowed(index)}"
+            text = f"The goal is allowed, but on the way {self._says(index, worst)}; {self._allowed(index)}"
         else:
-            text = f"at the goal {self._says(index, asked.target)}; {self._allowed(index)}"
+            text = f"At the goal {self._says(index, asked.target)}; {self._allowed(index)}"
         return Refused(
             _reason(index), f"{text}. The way leaves the limits {where}. {self._instead(breach, asked, goal)}"
         )
@@ -104,7 +104,7 @@ class Judge:
         if goal is None and not asked.straight:
             together = asked.in_proportion()
             if self._accepts(together):
-                return f"With speeds of {degrees(together.speed)} deg/s, in proportion to the ways, it would be accepted"
+                return f"With speeds of {degrees(together.speed)} deg/s, in proportion to the ways, it would be accepted."
         way = math.dist(asked.start, asked.target)
         low, high = 0, 100
         guess = min(99, int(100 * math.dist(asked.start, breach.arms) / way) - 1) if way else 0
@@ -117,9 +117,9 @@ class Judge:
                 high = guess
             guess = (low + high) // 2
         if not low:
-            return "No part of this motion would be accepted from here"
+            return "No part of this motion would be accepted from here."
         target = asked.shortened(low / 100).target
-        return f"The first {low} % of it, to arms at {degrees(target)} deg, would be accepted"
+        return f"The first {low} % of it, to arms at {degrees(target)} deg, would be accepted."
 
     def _accepts(self, asked: Asked) -> bool:
         return isinstance(self.walk(asked.trajectory(self._acceleration)), Extremes)

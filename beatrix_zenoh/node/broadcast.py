@@ -7,7 +7,7 @@ import time
 
 import msgspec
 
-from beatrix_zenoh import codec
+from beatrix_zenoh import codec, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Status
 from beatrix_zenoh.bus import Bus
@@ -29,8 +29,7 @@ class Broadcast:
         self._shown: tuple[object, ...] = ()
         self._status_due_s = 0.0
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="beatrix-broadcast", daemon=True)
-        self._thread.start()
+        self._thread = threads.start(self._run, "broadcast")
 
     def _run(self) -> None:
         due = time.monotonic()

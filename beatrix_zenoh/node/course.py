@@ -102,4 +102,4 @@ def vector(arms: Arms) -> Vector3:
 
 def degrees(arms: Sequence[float]) -> str:
     """Angles for people: `5.0, -2.1, 0.0 deg`."""
-    return ", ".join(f"{math.degrees(angle):.1f}" for angle in arms) + " deg"
+    return ", ".join(f"{math.degrees(angle):z.1f}" for angle in arms) + " deg"

@@ -245,7 +245,7 @@ class Driver:
         elif self._moving():
             self._stopping.append(asker)
         else:
-            self._answer(asker, Reason.OK, f"Nothing moves; the arms rest at {degrees(self.arms())}.")
+            self._answer(asker, Reason.OK, self._at_rest("Nothing moves"))
 
     def client_gone(self, session: str) -> None:
         """A client's session has ended: stop what it asked for, free the robot."""
@@ -274,7 +274,13 @@ class Driver:
                 if lost:
                     self._answer(asker, Reason.BOARD_LOST, "The board was lost while stopping.")
                 else:
-                    self._answer(asker, Reason.OK, f"Stopped; the arms rest at {degrees(self.arms())}.")
+                    self._answer(asker, Reason.OK, self._at_rest("Stopped"))
+
+    def _at_rest(self, how: str) -> str:
+        telemetry = self._board.telemetry
+        if telemetry is not None and telemetry.state & State.EMERGENCY:
+            return "Motors off, latched until ENABLE; home is forgotten."
+        return f"{how}; the arms rest at {degrees(self.arms())}."
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
         if lost or telemetry.boot != running.boot:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import queue
-import threading
 from collections.abc import Callable
 
 import msgspec
 
-from beatrix_zenoh import codec, names, requests
+from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
@@ -30,27 +29,25 @@ ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGEN
 BOARD_READY_S = 1.5
 
 
-class Desk(threading.Thread):
+class Desk:
     """A thread that does one thing after another, in the order they were handed over."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(name=f"beatrix-{name}", daemon=True)
         self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
-        self.start()
+        self._thread = threads.start(self._run, name)
 
     def hand(self, work: Callable[[], None]) -> None:
         """Do `work` soon."""
         self._work.put(work)
 
-    def run(self) -> None:
-        """Until closed."""
+    def _run(self) -> None:
         while (work := self._work.get()) is not None:
             work()
 
     def close(self) -> None:
         """Finish what was handed over, then end."""
         self._work.put(None)
-        self.join(timeout=2.0)
+        self._thread.join(timeout=2.0)
 
 
 class Node:
@@ -78,8 +75,7 @@ class Node:
         self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
         self._previewer = Previewer(body, self.driver, self._course)
         self._stop_desk, self._front_desk = Desk("stop"), Desk("front")
-        self._thread = threading.Thread(target=self._work, name="beatrix-driver", daemon=True)
-        self._thread.start()
+        self._thread = threads.start(self._work, "driver")
         self.board.start()
         self.board.wait_for(lambda _: True, BOARD_READY_S)
         self._declare()

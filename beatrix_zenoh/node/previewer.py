@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import queue
-import threading
 
-from beatrix_zenoh import requests
+from beatrix_zenoh import requests, threads
 from beatrix_zenoh._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.node.answers import Asker, preview_refused
@@ -23,8 +22,7 @@ class Previewer:
     def __init__(self, body: Body, driver: Driver, course: Course) -> None:
         self._body, self._driver, self._course = body, driver, course
         self._waiting: queue.Queue[tuple[Wording, Asker] | None] = queue.Queue(maxsize=WAITING)
-        self._thread = threading.Thread(target=self._run, name="beatrix-preview", daemon=True)
-        self._thread.start()
+        self._thread = threads.start(self._run, "preview")
 
     def ask(self, wording: Wording, asker: Asker) -> None:
         """Queue a preview; answered at once if too many wait."""

@@ -7,6 +7,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import ExitStack
 from types import FrameType
 
 from beatrix_zenoh import bus as zbus
@@ -46,23 +47,33 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     session = _connect(settings, over)
     if session is None:
         return 0
-    body = build()
     try:
-        motions = zbus.connect(settings.connect, label=settings.robot)
-        node = Node(session, motions, settings.robot, body)
+        node = _open(session, build(), settings)
     except BeatrixError as error:
         print(error.message, file=sys.stderr, flush=True)
-        session.close()
-        body.close()
         return 1
     try:
         if ready:
             node.make_ready()
         print("ready", node.alive_key, flush=True)
-        over.wait()
+        # Not one long wait: a signal that another thread receives, as after SIGCONT, would not end it.
+        while not over.wait(RETRY_S):
+            pass
     finally:
         node.close()
     return 1 if broken else 0
+
+
+def _open(session: zbus.Bus, body: Body, settings: Settings) -> Node:
+    """A node that serves; closes what it was given if it cannot."""
+    with ExitStack() as undo:
+        undo.callback(body.close)
+        undo.callback(session.close)
+        motions = zbus.connect(settings.connect, label=settings.robot)
+        undo.callback(motions.close)
+        node = Node(session, motions, settings.robot, body)
+        undo.pop_all()
+        return node
 
 
 def _connect(settings: Settings, over: threading.Event) -> zbus.Bus | None:

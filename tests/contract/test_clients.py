@@ -11,8 +11,9 @@ from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Question
+from beatrix_zenoh.drive import Gear
 
 
 class Body(Protocol):
@@ -123,17 +124,28 @@ class Flood:
             question.close()
 
 
-def test_stop_is_answered_while_another_client_floods(body: Body, robot: Robot) -> None:
+def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
+    stream = other.stream()
     with Flood(robot) as flood:
         until(lambda: flood.sent > 300 and other.positions().commanded.short > 3, "flooded and moving", 15.0)
-        before = other.positions().commanded.short
         sent_s = time.monotonic()
         reply = other.stop()
         took_s = time.monotonic() - sent_s
-    assert "rest at" in reply.message
+        flooded = flood.sent
+        stream.take(0)
+        after: list[Positions] = []
+
+        def heard_enough() -> bool:
+            after.extend(stream.take(0.1))
+            return len(after) > 20 and flood.sent > flooded + 300
+
+        until(heard_enough, "the flood goes on and nothing moves", 15.0)
     assert took_s < 1.5, "decelerating from 30 deg/s takes a sixth of a second"
-    assert before > 0
+    assert "rest at" in reply.message
+    assert {positions.commanded for positions in after[2:]} == {reply.position}
+    counts = {(positions.steps.x, positions.steps.y, positions.steps.z) for positions in after[2:]}
+    assert counts == {Gear().to_steps((reply.position.x, reply.position.y, reply.position.z))}
 
 
 def test_command_of_another_client_is_answered_beside_a_flood(body: Body, robot: Robot) -> None:

@@ -127,6 +127,50 @@ def test_router_killed_and_restarted_everybody_is_back(tmp_path: Path) -> None:
         router.close()
 
 
+def test_router_process_killed_and_restarted_everybody_is_back(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+    router.expect("ready")
+    node = stage.process("sim_node", "--name", "bea", "--connect", endpoint, "--ready")
+    node.expect("ready")
+    with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
+        robot.look(yaw=2, speed=60)
+        router.end(signal.SIGKILL)
+        with pytest.raises(NoAnswer):
+            robot.look(yaw=4)
+        again = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+        again.expect("ready")
+        until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
+        robot.look(yaw=4, speed=60)
+
+
+CLIENT = """
+import sys
+from beatrix_zenoh import Robot
+robot = Robot("bea", "hw", connect=sys.argv[1], who="goner")
+motion = robot.look(yaw=120, wait=False)
+print("ready", flush=True)
+motion.wait()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_client_process_killed_or_frozen_in_mid_move_stops_the_robot(
+    stage: Stage, tmp_path: Path, number: signal.Signals
+) -> None:
+    (tmp_path / "goner.py").write_text(CLIENT)
+    stage.hardware("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    goner = stage.script(tmp_path / "goner.py", stage.endpoint)
+    goner.expect("ready")
+    until(lambda: robot.positions().commanded.short > 2, "moving")
+    goner.send(number)
+    until(lambda: not robot.status().moving, "stopped: at once if killed, after the 2 s lease if frozen", 3.5)
+    assert robot.positions().commanded.short < 110
+    assert robot.status().holder == ""
+    goner.end(signal.SIGKILL)
+
+
 def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
     endpoint = free_endpoint()
     process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")

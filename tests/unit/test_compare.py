@@ -45,7 +45,7 @@ def test_known_lag_is_recovered_within_two_milliseconds(
     targets: list[tuple[float, float, float]], lag_s: float, phase_s: float, seed: int
 ) -> None:
     first = recorded(targets, 0.0, 0.0)
-    second = recorded(targets, lag_s, phase_s, noise=0.05, seed=seed)
+    second = recorded(targets, lag_s, phase_s, noise=0.02, seed=seed)
     assert lag(first, second) == pytest.approx(lag_s, abs=0.002)
 
 
