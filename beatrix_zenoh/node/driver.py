@@ -242,7 +242,7 @@ class Driver:
             return
         if error is not None:
             self.answer_command(asker, error)
-        elif self._moving():
+        elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
             self._stopping.append(asker)
         else:
             self._answer(asker, Reason.OK, self._at_rest("Nothing moves"))
@@ -268,7 +268,7 @@ class Driver:
         lost = not self._board.link.connected
         if self._running is not None and telemetry is not None:
             self._end_running(self._running, telemetry, lost=lost)
-        if self._stopping and not self._moving():
+        if self._stopping and self._running is None and not self._moving():
             waiting, self._stopping = self._stopping, []
             for asker in waiting:
                 if lost:
