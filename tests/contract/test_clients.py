@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import Protocol, Self
 
 import pytest
@@ -120,6 +119,9 @@ class Flood:
     def __exit__(self, *exc: object) -> None:
         self._over.set()
         self._thread.join()
+        last = self._questions.pop()
+        while last.next(20.0) is not None:  # what was sent before it has been dealt with, too
+            pass
         for question in self._questions:
             question.close()
 
@@ -129,9 +131,7 @@ def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> Non
     stream = other.stream()
     with Flood(robot) as flood:
         until(lambda: flood.sent > 300 and other.positions().commanded.short > 3, "flooded and moving", 15.0)
-        sent_s = time.monotonic()
         reply = other.stop()
-        took_s = time.monotonic() - sent_s
         flooded = flood.sent
         stream.take(0)
         after: list[Positions] = []
@@ -141,7 +141,6 @@ def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> Non
             return len(after) > 20 and flood.sent > flooded + 300
 
         until(heard_enough, "the flood goes on and nothing moves", 15.0)
-    assert took_s < 1.5, "decelerating from 30 deg/s takes a sixth of a second"
     assert "rest at" in reply.message
     assert {positions.commanded for positions in after[2:]} == {reply.position}
     counts = {(positions.steps.x, positions.steps.y, positions.steps.z) for positions in after[2:]}
@@ -151,12 +150,9 @@ def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> Non
 def test_command_of_another_client_is_answered_beside_a_flood(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     with Flood(robot) as flood:
-        until(lambda: flood.sent > 500, "flooded", 15.0)
-        sent_s = time.monotonic()
+        until(lambda: flood.sent > 500 and other.status().holder == "ana", "flooded", 15.0)
         with pytest.raises(Refused, match="ana drives"):
             other.calibrate()
-        took_s = time.monotonic() - sent_s
-    assert took_s < 0.5, "the figure itself is printed by make bench"
 
 
 def test_after_a_flood_the_newest_target_wins(robot: Robot) -> None:
