@@ -28,6 +28,11 @@ LEASE_MS = 2000
 """A frozen session counts as gone after this long; the default of 10 s is too long for a moving robot."""
 TCP = {"so_sndbuf": 32768, "so_rcvbuf": 32768}
 """Small socket buffers: what a flooding client has sent waits with the client, not for seconds in the kernel."""
+WAIT_DROP_US = 20_000
+"""What may be dropped is dropped if it cannot leave for this long; the default of 1 ms loses positions on a busy machine."""
+WAIT_CLOSE_US = 500_000
+"""A client that reads nothing for this long while replies wait for it is cut off by the router: at the default of 5 s
+one flooding client that ends holds up the whole class for seconds."""
 ROUTER_PROBE_S = 1.0
 STALE_S = 0.02
 """After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
@@ -271,6 +276,7 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tcp": TCP,
+        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
         "metadata": {"name": label},
     }
     for key, value in settings.items():
@@ -325,6 +331,8 @@ def open_router(listen: str) -> zenoh.Session:
         "adminspace/enabled": True,
         "transport/shared_memory/enabled": False,
         "transport/link/tcp": TCP,
+        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": WAIT_CLOSE_US,
     }
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))
