@@ -21,7 +21,7 @@ from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.requests import Wording
 
 LEASE_MS = 2000
@@ -34,6 +34,7 @@ WAIT_CLOSE_US = 500_000
 """A client that reads nothing for this long while replies wait for it is cut off by the router: at the default of 5 s
 one flooding client that ends holds up the whole class for seconds."""
 ROUTER_PROBE_S = 1.0
+PORT_MAX = 65535
 STALE_S = 0.02
 """After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
 FOR_EVER_S = 24 * 3600.0
@@ -241,6 +242,11 @@ class Bus:
         callback = Callback(receive, indirect=False)
         self._declared.append(liveliness.declare_subscriber(key, callback, history=True))
 
+    @property
+    def connected(self) -> bool:
+        """A router is there."""
+        return bool(self._session.info.routers_zid())
+
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Name and twin of every robot on line."""
         tokens = self.present(keys.alive(robot="*", twin="*"), timeout_s)
@@ -286,7 +292,7 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
     except zenoh.ZError as error:
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router? ({error})",
+            f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router? ({short(error)})",
         ) from error
 
 
@@ -296,18 +302,12 @@ def probe(endpoint: str) -> None:
     Raises:
         NoAnswer: NO_ROUTER.
     """
-    protocol, _, address = endpoint.partition("/")
-    host, _, port = address.partition("#")[0].rpartition(":")
-    if not host or not port.isdigit():
-        raise NoAnswer(
-            Reason.NO_ROUTER,
-            f"{endpoint!r} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
-        )
+    protocol, host, port = parts(endpoint)
     if protocol not in ("tcp", "tls"):
         return  # nothing to knock at before the session itself
     try:
-        socket.create_connection((host.strip("[]"), int(port)), timeout=ROUTER_PROBE_S).close()
-    except (OSError, OverflowError) as error:
+        socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
+    except OSError as error:
         raise NoAnswer(
             Reason.NO_ROUTER,
             f"No router at {endpoint} ({error}). Start one with `beatrix router`, or name another with "
@@ -315,12 +315,35 @@ def probe(endpoint: str) -> None:
         ) from error
 
 
+def parts(endpoint: str) -> tuple[str, str, int]:
+    """Protocol, host and port of `tcp/127.0.0.1:7447`.
+
+    Raises:
+        Refused: BAD_VALUE.
+    """
+    protocol, _, address = endpoint.partition("/")
+    host, _, port = address.partition("#")[0].rpartition(":")
+    if not host or not port.isdigit() or int(port) > PORT_MAX:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{endpoint!r} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
+        )
+    return protocol, host.strip("[]"), int(port)
+
+
+def short(error: zenoh.ZError) -> str:
+    """What Zenoh says, without the places in its source."""
+    return str(error).partition(" at /")[0]
+
+
 def open_router(listen: str) -> zenoh.Session:
     """Be the router of a classroom: clients meet here. Close the session to end it.
 
     Raises:
+        Refused: BAD_VALUE, if `listen` is no endpoint.
         NoAnswer: NO_ROUTER, if the endpoint is taken or not ours.
     """
+    parts(listen)
     config = zenoh.Config()
     settings = {
         "mode": "router",
@@ -341,5 +364,5 @@ def open_router(listen: str) -> zenoh.Session:
     except zenoh.ZError as error:
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"Cannot listen at {listen}: is another router running there? Choose another with --listen. ({error})",
+            f"Cannot listen at {listen}: is another router running there? Choose another with --listen. ({short(error)})",
         ) from error

@@ -94,6 +94,11 @@ class Conversation:
         return self._question.next(deadline - time.monotonic())
 
     def _silence(self) -> NoAnswer:
+        if not self._bus.connected:
+            return NoAnswer(
+                Reason.NO_ROUTER,
+                f"The router at {self._bus.endpoint} has gone; what runs comes back when it does.",
+            )
         present = self._bus.robots()
         if (self._robot, self._twin) in present:
             text = f"{self._name()} is on line but did not answer: refused by the router, or just closing."

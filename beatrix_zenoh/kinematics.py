@@ -151,14 +151,12 @@ class Neck:
         return x, y, z
 
     def _out_of_reach(self, pitch: float, roll: float) -> Refused:
-        asked = (
+        return Refused(
+            Reason.OUT_OF_REACH,
             f"Pitch {math.degrees(pitch):.1f} deg with roll {math.degrees(roll):.1f} deg "
             f"tilts the head {math.degrees(tilt_of(pitch, roll)):.1f} deg and no arm angles reach that; "
-            f"up to {math.degrees(self.reach):.1f} deg every direction can be reached."
+            f"up to {math.degrees(self.reach):.1f} deg every direction can be reached.",
         )
-        if max(abs(pitch), abs(roll)) > math.tau:
-            asked += f" Over Zenoh angles are in rad, not in deg: {pitch:g} and {roll:g} rad came."
-        return Refused(Reason.OUT_OF_REACH, asked)
 
     def forward(self, arms: Sequence[float]) -> tuple[float, float, float]:
         """Yaw, pitch, roll (rad) for arm angles (rad), in the home assembly; yaw follows the arms through any turns.

@@ -136,7 +136,11 @@ def _shaped(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
             fields["speed"] = dict.fromkeys(("x", "y", "z"), fields["speed"])
     elif kind is CommandQuery:
         name = str(fields.get("command", "")).upper()
+        if name == "DISABLE":
+            name, fields["value"] = "ENABLE", "false"
         if name in Command.__members__:
             fields["command"] = Command[name].value
+        elif name[:1].isalpha():
+            raise Refused(Reason.UNKNOWN_COMMAND, f"There is no command {name.lower()!r}. {usage(kind)}")
         fields["value"] = SWITCH.get(str(fields.get("value", "true")).lower(), fields.get("value", "true"))
     return fields

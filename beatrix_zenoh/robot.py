@@ -43,6 +43,9 @@ class Motion:
         """Seconds the robot announced."""
         self._end: MotionReply | None = None
 
+    def __repr__(self) -> str:
+        return f"<motion of {self._robot}: {self._end.message if self._end else f'{self.duration:.1f} s'}>"
+
     def poll(self, timeout_s: float) -> MotionReply | None:
         """The final reply, None if it has not come within `timeout_s`."""
         if self._end is None:
@@ -131,6 +134,9 @@ class Robot:
 
     def __str__(self) -> str:
         return f"{self.name} ({self.twin})"
+
+    def __repr__(self) -> str:
+        return f"<robot {self} at {self.client.bus.endpoint}>"
 
     # -- commands -------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
-from beatrix_zenoh.readings import Path, arm_angles, head_angles
+from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
 from beatrix_zenoh.robot import MARGIN_S, Motion, Robot, motion_query, pose_query
 from beatrix_zenoh.settings import resolve
 
@@ -18,13 +18,23 @@ if TYPE_CHECKING:
 
 PREVIEW_S = 10.0
 TURN_S = 0.02
+SAME_DEG = 0.1
+"""A microstep is 0.086 deg."""
 
 
 class Plan:
     """A motion that was tried on the copy and has not moved anything yet."""
 
-    def __init__(self, twin: Twin, road: str, query: MotionQuery | PoseQuery, preview: PreviewReply) -> None:
+    def __init__(
+        self,
+        twin: Twin,
+        road: str,
+        query: MotionQuery | PoseQuery,
+        preview: PreviewReply,
+        start: ArmAngles,
+    ) -> None:
         self._twin, self._road, self._query = twin, road, query
+        self._start = start
         self.duration = preview.duration
         """Seconds until the arms rest."""
         self.verdict = preview.message
@@ -41,11 +51,20 @@ class Plan:
         If one of them refuses or is stopped, the other is stopped too.
 
         Raises:
-            Refused: one robot said no.
+            Refused: one robot said no, or the simulation has moved since the preview.
             Interrupted: one robot ended elsewhere.
         """
         self._settle("committed")
+        now = self._twin.sim.positions().commanded
+        if max(abs(was - is_) for was, is_ in zip(self._start, now, strict=True)) > SAME_DEG:
+            raise Refused(
+                Reason.REPLACED,
+                "The simulation has moved since this preview, so its way is another: preview again.",
+            )
         self._twin.carry_out(self._road, self._query)
+
+    def __repr__(self) -> str:
+        return f"<plan for {self._twin.name}: {self._settled or self.verdict}>"
 
     def abort(self) -> None:
         """Drop it; nothing moves."""
@@ -136,10 +155,11 @@ class Twin:
 
     def _preview(self, road: str, query: MotionQuery | PoseQuery) -> Plan:
         key = keys.preview(self.name, self.client.settings.who)
+        start = self.sim.positions().commanded
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, reply.message)
-        return Plan(self, road, query, reply)
+        return Plan(self, road, query, reply, start)
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""

@@ -9,6 +9,8 @@ PERIOD_S = 0.004
 LATE_S = 0.010
 SLICE_S = 0.1
 """At most this much is caught up at once, so that the board hears its heartbeat in between."""
+BREATH_S = 0.001
+"""Left to the other threads between two slices."""
 GIVE_UP_S = 10.0
 """A machine that slept longer goes on from now."""
 WINDOW_S = 5.0
@@ -44,7 +46,7 @@ class Pace:
 
     def wait_s(self, now_s: float) -> float:
         """Seconds until there is something to do."""
-        return max(0.0, self._due_s + PERIOD_S - now_s)
+        return max(BREATH_S, self._due_s + PERIOD_S - now_s)
 
     def real_time_factor(self, now_s: float) -> float:
         """Simulated seconds per second over the last seconds."""

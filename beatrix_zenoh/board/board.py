@@ -59,6 +59,8 @@ class Link:
 
     port: str
     connected: bool
+    trouble: str
+    """Why the port cannot be opened, or that the board is silent; empty if all is well."""
     hello: HelloReply | None
     rejected: int
     retries: int
@@ -99,7 +101,7 @@ class Board:
         self._news = threading.Condition()
         self._pending: dict[int, queue.SimpleQueue[int]] = {}
         self._port: Port | None = None
-        self._port_name = ""
+        self._port_name = self._trouble = ""
         self._decoder = Decoder()
         self._hello: HelloReply | None = None
         self._telemetry: Telemetry | None = None
@@ -119,7 +121,10 @@ class Board:
     @property
     def link(self) -> Link:
         """The connection as it is now."""
-        return Link(self._port_name, self._connected, self._hello, self._decoder.rejected, self._retries)
+        trouble = "" if self._connected else self._trouble or f"The board at {self._port_name} is silent."
+        return Link(
+            self._port_name, self._connected, trouble, self._hello, self._decoder.rejected, self._retries
+        )
 
     @property
     def telemetry(self) -> Telemetry | None:
@@ -188,10 +193,7 @@ class Board:
     def _write(self, frame: bytes) -> None:
         port = self._port
         if port is None:
-            raise NoAnswer(
-                Reason.BOARD_LOST,
-                f"No board at {self._port_name or 'its port'}: plug it in; the node finds it by itself.",
-            )
+            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
         try:
             port.write(frame)
             self._sent_s = time.monotonic()
@@ -205,10 +207,11 @@ class Board:
             try:
                 port = self._open_port()
             except (OSError, BeatrixError) as error:
-                self._port_name = str(error)
+                self._trouble = str(error)
                 self._closed.wait(REOPEN_S)
                 continue
             self._port, self._port_name, self._decoder = port, port.name, Decoder()
+            self._trouble = ""
             self._heard_s = self._hello_s = 0.0
             with contextlib.suppress(OSError, NoAnswer):
                 self._talk(port)

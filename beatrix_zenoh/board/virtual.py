@@ -22,6 +22,9 @@ _REPORT: Final = struct.Struct("<6q6iII")
 """Report of firmware/virtual/board.cpp: start, end, steps, pulses, drivers on, bytes to transmit."""
 _TICKS_AT_ONCE: Final = 1000
 """Milliseconds a call; the firmware's transmit buffer holds the telemetry of three times that."""
+CATCH_UP_MS: Final = 100
+"""Milliseconds made up for at once: well under the firmware's heartbeat timeout."""
+BREATH_S: Final = 0.001
 _UNREAD_MAX: Final = 65536
 """Bytes kept for a reader; what is older is lost, as on a serial port nobody reads."""
 
@@ -35,7 +38,7 @@ def _compiled() -> tuple[Engine, Module]:
         raise BeatrixError(
             Reason.BOARD_LOST,
             "A virtual board needs wasmtime, which is not installed: "
-            'pip install "beatrix-zenoh[sim]", then try again.',
+            'pip install ".[sim]" in the folder of BEATRIX, then try again.',
         ) from error
     engine = wasmtime.Engine()
     code = (resources.files("beatrix_zenoh.board") / "firmware.wasm").read_bytes()
@@ -207,8 +210,11 @@ class RealTimeTicker:
         while not self._closing.wait(start_s + (done_ms + self._period_ms) / 1000 - time.monotonic()):
             due_ms = int((time.monotonic() - start_s) * 1000)
             due_ms -= due_ms % self._period_ms
+            # After a stall in slices, between which the host's heartbeat gets through.
+            due_ms = min(due_ms, done_ms + CATCH_UP_MS)
             self._board.advance(due_ms - done_ms)
             done_ms = due_ms
+            self._closing.wait(BREATH_S)
 
     def close(self) -> None:
         """Stop time and wait for the thread's end."""

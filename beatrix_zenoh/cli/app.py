@@ -79,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         if error.name not in ("typer", "rich"):
             raise
         sys.exit(
-            f'The command line needs {error.name}, which is not installed: pip install "beatrix-zenoh[cli]"'
+            f'The command line needs {error.name}, which is not installed: pip install ".[cli]" in the folder of BEATRIX'
         )
     except KeyboardInterrupt:
         sys.exit(130)

@@ -57,16 +57,19 @@ def packages() -> Iterator[Finding]:
         needed, only_for = REQUIREMENT.match(line), EXTRA.search(line)
         if needed and needed[1] != DISTRIBUTION:
             needs.setdefault(only_for[1] if only_for else "", []).append(needed[1])
-    needs.pop("all", None)
+    for later in ("all", "gui", "rerun"):  # what they are for is not here yet
+        needs.pop(later, None)
     for extra, names in needs.items():
         found = {name: version(name) for name in names}
         missing = [name for name, number in found.items() if number is None]
         title = f"extra {extra}" if extra else "core"
         present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         if missing:
-            wanted = f"{DISTRIBUTION}[{extra}]" if extra else DISTRIBUTION
+            wanted = f".[{extra}]" if extra else "."
             yield Finding(
-                title, f"without {', '.join(missing)}", advice=f'if you need it: pip install "{wanted}"'
+                title,
+                f"without {', '.join(missing)}",
+                advice=f'if you need it: pip install "{wanted}" in the folder of BEATRIX',
             )
         else:
             yield Finding(title, present)

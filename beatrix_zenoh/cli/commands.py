@@ -63,7 +63,9 @@ def command(where: Where, which: Which | None, what: Command, *, as_json: bool, 
 
 @verb
 def stop(
-    every: Annotated[bool, typer.Option("--all", help="Every robot at the router.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="Every robot at the router, even if a name is set.")
+    ] = False,
     emergency: Annotated[
         bool, typer.Option("--emergency", help="Motors off at once; the head falls. Then enable, calibrate.")
     ] = False,

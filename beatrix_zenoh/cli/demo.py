@@ -102,7 +102,7 @@ def plot(path: Path, comparison: Comparison) -> list[str]:
     try:
         from beatrix_zenoh.plot import twin_figure
     except ModuleNotFoundError as error:
-        note(f'No plot: it needs {error.name}. pip install "beatrix-zenoh[plot]"')
+        note(f'No plot: it needs {error.name}. pip install ".[plot]" in the folder of BEATRIX')
         return []
     twin_figure(comparison, "One movement, two robots").savefig(path, dpi=150)
     return [str(path)]

@@ -67,7 +67,7 @@ def run(process: str, arguments: list[str]) -> int:
     Raises:
         Refused: it is not installed.
     """
-    install = f'pip install "beatrix-zenoh[{process}]"'
+    install = f'pip install ".[{process}]" in the folder of BEATRIX'
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
         raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")

@@ -73,11 +73,10 @@ class Limits:
             )
         top = math.degrees(self.speed_max)
         if not all(0 < value <= self.speed_max * _SPEED_ROUNDING for value in speed):
-            hint = " Over Zenoh speeds are in rad/s, not in deg/s." if max(speed) > math.tau else ""
             raise Refused(
                 Reason.SPEED_LIMIT,
                 f"Speed {degrees(speed)} deg/s: every arm needs more than 0 and at most {top:.1f} deg/s "
-                f"({self.speed_max:.3f} rad/s).{hint}",
+                f"({self.speed_max:.3f} rad/s).",
             )
 
     def check_motion(self, start: Arms, velocity: Arms, target: Arms, speed: Arms, *, straight: bool) -> Plan:

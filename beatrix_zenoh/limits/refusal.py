@@ -63,15 +63,10 @@ class Judge:
             raise Refused(Reason.BAD_VALUE, f"Arms {listed(arms)} rad: every angle must be a finite number.")
         furthest = max(abs(angle) for angle in arms)
         if furthest > max(self._arm_max, *(abs(angle) for angle in start)):
-            hint = (
-                f" Over Zenoh angles are in rad, not in deg: {listed(arms)} rad came."
-                if furthest > math.tau
-                else ""
-            )
             raise Refused(
                 Reason.YAW_LIMIT,
                 f"Arms at {degrees(arms)} deg: the head may turn to yaw +-{math.degrees(self._limit.yaw_max):.1f} deg, "
-                f"and no arm gets further than {math.degrees(self._arm_max):.1f} deg with it.{hint}",
+                f"and no arm gets further than {math.degrees(self._arm_max):.1f} deg with it.",
             )
 
     def pose(self, arms: Sequence[float]) -> None:

@@ -30,6 +30,9 @@ ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
 REFLECTED_S = 0.3
 WARNING_S = 10.0
+OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
+STREAM_S = 0.5
+"""Short motions that follow each other within this long are a stream of targets."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,7 @@ class Driver:
         self._stopping: list[Asker] = []
         self._cause = Reason.STOPPED
         self._number = 0
+        self._ended_s = float("-inf")
         self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
 
     # -- read by the reporter -------------------------------------------------------------------
@@ -83,8 +87,8 @@ class Driver:
 
     # -- motions --------------------------------------------------------------------------------
 
-    def motion(self, query: MotionQuery | PoseQuery, asker: Asker) -> None:
-        """Begin a motion: replies accepted now, done when it ends."""
+    def motion(self, query: MotionQuery | PoseQuery, asker: Asker, hint: str = "") -> None:
+        """Begin a motion: replies accepted now, done when it ends; `hint` follows a refusal of its values."""
 
         def end(reason: Reason, text: str) -> None:
             took_s = time.monotonic() - started
@@ -95,7 +99,8 @@ class Driver:
             goal = self._goal(query, asker)
             number, started = self._begin(goal, asker, end)
         except BeatrixError as error:
-            self.decline_motion(asker, error)
+            told = error.message + (hint if error.reason in OF_VALUES else "")
+            self.decline_motion(asker, BeatrixError(error.reason, told))
             return
         text = f"On the way, {goal.duration:.1f} s."
         asker.answer(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
@@ -108,8 +113,9 @@ class Driver:
     def _goal(self, query: MotionQuery | PoseQuery, asker: Asker) -> Goal:
         now = time.monotonic()
         self._lease.check(asker.who, now)
+        goal = self._course.goal(query, self.ready_telemetry())
         self._halt.check(asker.who, asker.session, now, resting=not self._moving() and not self._stopping)
-        return self._course.goal(query, self.ready_telemetry())
+        return goal
 
     def ready_telemetry(self) -> Telemetry:
         """The newest telemetry of a robot that may move.
@@ -119,7 +125,11 @@ class Driver:
         """
         telemetry = self._board.telemetry
         if telemetry is None or not self._board.link.connected:
-            raise NoAnswer(Reason.BOARD_LOST, "The node does not hear its board: check cable and power.")
+            trouble = self._board.link.trouble
+            raise NoAnswer(
+                Reason.BOARD_LOST,
+                f"The node does not hear its board: check cable and power. {trouble}".rstrip(),
+            )
         if telemetry.state & State.EMERGENCY:
             raise Refused(
                 Reason.NOT_ENABLED, "EMERGENCY_STOP is latched: ENABLE, set the head upright, CALIBRATE."
@@ -209,8 +219,9 @@ class Driver:
         telemetry = self._board.telemetry
         if telemetry is not None and telemetry.state & State.MOVING:
             raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or STOP, then CALIBRATE.")
-        if telemetry is not None and telemetry.state & State.ENABLED:
-            self._body.straighten()
+        if telemetry is not None and not telemetry.state & State.ENABLED:
+            raise Refused(Reason.NOT_ENABLED, "The motors are off: ENABLE first, then CALIBRATE.")
+        self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
         self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
         return "This is home now."
@@ -232,7 +243,8 @@ class Driver:
     def halt(self, session: str) -> None:
         """STOP was pressed by `session` (empty: unknown): begin no motion. Called on the stop desk's thread."""
         now = time.monotonic()
-        self._halt.begin(self._lease.holder(now), session, now)
+        streaming = self._running is not None or now - self._ended_s < STREAM_S
+        self._halt.begin(self._lease.holder(now) if streaming else "", session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
@@ -297,7 +309,8 @@ class Driver:
 
     def _finish(self, running: Running, reason: Reason, text: str) -> None:
         self._running = None
-        self._lease.rest(time.monotonic())
+        self._ended_s = time.monotonic()
+        self._lease.rest(self._ended_s)
         running.end(reason, text)
 
     def _moving(self) -> bool:

@@ -40,6 +40,7 @@ class Halt:
             self._quiet_since_s = now_s
             raise Refused(
                 Reason.STOPPED,
-                f"Somebody pressed STOP while {who} was driving: send no motion for {PAUSE_S:.0f} s, then ask again.",
+                f"STOP was pressed while {who} was driving: send no motion for {PAUSE_S:.0f} s, then ask again "
+                "(each try before that begins the wait anew).",
             )
         self._stop = None

@@ -27,6 +27,8 @@ from beatrix_zenoh.node.reporter import Reporter
 ARMS = ("short", "middle", "long")
 ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
 BOARD_READY_S = 1.5
+RADIANS = " (Over Zenoh angles are in rad: 10 deg = 0.1745 rad.)"
+"""For those who typed a motion in text and are beyond a limit."""
 
 
 class Desk:
@@ -145,7 +147,7 @@ class Node:
             except Refused as error:
                 driver.decline_motion(asker, error)
                 return
-            driver.motion(query, asker)
+            driver.motion(query, asker, hint="" if incoming.wording.binary else RADIANS)
 
         def decline(error: BeatrixError) -> None:
             driver.decline_motion(self._asker(incoming, road), error)

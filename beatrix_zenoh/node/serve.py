@@ -56,6 +56,8 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
         if ready:
             node.make_ready()
         print("ready", node.alive_key, flush=True)
+        if trouble := node.board.link.trouble:
+            print(f"No board yet, waiting for it. {trouble}", file=sys.stderr, flush=True)
         # Not one long wait: a signal that another thread receives, as after SIGCONT, would not end it.
         while not over.wait(RETRY_S):
             pass

@@ -168,7 +168,7 @@ def test_a_stopped_stream_must_pause_before_it_moves_again(body: Body, robot: Ro
     until(lambda: robot.positions().commanded.short > 1, "moving")
     other.stop()
     rest = robot.positions().commanded
-    with pytest.raises(Refused, match="pressed STOP") as refusal:
+    with pytest.raises(Refused, match="STOP was pressed") as refusal:
         robot.look(yaw=40)
     assert refusal.value.reason is Reason.STOPPED
     assert robot.positions().commanded == rest

@@ -66,6 +66,22 @@ def test_command_in_every_wording(robot: Robot, parameters: str, payload: bytes 
     assert robot.status().enabled
 
 
+def test_a_mistyped_command_lists_the_known_ones(robot: Robot) -> None:
+    reply = last_json(robot, key_of(robot, "command") + "?command=enabel")
+    assert (reply["result"], reply["reason"]) == (False, "UNKNOWN_COMMAND")
+    assert "1 enable" in str(reply["message"])
+
+
+def test_disable_is_a_word_too(robot: Robot) -> None:
+    assert last_json(robot, key_of(robot, "command") + "?command=disable")["result"] is True
+    assert not robot.status().enabled
+
+
+def test_who_types_degrees_is_told_of_radians(robot: Robot) -> None:
+    reply = last_json(robot, key_of(robot, "pose") + "?yaw=20")
+    assert "10 deg = 0.1745 rad" in str(reply["message"])
+
+
 def test_msgpack_of_a_foreign_library_is_answered_in_msgpack(robot: Robot) -> None:
     query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
     answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)

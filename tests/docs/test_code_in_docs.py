@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from code import InteractiveConsole
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,15 @@ from stage import Stage
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("README.md", "docs/tutorial/first-steps.md")
+
+
+class Prompt(InteractiveConsole):
+    """Python's prompt: what is typed there line by line must work, too."""
+
+    errors = ""
+
+    def write(self, data: str) -> None:
+        self.errors += data
 
 
 @pytest.fixture
@@ -28,5 +38,8 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
 def test_python_of_page_runs(page: str, stage: Stage) -> None:
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
-    code = compile("\n".join(blocks), page, "exec")
-    exec(code, {"__name__": "page"})
+    prompt = Prompt({"__name__": "page"})
+    for block in blocks:
+        for line in [*block.splitlines(), ""]:
+            prompt.push(line)
+    assert prompt.errors == ""

@@ -70,6 +70,14 @@ def test_an_aborted_or_committed_plan_is_used_up(twin: Twin) -> None:
     assert commanded(twin.hw) != (0, 0, 0)
 
 
+def test_a_plan_from_where_the_robot_no_longer_is_is_refused(twin: Twin) -> None:
+    plan = twin.preview(yaw=10)
+    twin.sim.look(yaw=-3, speed=60)
+    with pytest.raises(Refused, match="preview again"):
+        plan.commit()
+    assert commanded(twin.hw) == (0, 0, 0)
+
+
 def test_an_impossible_plan_is_refused_before_anything_moves(twin: Twin) -> None:
     with pytest.raises(Refused, match="35"):
         twin.preview(pitch=50)

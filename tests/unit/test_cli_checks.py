@@ -13,11 +13,11 @@ from beatrix_zenoh.cli import checks, serving
 
 
 def test_missing_extra_is_advice_with_the_line_to_type(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("importlib.metadata.requires", lambda _: ["numpy>=2", 'no-such>=1; extra == "gui"'])
+    monkeypatch.setattr("importlib.metadata.requires", lambda _: ["numpy>=2", 'no-such>=1; extra == "plot"'])
     found = {finding.what: finding for finding in checks.packages()}
     assert found["core"].advice == ""
-    assert "no-such" in found["extra gui"].found
-    assert 'pip install "beatrix-zenoh[gui]"' in found["extra gui"].advice
+    assert "no-such" in found["extra plot"].found
+    assert 'pip install ".[plot]"' in found["extra plot"].advice
 
 
 def test_sources_that_are_not_installed_are_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,7 +60,7 @@ def test_a_port_that_may_not_be_opened_says_what_to_do(monkeypatch: pytest.Monke
 
 
 def test_a_process_that_is_not_installed_names_its_extra() -> None:
-    with pytest.raises(Refused, match=r'pip install "beatrix-zenoh\[gui\]"'):
+    with pytest.raises(Refused, match=r'pip install "\.\[gui\]"'):
         serving.run("gui", [])
 
 
@@ -70,5 +70,5 @@ def test_a_process_that_lacks_a_library_names_it_and_its_extra(monkeypatch: pyte
             raise ModuleNotFoundError("No module named 'mujoco'", name="mujoco")
 
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: [Entry()])
-    with pytest.raises(Refused, match=r'needs mujoco.*pip install "beatrix-zenoh\[sim\]"'):
+    with pytest.raises(Refused, match=r'needs mujoco.*pip install "\.\[sim\]"'):
         serving.run("sim", [])

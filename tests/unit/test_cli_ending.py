@@ -91,7 +91,7 @@ def test_missing_command_line_extra_is_one_sentence(monkeypatch: pytest.MonkeyPa
         raise ModuleNotFoundError("No module named 'typer'", name="typer")
 
     monkeypatch.setattr(app, "build", no_typer)
-    with pytest.raises(SystemExit, match=r'pip install "beatrix-zenoh\[cli\]"'):
+    with pytest.raises(SystemExit, match=r'pip install "\.\[cli\]"'):
         app.main(["ls"])
 
 

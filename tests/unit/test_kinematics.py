@@ -208,11 +208,6 @@ def test_a_pose_out_of_reach_says_what_is_possible() -> None:
     assert caught.value.reason == Reason.OUT_OF_REACH
 
 
-def test_degrees_typed_for_radians_are_pointed_out() -> None:
-    with pytest.raises(Refused, match="not in deg"):
-        SHIPPED.inverse(0, 0, 20)
-
-
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("place", [0, 1, 2])
 def test_angles_that_are_no_numbers_are_refused(bad: float, place: int) -> None:

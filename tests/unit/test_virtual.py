@@ -182,6 +182,6 @@ def test_time_stands_still_after_the_ticker(board: VirtualBoard) -> None:
 def test_a_missing_wasmtime_is_named_with_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "wasmtime", None)
     virtual._compiled.cache_clear()
-    with pytest.raises(BeatrixError, match=r'pip install "beatrix-zenoh\[sim\]"') as caught:
+    with pytest.raises(BeatrixError, match=r'pip install "\.\[sim\]"') as caught:
         Firmware()
     assert caught.value.reason == Reason.BOARD_LOST
