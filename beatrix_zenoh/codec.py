@@ -14,6 +14,8 @@ from beatrix_zenoh.errors import Refused
 
 MSGPACK = "application/msgpack"
 JSON = "application/json"
+UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+"""What decoders raise at bytes that are no message; the last at thousands of brackets."""
 FLOAT32_MAX = 3.4028234663852886e38
 
 M = TypeVar("M", bound=msgspec.Struct)
@@ -38,7 +40,7 @@ def decode(data: bytes, kind: type[M]) -> M:
     """
     try:
         return _finite(msgspec.msgpack.decode(data, type=kind))
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
 
 
@@ -46,7 +48,7 @@ def decode_json(data: bytes, kind: type[M]) -> M:
     """Read JSON text; raises as `decode`."""
     try:
         return _finite(msgspec.json.decode(data, type=kind))
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
 
 
@@ -76,7 +78,7 @@ def field_names(data: bytes, *, json: bool) -> frozenset[str]:
     """Top-level field names of an encoded map, empty if it is none: tells two messages apart."""
     try:
         value = msgspec.json.decode(data) if json else msgspec.msgpack.decode(data)
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except UNREADABLE:
         return frozenset()
     return frozenset(map(str, value)) if isinstance(value, dict) else frozenset()
 

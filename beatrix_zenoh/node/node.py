@@ -184,7 +184,7 @@ class Node:
         self._stop_desk.hand(stop)
 
     def _arm_target(self, key: str, payload: bytes) -> None:
-        arm = key.split("/")[4]
+        arm = key.removesuffix("/target").rpartition("/")[2]
 
         def run() -> None:
             if arm not in ARMS:

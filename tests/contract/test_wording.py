@@ -192,8 +192,9 @@ def test_status_is_published_when_it_changes(robot: Robot) -> None:
     robot.client.bus.subscribe(
         keys.status(robot.name, robot.twin), lambda _, data: heard.append(codec.decode(data, Status))
     )
+    until(lambda: bool(heard), "the subscription stands", 3.0)
     robot.disable()
-    until(lambda: any(not status.enabled for status in heard), "disabled seen", 0.9)
+    until(lambda: any(not status.enabled for status in heard), "disabled seen before the next second", 0.9)
 
 
 def test_per_arm_topics_of_old_move_one_arm_each(robot: Robot) -> None:
@@ -204,6 +205,13 @@ def test_per_arm_topics_of_old_move_one_arm_each(robot: Robot) -> None:
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
     until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
     until(lambda: robot.status().holder == "", "lease over", 5.0)
+
+
+@pytest.mark.parametrize("key", ["beatrix/**", "beatrix/*/*/arm/*/target", "beatrix/bea/*/arm/**"])
+def test_a_put_on_many_keys_at_once_does_no_harm(robot: Robot, key: str) -> None:
+    robot.client.bus.put(key, b"nonsense", "text/plain")
+    assert robot.status().robot == "bea"
+    robot.look(yaw=1, speed=60)
 
 
 def test_bad_per_arm_target_becomes_a_warning(robot: Robot) -> None:

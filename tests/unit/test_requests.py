@@ -73,6 +73,17 @@ def test_any_msgpack_value_is_refused_unless_it_is_a_request(value: object) -> N
         requests.read(Wording(msgpack.packb(value), codec.MSGPACK, ""), MotionQuery)
 
 
+@pytest.mark.parametrize(
+    ("payload", "encoding"),
+    [(b'{"yaw":' + b"[" * 5000, ""), (b"\x81\xa3yaw" + b"\x91" * 5000, codec.MSGPACK)],
+)
+def test_thousands_of_brackets_are_refused(payload: bytes, encoding: str) -> None:
+    with pytest.raises(Refused):
+        requests.read(Wording(payload, encoding, ""), PoseQuery)
+    with pytest.raises(Refused):
+        requests.read_motion_or_pose(Wording(payload, encoding, ""))
+
+
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e39])
 def test_numbers_that_no_float32_holds_are_refused_by_name(number: float) -> None:
     query = {"position": {"x": 0.0, "y": number, "z": 0.0}}
