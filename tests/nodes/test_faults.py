@@ -14,6 +14,7 @@ from stage import Stage, free_endpoint, ready, until, wait_status
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Fault, Reason
+from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
@@ -208,6 +209,22 @@ def test_board_pulled_out_in_mid_move_and_found_again(stage: Stage, tmp_path: Pa
         status = robot.status()
         assert (status.enabled, status.calibrated, status.board.boot) == (False, False, 2)
         ready(robot).look(yaw=2, speed=60)
+
+
+def test_board_reset_in_mid_move_ends_the_motion_and_forgets_home(stage: Stage) -> None:
+    node = stage.node("bea")
+    body = node._body
+    assert isinstance(body, VirtualHardware)
+    robot = ready(stage.robot("bea", "hw"))
+    motion = robot.look(yaw=40, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    with body._board.lock:
+        body._board.firmware = Firmware(boot=2, name="bea")
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.BOARD_LOST
+    wait_status(robot, lambda status: status.board.boot == 2 and status.board.connected, "found again")
+    assert not robot.status().calibrated
 
 
 def test_silent_board_is_lost_and_heard_again(stage: Stage, tmp_path: Path) -> None:
