@@ -66,7 +66,11 @@ def running_children() -> dict[int, str]:
     """Command lines of this process's living children by process number; empty where /proc is missing."""
     found = {}
     for listing in Path(f"/proc/{os.getpid()}/task").glob("*/children"):
-        for number in listing.read_text().split():
+        try:
+            numbers = listing.read_text().split()
+        except OSError:
+            continue  # that thread has just ended
+        for number in numbers:
             try:
                 state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
                 words = Path(f"/proc/{number}/cmdline").read_bytes().split(b"\0")
