@@ -16,6 +16,8 @@ MSGPACK = "application/msgpack"
 JSON = "application/json"
 UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 """What decoders raise at bytes that are no message; the last at thousands of brackets."""
+LONGEST = 200
+"""Characters of a decoder's complaint that are passed on; it may quote what was sent."""
 FLOAT32_MAX = 3.4028234663852886e38
 
 M = TypeVar("M", bound=msgspec.Struct)
@@ -85,7 +87,7 @@ def field_names(data: bytes, *, json: bool) -> frozenset[str]:
 
 def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
     """The refusal of a request that cannot be read, listing what the message holds."""
-    text = what.replace(" - at `$.", " - at `").replace(" - at `$`", "")
+    text = what[:LONGEST].replace(" - at `$.", " - at `").replace(" - at `$`", "")
     return Refused(Reason.BAD_VALUE, f"{kind.__name__}: {text}. It holds: {outline(kind)}.")
 
 

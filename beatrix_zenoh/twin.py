@@ -163,12 +163,17 @@ class Twin:
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
-        first = self.sim.begin(road, query)
+        begun: list[tuple[Robot, Motion]] = []
         try:
-            second = self.hw.begin(road, query)
-            self._wait([(self.sim, first), (self.hw, second)])
-        except BaseException:
-            self.stop()  # what one robot does not do, the other must not finish
+            begun.append((self.sim, self.sim.begin(road, query)))
+            begun.append((self.hw, self.hw.begin(road, query)))
+            self._wait(begun)
+        except BaseException as error:
+            # What one robot does not do, the other must not finish; but who was replaced has nothing to stop.
+            replaced = isinstance(error, Interrupted) and error.reason is Reason.REPLACED
+            for robot, motion in [] if replaced else begun:
+                if motion.poll(0) is None:
+                    robot.stop()
             raise
 
     @staticmethod

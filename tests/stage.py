@@ -26,6 +26,8 @@ from hw_node.body import VirtualHardware
 START_S = 20.0
 """A busy machine with two test processes may need this long to import MuJoCo."""
 END_S = 10.0
+PATIENCE_S = 10.0
+"""For an answer on a machine that runs two test processes."""
 ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -159,7 +161,7 @@ class Stage:
 
     def robot(self, name: str, twin: str, who: str = "ana") -> Robot:
         """A robot through a session of its own."""
-        return Robot(name, twin, client=self.client(who))
+        return Robot(name, twin, client=self.client(who), timeout_s=PATIENCE_S)
 
     def close(self) -> None:
         """Clients first, then robots, the router last."""

@@ -67,6 +67,13 @@ class Course:
             target = self._arms_asked(query, start)
             default = self.limits.default_speed
             speed = (default, default, default) if query.speed is None else tuple3(query.speed)
+        slowest = self.gear.to_rad((0.25, 0.25, 0.25))
+        if any(0 < rate < abs(least) for rate, least in zip(speed, slowest, strict=True)):
+            raise Refused(
+                Reason.SPEED_LIMIT,
+                f"Speed {degrees(speed)}/s: the slowest the motors can be told is "
+                f"{math.degrees(abs(slowest[0])):.3f} deg/s ({abs(slowest[0]):.5f} rad/s).",
+            )
         plan = self.limits.check_motion(start, velocity, target, speed, straight=straight)
         steps = self.gear.to_steps(target)
         return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, plan)

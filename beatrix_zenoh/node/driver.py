@@ -31,6 +31,8 @@ ARM_TOPICS = "arm-topics"
 REFLECTED_S = 0.3
 WARNING_S = 10.0
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
+GONE = 256
+"""Sessions that have ended and are remembered."""
 STREAM_S = 0.5
 """Short motions that follow each other within this long are a stream of targets."""
 
@@ -65,6 +67,7 @@ class Driver:
         self._cause = Reason.STOPPED
         self._number = 0
         self._ended_s = float("-inf")
+        self._gone: deque[str] = deque(maxlen=GONE)
         self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
 
     # -- read by the reporter -------------------------------------------------------------------
@@ -112,6 +115,8 @@ class Driver:
 
     def _goal(self, query: MotionQuery | PoseQuery, asker: Asker) -> Goal:
         now = time.monotonic()
+        if asker.session in self._gone:  # its motions may still be on their way when it has gone
+            raise Refused(Reason.CLIENT_LOST, "The session that asked for this motion has ended.")
         self._lease.check(asker.who, now)
         goal = self._course.goal(query, self.ready_telemetry())
         self._halt.check(asker.who, asker.session, now, resting=not self._moving() and not self._stopping)
@@ -144,7 +149,11 @@ class Driver:
         now = time.monotonic()
         # A new number even if the board does not answer: it may have heard, and ignores a number it knows.
         self._number = number = self._number % 65535 + 1
-        self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
+        try:
+            self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
+        except NoAnswer:
+            self.stop_motion()  # the board may have heard it, and nobody is told that it moves
+            raise
         self._lease.take(asker.who, now)
         replaced, telemetry = self._running, self._board.telemetry
         boot = 0 if telemetry is None else telemetry.boot
@@ -261,11 +270,17 @@ class Driver:
 
     def client_gone(self, session: str) -> None:
         """A client's session has ended: stop what it asked for, free the robot."""
+        self._gone.append(session)
         running = self._running
         if running is not None and running.asker.session == session:
             self._cause = Reason.CLIENT_LOST
             self.stop_motion()
             self._lease.free()
+
+    def client_there(self, session: str) -> None:
+        """A client's session has begun, or is back with its router."""
+        while session in self._gone:
+            self._gone.remove(session)
 
     def stop_motion(self) -> None:
         """Decelerate; a board that does not answer stops by itself for want of a heartbeat."""
@@ -298,6 +313,8 @@ class Driver:
         if lost or telemetry.boot != running.boot:
             what = "does not answer any more" if lost else "was reset; home is not known"
             self._finish(running, Reason.BOARD_LOST, f"The board {what}.")
+        elif telemetry.motion == self._number != running.number and not telemetry.state & State.MOVING:
+            self._finish(running, Reason.BOARD_LOST, "The board took a newer motion without saying so.")
         elif telemetry.motion == running.number and not telemetry.state & State.MOVING:
             outcome = Outcome(telemetry.outcome)
             if outcome is Outcome.DONE:

@@ -23,6 +23,7 @@ from beatrix_zenoh.node.driver import Driver
 from beatrix_zenoh.node.mailbox import Mailbox, Task
 from beatrix_zenoh.node.previewer import Previewer
 from beatrix_zenoh.node.reporter import Reporter
+from beatrix_zenoh.node.stop_desk import StopDesk
 
 ARMS = ("short", "middle", "long")
 ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
@@ -76,7 +77,8 @@ class Node:
         self.driver = Driver(body, self.board, self._course)
         self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
         self._previewer = Previewer(body, self.driver, self._course)
-        self._stop_desk, self._front_desk = Desk("stop"), Desk("front")
+        self._stop_desk = StopDesk(self.board.request, self._stopped)
+        self._front_desk = Desk("front")
         self._thread = threads.start(self._work, "driver")
         self.board.start()
         self.board.wait_for(lambda _: True, BOARD_READY_S)
@@ -94,7 +96,7 @@ class Node:
     def _declare(self) -> None:
         name, twin, bus = self.name, self.twin, self._bus
         bus.serve(keys.stop(name, twin), lambda incoming: self._stop(incoming, FrameType.STOP))
-        bus.subscribe(keys.stop(name, twin), lambda *_: self._stop(None, FrameType.STOP))
+        bus.subscribe(keys.stop(name, twin), self._stop_put)
         self._motions.serve(
             keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery)
         )
@@ -170,18 +172,19 @@ class Node:
 
     def _stop(self, incoming: Incoming | None, road: FrameType, asker: Asker | None = None) -> None:
         if incoming is not None and asker is None:
+            if not incoming.key.endswith("/stop"):
+                incoming.finish()  # somebody who looks around with `beatrix/**` does not mean STOP
+                return
             asker = self._asker(incoming, "stop")
+        self.driver.halt("" if asker is None else asker.session)
+        self._stop_desk.press(road, asker)
 
-        def stop() -> None:
-            failure = None
-            self.driver.halt("" if asker is None else asker.session)
-            try:
-                self.board.request(road)
-            except BeatrixError as error:
-                failure = error
-            self._mailbox.post_event(lambda: self.driver.stopped(asker, failure))
+    def _stop_put(self, key: str, _payload: bytes) -> None:
+        if key.endswith("/stop"):
+            self._stop(None, FrameType.STOP)
 
-        self._stop_desk.hand(stop)
+    def _stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
+        self._mailbox.post_event(lambda: self.driver.stopped(asker, error))
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]
@@ -203,9 +206,9 @@ class Node:
         self._previewer.ask(incoming.wording, self._asker(incoming, "preview"))
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
-        if not alive:
-            session = key.rpartition("/")[2]
-            self._mailbox.post_event(lambda: self.driver.client_gone(session))
+        session = key.rpartition("/")[2]
+        happened = self.driver.client_there if alive else self.driver.client_gone
+        self._mailbox.post_event(lambda: happened(session))
 
     # -- the board's thread ---------------------------------------------------------------------
 

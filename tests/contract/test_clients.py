@@ -6,7 +6,7 @@ import threading
 from typing import Protocol, Self
 
 import pytest
-from stage import Stage, until
+from stage import Stage, ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh._generated import keys
@@ -80,6 +80,31 @@ def test_a_put_on_the_stop_key_stops(robot: Robot) -> None:
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
+
+
+def test_looking_around_with_a_wildcard_does_not_stop(robot: Robot) -> None:
+    motion = robot.look(yaw=6, wait=False)
+    ask_raw(robot.client, "beatrix/**")
+    robot.client.bus.put("beatrix/**", b"hello", "text/plain")
+    motion.wait()
+
+
+def test_emergency_stop_overtakes_a_flood_of_stops(body: Body, robot: Robot) -> None:
+    other = body.robot("ben")
+    over = threading.Event()
+
+    def press() -> None:
+        while not over.is_set():
+            robot.client.bus.put(keys.stop(robot.name, robot.twin), b"", "text/plain")
+
+    thread = threading.Thread(target=press)
+    thread.start()
+    try:
+        other.emergency_stop()
+        assert not other.status().enabled
+    finally:
+        over.set()
+        thread.join()
 
 
 def test_client_gone_in_mid_move_stops_what_it_began(body: Body, robot: Robot) -> None:

@@ -131,6 +131,7 @@ REFUSALS = [
     ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "apart"),
     ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),
     ((5.0, 0.0, 0.0), 0.0, Reason.SPEED_LIMIT, "speed"),
+    ((5.0, 0.0, 0.0), 1e-30, Reason.SPEED_LIMIT, "slowest"),
     ((5.0, 0.0, 0.0), -3.0, Reason.SPEED_LIMIT, "speed"),
     ((5.0, 0.0, 0.0), 1000.0, Reason.SPEED_LIMIT, "90"),
     ((math.degrees(1e6), 0.0, 0.0), 30.0, None, ""),

@@ -125,6 +125,18 @@ def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert commanded(twin.sim)[0] < 60
 
 
+def test_a_refused_commit_leaves_the_other_drivers_motion_alone(stage: Stage, twin: Twin) -> None:
+    bob = stage.robot("bea", "hw", "bob")
+    until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
+    plan = twin.preview(yaw=30)
+    motion = bob.look(yaw=15, wait=False)
+    with pytest.raises(Refused, match="bob drives"):
+        plan.commit()
+    motion.wait()
+    assert not twin.sim.status().moving
+    until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
+
+
 def test_a_preview_without_motors_is_refused_like_the_motion(twin: Twin) -> None:
     twin.sim.disable()
     with pytest.raises(Refused, match="ENABLE"):
