@@ -12,7 +12,6 @@ from beatrix_zenoh.node import Pose, Preview
 from hw_node.port import SerialPort, find
 
 VIRTUAL = "virtual:"
-QUARTERS = 4
 
 
 class Hardware:
@@ -30,8 +29,7 @@ class Hardware:
 
     def pose(self, telemetry: Telemetry) -> Pose:
         """Arms as the firmware counts: the robot has no angle sensors."""
-        velocity = [quarters / QUARTERS for quarters in telemetry.velocity]
-        return Pose(self._gear.to_rad(telemetry.position), self._gear.to_rad(velocity))
+        return Pose(self._gear.to_rad(telemetry.position), self._gear.quarters_to_rad(telemetry.velocity))
 
     def straighten(self) -> None:
         """A person has set the head upright before."""

@@ -6,7 +6,6 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD
 
-DELIMITER: Final = 0
 _CRC_SIZE: Final = 2
 _SHORTEST: Final = 2 + _CRC_SIZE
 """Type, seq and CRC."""

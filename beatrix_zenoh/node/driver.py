@@ -45,7 +45,6 @@ class Running:
     asker: Asker
     goal: Goal
     boot: int
-    started_s: float
     end: Callable[[Reason, str], None]
 
 
@@ -157,7 +156,7 @@ class Driver:
         self._lease.take(asker.who, now)
         replaced, telemetry = self._running, self._board.telemetry
         boot = 0 if telemetry is None else telemetry.boot
-        self._running = Running(number, asker, goal, boot, now, end)
+        self._running = Running(number, asker, goal, boot, end)
         self._cause = Reason.STOPPED
         if replaced is not None:
             replaced.end(Reason.REPLACED, f"A newer motion ({number}, from {asker.who}) took over.")
