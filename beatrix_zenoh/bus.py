@@ -21,7 +21,7 @@ from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.errors import NoAnswer, Refused, quoted
 from beatrix_zenoh.requests import Wording
 
 LEASE_MS = 2000
@@ -33,6 +33,8 @@ WAIT_DROP_US = 20_000
 WAIT_CLOSE_US = 500_000
 """A client that reads nothing for this long while replies wait for it is cut off by the router: at the default of 5 s
 one flooding client that ends holds up the whole class for seconds."""
+HALF_OPEN = 1000
+"""Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
 ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
 STALE_S = 0.02
@@ -161,6 +163,7 @@ class Bus:
     def __init__(self, session: zenoh.Session, endpoint: str) -> None:
         self._session = session
         self._declared: list[object] = []
+        self._tokens: dict[str, zenoh.LivelinessToken] = {}
         self.endpoint = endpoint
         self.session_id = str(session.zid())
 
@@ -225,7 +228,11 @@ class Bus:
 
     def announce(self, key: str) -> None:
         """Declare a liveliness token: it goes when this session does, however it ends."""
-        self._declared.append(self._session.liveliness().declare_token(key))
+        self._tokens[key] = self._session.liveliness().declare_token(key)
+
+    def withdraw(self, key: str) -> None:
+        """Take back what was announced."""
+        self._tokens.pop(key).undeclare()
 
     def present(self, key: str, timeout_s: float = 1.0) -> list[str]:
         """Keys of the live tokens that match."""
@@ -255,6 +262,7 @@ class Bus:
     def close(self) -> None:
         """Undeclare everything and leave; may be called twice."""
         self._declared.clear()
+        self._tokens.clear()
         self._session.close()
 
     def __enter__(self) -> Self:
@@ -326,7 +334,7 @@ def parts(endpoint: str) -> tuple[str, str, int]:
     if not host or not port.isdigit() or int(port) > PORT_MAX:
         raise Refused(
             Reason.BAD_VALUE,
-            f"{endpoint!r} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
+            f"{quoted(endpoint)} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
         )
     return protocol, host.strip("[]"), int(port)
 
@@ -356,6 +364,8 @@ def open_router(listen: str) -> zenoh.Session:
         "transport/link/tcp": TCP,
         "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
         "transport/link/tx/queue/congestion_control/block/wait_before_close": WAIT_CLOSE_US,
+        "transport/unicast/accept_pending": HALF_OPEN,
+        "transport/unicast/accept_timeout": LEASE_MS,
     }
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from beatrix_zenoh._generated.messages import Reason
 
+QUOTED = 60
+"""Characters of what was sent that a refusal repeats."""
+
 
 class BeatrixError(Exception):
     """Root of all errors of this package.
@@ -28,3 +31,8 @@ class Interrupted(BeatrixError):
 
 class NoAnswer(BeatrixError):
     """Nobody answered: no router, no robot of this name, or no reply in time."""
+
+
+def quoted(text: str) -> str:
+    """What was sent, in quotes and not longer than a sentence bears."""
+    return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")

@@ -7,7 +7,7 @@ import re
 import socket
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.errors import Refused, quoted
 
 PATTERN = re.compile(r"[a-z0-9-]{1,32}")
 TWINS = ("sim", "hw")
@@ -23,7 +23,7 @@ def check_name(text: str, what: str = "robot") -> str:
         return text
     raise Refused(
         Reason.BAD_VALUE,
-        f"{text!r} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
+        f"{quoted(text)} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
     )
 
 

@@ -10,7 +10,7 @@ import msgspec
 
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.errors import Refused, quoted
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -120,7 +120,7 @@ def _parameters(text: str) -> dict[str, str]:
     for part in filter(None, text.split(";")):
         name, _, value = part.partition("=")
         if "&" in part:
-            raise Refused(Reason.BAD_VALUE, f"`{part}`: put ; between parameters, not &.")
+            raise Refused(Reason.BAD_VALUE, f"{quoted(part)}: put ; between parameters, not &.")
         if not name.startswith("_"):  # zenoh's own parameters begin with an underscore
             fields[unquote(name)] = unquote(value)
     return fields
@@ -141,6 +141,8 @@ def _shaped(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
         if name in Command.__members__:
             fields["command"] = Command[name].value
         elif name[:1].isalpha():
-            raise Refused(Reason.UNKNOWN_COMMAND, f"There is no command {name.lower()!r}. {usage(kind)}")
+            raise Refused(
+                Reason.UNKNOWN_COMMAND, f"There is no command {quoted(name.lower())}. {usage(kind)}"
+            )
         fields["value"] = SWITCH.get(str(fields.get("value", "true")).lower(), fields.get("value", "true"))
     return fields

@@ -1,4 +1,4 @@
-"""Simulated time kept to wall time: absolute deadlines, late steps caught up and counted."""
+"""Simulated time kept to wall time: absolute deadlines, late steps caught up and counted, stalls left out."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ PERIOD_S = 0.004
 """How often the simulation runs; each time it makes the steps that are due."""
 LATE_S = 0.010
 SLICE_S = 0.1
-"""At most this much is caught up at once, so that the board hears its heartbeat in between."""
+"""At most this much is made at once, so that the board hears its heartbeat in between."""
 BREATH_S = 0.001
 """Left to the other threads between two slices."""
-GIVE_UP_S = 10.0
-"""A machine that slept longer goes on from now."""
+STALL_S = 0.3
+"""Who was held up for longer goes on from now: to the robot nothing happened, least of all a lost heartbeat."""
 WINDOW_S = 5.0
 
 
@@ -30,7 +30,7 @@ class Pace:
     def due(self, now_s: float) -> int:
         """Steps to make now."""
         behind_s = now_s - self._due_s
-        if behind_s > GIVE_UP_S:
+        if behind_s > STALL_S:
             self._due_s = now_s
             return 0
         steps = max(0, int(min(behind_s, SLICE_S) / self._step_s + 1e-6))

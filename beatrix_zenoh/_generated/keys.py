@@ -119,6 +119,14 @@ KEYS: Final[dict[str, KeyRow]] = {
     "alive": KeyRow(
         "beatrix/{robot}/{twin}/@alive", "token", "", "", ("hw", "sim"), "Liveliness token: the node serves."
     ),
+    "claim": KeyRow(
+        "beatrix/{robot}/{twin}/@claim/{session}",
+        "token",
+        "",
+        "",
+        ("hw", "sim"),
+        "Liveliness token of a node that serves under this name or is about to: of two that start at once, one withdraws.",
+    ),
     "seat": KeyRow(
         "beatrix/@seat/{who}/{session}",
         "token",
@@ -193,6 +201,11 @@ def clock(robot: str, twin: str) -> str:
 def alive(robot: str, twin: str) -> str:
     """Liveliness token: the node serves."""
     return f"beatrix/{robot}/{twin}/@alive"
+
+
+def claim(robot: str, twin: str, session: str) -> str:
+    """Liveliness token of a node that serves under this name or is about to: of two that start at once, one withdraws."""
+    return f"beatrix/{robot}/{twin}/@claim/{session}"
 
 
 def seat(who: str, session: str) -> str:

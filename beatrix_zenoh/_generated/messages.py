@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "a2965579"
+CONTRACT: Final = "ebb02960"
 """Hash of messages and keys."""
 
 

@@ -106,7 +106,7 @@ class Board:
         self._hello: HelloReply | None = None
         self._telemetry: Telemetry | None = None
         self._connected = False
-        self._heard_s = self._sent_s = self._hello_s = 0.0
+        self._silent_s = self._sent_s = self._hello_s = 0.0
         self._seq = 0
         self._retries = 0
         self._closed = threading.Event()
@@ -212,7 +212,7 @@ class Board:
                 continue
             self._port, self._port_name, self._decoder = port, port.name, Decoder()
             self._trouble = ""
-            self._heard_s = self._hello_s = 0.0
+            self._silent_s = self._hello_s = 0.0
             with contextlib.suppress(OSError, NoAnswer):
                 self._talk(port)
             self._port = None
@@ -228,11 +228,18 @@ class Board:
                 self._write(encode(FrameType.HELLO, 0, b""))
             elif now - self._sent_s > HEARTBEAT_S:
                 self._write(encode(FrameType.PING, 0, b""))
-            for frame in self._decoder.feed(port.read(READ_S)):
-                self._heard_s = time.monotonic()
+            for frame in self._decoder.feed(self._listen(port)):
+                self._silent_s = 0.0
                 self._receive(frame)
-            if time.monotonic() - self._heard_s > LOST_S:
+            if self._silent_s > LOST_S:
                 self._set_connected(connected=False)
+
+    def _listen(self, port: Port) -> bytes:
+        began_s = time.monotonic()
+        data = port.read(READ_S)
+        # A process that was held up for a second has not listened for a second.
+        self._silent_s += min(time.monotonic() - began_s, 2 * READ_S)
+        return data
 
     def _receive(self, frame: Frame) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:

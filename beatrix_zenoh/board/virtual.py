@@ -22,9 +22,11 @@ _REPORT: Final = struct.Struct("<6q6iII")
 """Report of firmware/virtual/board.cpp: start, end, steps, pulses, drivers on, bytes to transmit."""
 _TICKS_AT_ONCE: Final = 1000
 """Milliseconds a call; the firmware's transmit buffer holds the telemetry of three times that."""
-CATCH_UP_MS: Final = 100
+_CATCH_UP_MS: Final = 100
 """Milliseconds made up for at once: well under the firmware's heartbeat timeout."""
-BREATH_S: Final = 0.001
+_STALL_MS: Final = 300
+"""Held up for longer, the board's time has stood still like that of its host: no heartbeat is missed."""
+_BREATH_S: Final = 0.001
 _UNREAD_MAX: Final = 65536
 """Bytes kept for a reader; what is older is lost, as on a serial port nobody reads."""
 
@@ -196,7 +198,7 @@ class VirtualBoard:
 
 
 class RealTimeTicker:
-    """Advances a board with the wall clock, every `period_ms`, until `close`; ticks that come late are made up for."""
+    """Advances a board with the wall clock, every `period_ms`, until `close`; late ticks are made up for."""
 
     def __init__(self, board: VirtualBoard, period_ms: int = 5) -> None:
         self._board = board
@@ -210,11 +212,14 @@ class RealTimeTicker:
         while not self._closing.wait(start_s + (done_ms + self._period_ms) / 1000 - time.monotonic()):
             due_ms = int((time.monotonic() - start_s) * 1000)
             due_ms -= due_ms % self._period_ms
+            if due_ms - done_ms > _STALL_MS:
+                start_s += (due_ms - done_ms) / 1000
+                continue
             # After a stall in slices, between which the host's heartbeat gets through.
-            due_ms = min(due_ms, done_ms + CATCH_UP_MS)
+            due_ms = min(due_ms, done_ms + _CATCH_UP_MS)
             self._board.advance(due_ms - done_ms)
             done_ms = due_ms
-            self._closing.wait(BREATH_S)
+            self._closing.wait(_BREATH_S)
 
     def close(self) -> None:
         """Stop time and wait for the thread's end."""

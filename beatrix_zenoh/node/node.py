@@ -9,15 +9,16 @@ import msgspec
 
 from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import FrameType, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Bus, Incoming
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.node.answers import Asker
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.broadcast import Broadcast
+from beatrix_zenoh.node.claim import claim
 from beatrix_zenoh.node.course import Course
 from beatrix_zenoh.node.driver import Driver
 from beatrix_zenoh.node.mailbox import Mailbox, Task
@@ -68,7 +69,7 @@ class Node:
 
     def __init__(self, bus: Bus, motions: Bus, name: str, body: Body, robot: RobotData = ROBOT) -> None:
         self.name, self.twin = names.check_name(name), body.twin
-        refuse_taken(bus, self.name, self.twin)
+        claim(bus, self.name, self.twin)
         self._bus, self._motions, self._body = bus, motions, body
         self._course = Course(robot)
         self._mailbox = Mailbox()
@@ -191,7 +192,7 @@ class Node:
 
         def run() -> None:
             if arm not in ARMS:
-                self.driver.warn(f"There is no arm {arm!r}; there are {', '.join(ARMS)}.")
+                self.driver.warn(f"There is no arm {quoted(arm)}; there are {', '.join(ARMS)}.")
                 return
             try:
                 angle = codec.number(payload)
@@ -246,17 +247,3 @@ class Node:
         self._bus.close()
         self.board.close()
         self._body.close()
-
-
-def refuse_taken(bus: Bus, name: str, twin: str) -> None:
-    """Two robots under one name would both obey.
-
-    Raises:
-        Refused: NAME_TAKEN.
-    """
-    if bus.present(keys.alive(name, twin)):
-        raise Refused(
-            Reason.NAME_TAKEN,
-            f"A {twin} robot named {name!r} is on line at {bus.endpoint} already. Give this one another name "
-            f"(--name), or end the other; `beatrix ls` shows who is there.",
-        )

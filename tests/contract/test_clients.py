@@ -9,6 +9,7 @@ import pytest
 from stage import Stage, ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
+from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Question
@@ -116,6 +117,23 @@ def test_client_gone_in_mid_move_stops_what_it_began(body: Body, robot: Robot) -
     until(lambda: not robot.status().moving, "stopped", 1.5)
     assert robot.positions().commanded.short < 50
     assert robot.status().holder == ""
+
+
+def test_a_client_whose_seat_goes_is_told_if_it_still_hears(body: Body, robot: Robot) -> None:
+    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    with zbus.connect(body.stage.endpoint) as bus:
+        seat = keys.seat("goner", bus.session_id)
+        bus.announce(seat)
+        question = bus.question(
+            keys.pose(robot.name, robot.twin, "goner"), codec.encode(PoseQuery(yaw=1.0)), codec.MSGPACK
+        )
+        accepted = question.next(8.0)
+        assert accepted is not None
+        bus.withdraw(seat)
+        done = question.next(8.0)
+        question.close()
+    assert done is not None
+    assert codec.decode(done.payload, MotionReply).reason is Reason.CLIENT_LOST
 
 
 class Flood:

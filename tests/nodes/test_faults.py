@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import signal
+import socket
+import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -35,6 +38,41 @@ def test_second_node_under_a_name_is_refused_and_the_first_goes_on(stage: Stage)
     assert second.wait(20) == 1
     assert any("on line" in line and "--name" in line for line in second.lines)
     robot.look(yaw=2, speed=60)
+
+
+def test_of_nodes_started_at_once_under_a_name_one_serves(stage: Stage) -> None:
+    def start() -> Node | Refused:
+        bus = zbus.connect(stage.endpoint)
+        motions = zbus.connect(stage.endpoint)
+        body = VirtualHardware("bea")
+        gate.wait(10)
+        try:
+            return Node(bus, motions, "bea", body)
+        except Refused as refused:
+            for closing in (motions, bus, body):
+                closing.close()
+            return refused
+
+    for _ in range(3):
+        gate = threading.Barrier(4)
+        with ThreadPoolExecutor(4) as pool:
+            ends = [future.result(30) for future in [pool.submit(start) for _ in range(4)]]
+        serving = [end for end in ends if isinstance(end, Node)]
+        for node in serving:
+            node.close()
+        assert len(serving) == 1
+        assert {end.reason for end in ends if isinstance(end, Refused)} == {Reason.NAME_TAKEN}
+
+
+def test_silent_connections_do_not_keep_clients_out(stage: Stage) -> None:
+    _, host, port = zbus.parts(stage.endpoint)
+    silent = [socket.create_connection((host, port), 5) for _ in range(150)]
+    try:
+        with zbus.connect(stage.endpoint) as bus:
+            assert bus.connected
+    finally:
+        for connection in silent:
+            connection.close()
 
 
 def test_two_robots_side_by_side_hear_nothing_of_each_other(stage: Stage) -> None:
@@ -106,6 +144,19 @@ def test_signal_stops_the_arms_and_ends_cleanly(stage: Stage, module: str, numbe
     assert ended.value.reason is Reason.SHUTDOWN
     assert process.wait(10) == 0
     assert "Traceback" not in "\n".join(process.lines)
+
+
+@pytest.mark.parametrize("module", ["hw_node", "sim_node"])
+def test_a_node_that_was_held_up_for_a_second_finishes_its_motion(stage: Stage, module: str) -> None:
+    twin = "sim" if module == "sim_node" else "hw"
+    process = stage.simulation("bea") if twin == "sim" else stage.hardware("bea")
+    robot = ready(stage.robot("bea", twin))
+    motion = robot.look(yaw=30, wait=False)
+    process.send(signal.SIGSTOP)
+    threading.Event().wait(1.0)  # the fault itself: time during which the process does not run
+    process.send(signal.SIGCONT)
+    motion.wait()
+    assert robot.positions().commanded.short == pytest.approx(30, abs=0.1)
 
 
 def refused(robot: Robot) -> bool:
@@ -234,6 +285,17 @@ def test_board_reset_in_mid_move_ends_the_motion_and_forgets_home(stage: Stage) 
     assert ended.value.reason is Reason.BOARD_LOST
     wait_status(robot, lambda status: status.board.boot == 2 and status.board.connected, "found again")
     assert not robot.status().calibrated
+
+
+def test_a_motion_that_begins_behind_the_back_of_stop_is_stopped_too(stage: Stage) -> None:
+    node = stage.node("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    motion = robot.look(yaw=40, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    node._stopped(None, None)  # as when STOP has reached the board before that motion did
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.STOPPED
 
 
 def test_silent_board_is_lost_and_heard_again(stage: Stage, tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from beatrix_zenoh._generated.messages import (
 from beatrix_zenoh.requests import Wording
 
 KINDS = st.sampled_from([MotionQuery, PoseQuery, CommandQuery])
+LONG = "q" * 100_000
 FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
 
 
@@ -52,6 +53,25 @@ def test_any_parameters_are_read_or_refused(
         assert isinstance(message, kind)
         return
     assert refused.reason in (Reason.BAD_VALUE, Reason.UNKNOWN_COMMAND)
+
+
+@pytest.mark.parametrize("kind", [MotionQuery, PoseQuery, CommandQuery])
+@pytest.mark.parametrize(
+    "wording",
+    [
+        Wording(b"", "", f"{LONG}=1"),
+        Wording(b"", "", f"x&{LONG}"),
+        Wording(b"", "", f"command={LONG};x={LONG};y=0;z=0;yaw={LONG}"),
+        Wording(LONG.encode(), "", ""),
+        Wording(b'{"' + LONG.encode() + b'":1}', "", ""),
+    ],
+)
+def test_a_refusal_repeats_a_little_of_what_was_sent(
+    wording: Wording, kind: type[MotionQuery | PoseQuery | CommandQuery]
+) -> None:
+    with pytest.raises(Refused) as refused:
+        requests.read(wording, kind)
+    assert len(refused.value.message) < 500
 
 
 @given(FLOATS, FLOATS, FLOATS, st.booleans())
