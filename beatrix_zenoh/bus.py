@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import queue
 import socket
 import time
@@ -33,6 +34,9 @@ WAIT_DROP_US = 20_000
 WAIT_CLOSE_US = 500_000
 """A client that reads nothing for this long while replies wait for it is cut off by the router: at the default of 5 s
 one flooding client that ends holds up the whole class for seconds."""
+RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
+"""A router thread that waits for one client that does not read holds up all clients it serves: with Zenoh's three, a
+client that floods cut robots off for seconds (measured). Read by Zenoh once, at a process's first session."""
 HALF_OPEN = 1000
 """Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
 ROUTER_PROBE_S = 1.0
@@ -352,6 +356,7 @@ def open_router(listen: str) -> zenoh.Session:
         NoAnswer: NO_ROUTER, if the endpoint is taken or not ours.
     """
     parts(listen)
+    os.environ.setdefault(*RUNTIME)
     config = zenoh.Config()
     settings = {
         "mode": "router",

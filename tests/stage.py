@@ -19,7 +19,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Status
 from beatrix_zenoh.bus import Answer
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.node import Node
+from beatrix_zenoh.node import Node, Roads
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
@@ -149,7 +149,7 @@ class Stage:
 
     def node(self, name: str) -> Node:
         """A node on the virtual board inside this process."""
-        node = Node(zbus.connect(self.endpoint), zbus.connect(self.endpoint), name, VirtualHardware(name))
+        node = Node(Roads.open(lambda: zbus.connect(self.endpoint)), name, VirtualHardware(name))
         self._nodes.append(node)
         return node
 

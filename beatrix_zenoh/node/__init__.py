@@ -6,3 +6,4 @@ from beatrix_zenoh.node.body import Body as Body
 from beatrix_zenoh.node.body import Pose as Pose
 from beatrix_zenoh.node.body import Preview as Preview
 from beatrix_zenoh.node.node import Node as Node
+from beatrix_zenoh.node.roads import Roads as Roads

@@ -249,16 +249,17 @@ class Driver:
     # -- ends -----------------------------------------------------------------------------------
 
     def halt(self, session: str) -> None:
-        """STOP was pressed by `session` (empty: unknown): begin no motion. Called on the stop desk's thread."""
+        """STOP was pressed by `session` (empty: unknown): begin no motion. Called on Zenoh's thread."""
         now = time.monotonic()
         streaming = self._running is not None or now - self._ended_s < STREAM_S
-        self._halt.begin(self._lease.holder(now) if streaming else "", session, now)
+        self._halt.press(self._lease.holder(now) if streaming else "", session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
-        if error is None and self._moving():
-            self.stop_motion()  # a motion may have been on its way when STOP passed it
         if asker is None:
+            self._halt.sent()
+            if error is None and self._running is not None:
+                self.stop_motion()  # it may have been on its way when STOP passed it
             return
         if error is not None:
             self.answer_command(asker, error)

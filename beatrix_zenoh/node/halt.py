@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from dataclasses import dataclass
+
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 
@@ -9,20 +12,42 @@ PAUSE_S = 1.0
 """How long the stopped seat must send no motion before it may move again."""
 
 
-class Halt:
-    """The latest STOP of one robot; the session that pressed it need not pause. All times in seconds of one monotonic clock.
+@dataclass
+class Pause:
+    """A stopped seat: since when it has been quiet, and the session that pressed STOP."""
 
-    Set from the stop desk's thread, asked on the driver's: each call reads or writes one reference.
+    since_s: float
+    presser: str
+
+
+class Halt:
+    """Who was stopped and must pause. All times in seconds of one monotonic clock.
+
+    STOP is pressed on Zenoh's thread (`press`) and asked for on the driver's (`check`, `sent`).
     """
 
     def __init__(self) -> None:
-        self._stop: tuple[str, str] | None = None
-        self._quiet_since_s = 0.0
+        self._lock = threading.Lock()
+        self._pauses: dict[str, Pause] = {}
+        self._coming_to_rest = False
+        self._under_way = False
 
-    def begin(self, stopped_seat: str, by_session: str, now_s: float) -> None:
-        """STOP was pressed: by a session, empty if unknown, while a seat was driving."""
-        self._quiet_since_s = now_s
-        self._stop = (stopped_seat, by_session)
+    def press(self, driving: str, presser: str, now_s: float) -> None:
+        """STOP: by a session (empty if unknown), while a seat was driving (empty if nobody).
+
+        Seats that pause already go on pausing: to press STOP twice must not set them free.
+        """
+        with self._lock:
+            self._coming_to_rest = self._under_way = True
+            if driving:
+                self._pauses[driving] = Pause(now_s, presser)
+            for pause in self._pauses.values():
+                pause.presser = presser
+
+    def sent(self) -> None:
+        """The board has been told."""
+        with self._lock:
+            self._under_way = False
 
     def check(self, who: str, session: str, now_s: float, *, resting: bool) -> None:
         """Raise unless a motion may begin.
@@ -30,17 +55,21 @@ class Halt:
         Raises:
             Refused: STOPPED, saying when it may.
         """
-        stop = self._stop
-        if stop is None:
-            return
-        if not resting:
-            raise Refused(Reason.STOPPED, "STOP was pressed and the arms are coming to rest: ask again then.")
-        knows = bool(session) and session == stop[1]
-        if who == stop[0] and not knows and now_s - self._quiet_since_s < PAUSE_S:
-            self._quiet_since_s = now_s
-            raise Refused(
-                Reason.STOPPED,
-                f"STOP was pressed while {who} was driving: send no motion for {PAUSE_S:.0f} s, then ask again "
-                "(each try before that begins the wait anew).",
-            )
-        self._stop = None
+        with self._lock:
+            if self._coming_to_rest and (self._under_way or not resting):
+                raise Refused(
+                    Reason.STOPPED, "STOP was pressed and the arms are coming to rest: ask again then."
+                )
+            self._coming_to_rest = False
+            pause = self._pauses.get(who)
+            if pause is None:
+                return
+            knows = bool(session) and session == pause.presser
+            if not knows and now_s - pause.since_s < PAUSE_S:
+                pause.since_s = now_s
+                raise Refused(
+                    Reason.STOPPED,
+                    f"STOP was pressed while {who} was driving: send no motion for {PAUSE_S:.0f} s, then ask again "
+                    "(each try before that begins the wait anew).",
+                )
+            del self._pauses[who]

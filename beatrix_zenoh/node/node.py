@@ -13,7 +13,7 @@ from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import FrameType, Telemetry
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.node.answers import Asker
 from beatrix_zenoh.node.body import Body
@@ -24,6 +24,7 @@ from beatrix_zenoh.node.driver import Driver
 from beatrix_zenoh.node.mailbox import Mailbox, Task
 from beatrix_zenoh.node.previewer import Previewer
 from beatrix_zenoh.node.reporter import Reporter
+from beatrix_zenoh.node.roads import Roads
 from beatrix_zenoh.node.stop_desk import StopDesk
 
 ARMS = ("short", "middle", "long")
@@ -60,17 +61,17 @@ class Node:
     Threads: Zenoh's callbacks only hand over to the mailbox (motions and commands), the stop desk
     (STOP alone), the front desk (questions about state) or the previewer; a broadcaster publishes.
 
-    Motions arrive through a session of their own: a flood of them fills that connection, and STOP,
-    commands and positions pass beside it.
+    `roads` and `body` are the node's from here on, and closed with it; if it cannot serve, they stay
+    the caller's to close.
 
     Raises:
         Refused: NAME_TAKEN, before anything is declared or moved.
     """
 
-    def __init__(self, bus: Bus, motions: Bus, name: str, body: Body, robot: RobotData = ROBOT) -> None:
+    def __init__(self, roads: Roads, name: str, body: Body, robot: RobotData = ROBOT) -> None:
         self.name, self.twin = names.check_name(name), body.twin
-        claim(bus, self.name, self.twin)
-        self._bus, self._motions, self._body = bus, motions, body
+        claim(roads.commands, self.name, self.twin)
+        self._roads, self._body = roads, body
         self._course = Course(robot)
         self._mailbox = Mailbox()
         self._last_state: tuple[int, ...] = ()
@@ -84,8 +85,8 @@ class Node:
         self.board.start()
         self.board.wait_for(lambda _: True, BOARD_READY_S)
         self._declare()
-        self._broadcast = Broadcast(bus, self.reporter, self.name, self.twin)
-        bus.announce(self.alive_key)
+        self._broadcast = Broadcast(roads.commands, self.reporter, self.name, self.twin)
+        roads.commands.announce(self.alive_key)
 
     @property
     def alive_key(self) -> str:
@@ -95,15 +96,14 @@ class Node:
     # -- keys -----------------------------------------------------------------------------------
 
     def _declare(self) -> None:
-        name, twin, bus = self.name, self.twin, self._bus
+        name, twin = self.name, self.twin
+        bus, motions, questions = self._roads.commands, self._roads.motions, self._roads.questions
         bus.serve(keys.stop(name, twin), lambda incoming: self._stop(incoming, FrameType.STOP))
         bus.subscribe(keys.stop(name, twin), self._stop_put)
-        self._motions.serve(
-            keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery)
-        )
-        self._motions.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
+        motions.serve(keys.motion(name, twin, "*"), lambda incoming: self._motion(incoming, MotionQuery))
+        motions.serve(keys.pose(name, twin, "*"), lambda incoming: self._motion(incoming, PoseQuery))
         bus.serve(keys.command(name, twin, "*"), self._command)
-        self._motions.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
+        motions.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
         bus.watch(keys.seat("*", "*"), self._seat)
         reporter = self.reporter
         for key, build in (
@@ -114,9 +114,9 @@ class Node:
             (keys.info(name, twin), reporter.info),
             (keys.clock(name, twin), reporter.clock),
         ):
-            bus.serve(key, self._question(key, build))
+            questions.serve(key, self._question(key, build))
         if twin == "sim":
-            bus.serve(keys.preview(name, "*"), self._preview)
+            questions.serve(keys.preview(name, "*"), self._preview)
 
     def _question(self, key: str, build: Callable[[], msgspec.Struct]) -> Callable[[Incoming], None]:
         def answer(incoming: Incoming) -> None:
@@ -243,7 +243,6 @@ class Node:
         self._broadcast.close()
         self._stop_desk.close()
         self._front_desk.close()
-        self._motions.close()
-        self._bus.close()
+        self._roads.close()
         self.board.close()
         self._body.close()

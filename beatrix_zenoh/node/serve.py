@@ -14,6 +14,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
+from beatrix_zenoh.node.roads import Roads
 from beatrix_zenoh.settings import Settings
 
 RETRY_S = 0.5
@@ -44,11 +45,11 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, end)
     sys.setswitchinterval(SWITCH_S)
-    session = _connect(settings, over)
-    if session is None:
+    roads = _connect(settings, over)
+    if roads is None:
         return 0
     try:
-        node = _open(session, build(), settings)
+        node = _open(roads, build(), settings)
     except BeatrixError as error:
         print(error.message, file=sys.stderr, flush=True)
         return 1
@@ -66,24 +67,22 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     return 1 if broken else 0
 
 
-def _open(session: zbus.Bus, body: Body, settings: Settings) -> Node:
+def _open(roads: Roads, body: Body, settings: Settings) -> Node:
     """A node that serves; closes what it was given if it cannot."""
     with ExitStack() as undo:
         undo.callback(body.close)
-        undo.callback(session.close)
-        motions = zbus.connect(settings.connect, label=settings.robot)
-        undo.callback(motions.close)
-        node = Node(session, motions, settings.robot, body)
+        undo.callback(roads.close)
+        node = Node(roads, settings.robot, body)
         undo.pop_all()
         return node
 
 
-def _connect(settings: Settings, over: threading.Event) -> zbus.Bus | None:
-    """A session, waiting for the router if need be; None if told to end before it came."""
+def _connect(settings: Settings, over: threading.Event) -> Roads | None:
+    """Sessions, waiting for the router if need be; None if told to end before it came."""
     told = False
     while not over.is_set():
         try:
-            return zbus.connect(settings.connect, label=settings.robot)
+            return Roads.open(lambda: zbus.connect(settings.connect, label=settings.robot))
         except NoAnswer as error:
             if not told:
                 print(f"{error.message} Waiting for it; Ctrl-C ends.", file=sys.stderr, flush=True)

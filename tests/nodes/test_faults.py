@@ -19,7 +19,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.node import Node
+from beatrix_zenoh.node import Node, Roads
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
@@ -42,15 +42,14 @@ def test_second_node_under_a_name_is_refused_and_the_first_goes_on(stage: Stage)
 
 def test_of_nodes_started_at_once_under_a_name_one_serves(stage: Stage) -> None:
     def start() -> Node | Refused:
-        bus = zbus.connect(stage.endpoint)
-        motions = zbus.connect(stage.endpoint)
+        roads = Roads.open(lambda: zbus.connect(stage.endpoint))
         body = VirtualHardware("bea")
         gate.wait(10)
         try:
-            return Node(bus, motions, "bea", body)
+            return Node(roads, "bea", body)
         except Refused as refused:
-            for closing in (motions, bus, body):
-                closing.close()
+            roads.close()
+            body.close()
             return refused
 
     for _ in range(3):
@@ -171,7 +170,7 @@ def refused(robot: Robot) -> bool:
 def test_router_killed_and_restarted_everybody_is_back(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     router = zbus.open_router(endpoint)
-    node = Node(zbus.connect(endpoint), zbus.connect(endpoint), "bea", VirtualHardware("bea"))
+    node = Node(Roads.open(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea"))
     client = Client(Settings("bea", endpoint, "ana"))
     robot = ready(Robot("bea", "hw", client=client))
     robot.look(yaw=30, wait=False)

@@ -59,37 +59,55 @@ def test_a_freed_robot_is_free_at_once() -> None:
     lease.take("ben", 0)
 
 
-def test_nobody_moves_while_the_arms_come_to_rest() -> None:
+def stopped(driving: str, presser: str) -> Halt:
+    """STOP was pressed at 0 s and the board has been told."""
     halt = Halt()
-    halt.begin("ana", "session", 0)
+    halt.press(driving, presser, 0)
+    halt.sent()
+    return halt
+
+
+def test_nobody_moves_while_the_arms_come_to_rest() -> None:
+    halt = stopped("ana", "session")
     for who, session in (("ana", "session"), ("ben", "")):
         with pytest.raises(Refused, match="coming to rest"):
             halt.check(who, session, 5, resting=False)
 
 
-def test_the_stopped_seat_must_be_quiet_for_the_whole_pause() -> None:
+def test_nobody_moves_before_the_board_has_been_told() -> None:
     halt = Halt()
-    halt.begin("ana", "other", 0)
+    halt.press("ana", "session", 0)
+    with pytest.raises(Refused, match="coming to rest"):
+        halt.check("ben", "his", 0.1, resting=True)
+
+
+def test_the_stopped_seat_must_be_quiet_for_the_whole_pause() -> None:
+    halt = stopped("ana", "other")
     for now in (0.5, 1.4, 2.3):
         with pytest.raises(Refused, match="send no motion"):
             halt.check("ana", "mine", now, resting=True)
     halt.check("ana", "mine", 2.3 + PAUSE_S, resting=True)
 
 
+def test_stop_pressed_again_sets_nobody_free() -> None:
+    halt = stopped("ana", "other")
+    for now in (0.3, 0.6, 0.9, 1.2):
+        with pytest.raises(Refused, match="send no motion"):
+            halt.check("ana", "mine", now, resting=True)
+        halt.press("", "other", now)
+        halt.sent()
+    with pytest.raises(Refused, match="send no motion"):
+        halt.check("ana", "mine", 1.3, resting=True)
+
+
 def test_others_need_not_pause() -> None:
-    halt = Halt()
-    halt.begin("ana", "other", 0)
-    halt.check("ben", "his", 0.1, resting=True)
+    stopped("ana", "other").check("ben", "his", 0.1, resting=True)
 
 
 def test_who_pressed_stop_himself_need_not_pause() -> None:
-    halt = Halt()
-    halt.begin("ana", "mine", 0)
-    halt.check("ana", "mine", 0.1, resting=True)
+    stopped("ana", "mine").check("ana", "mine", 0.1, resting=True)
 
 
 def test_an_unknown_stopper_is_not_taken_for_an_unknown_driver() -> None:
-    halt = Halt()
-    halt.begin("ana", "", 0)
     with pytest.raises(Refused):
-        halt.check("ana", "", 0.1, resting=True)
+        stopped("ana", "").check("ana", "", 0.1, resting=True)
