@@ -263,6 +263,11 @@ class Bus:
         tokens = self.present(keys.alive(robot="*", twin="*"), timeout_s)
         return [(token.split("/")[1], token.split("/")[2]) for token in tokens]
 
+    def claims(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
+        """Name and twin of every node that serves, or is about to: twice where two networks with one name were joined."""
+        tokens = self.present(keys.claim(robot="*", twin="*", session="*"), timeout_s)
+        return [(token.split("/")[1], token.split("/")[2]) for token in tokens]
+
     def close(self) -> None:
         """Undeclare everything and leave; may be called twice."""
         self._declared.clear()

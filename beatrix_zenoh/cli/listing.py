@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 
 from beatrix_zenoh import codec
@@ -28,12 +29,19 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     with Client(resolve(None, connect, who)) as client:
         endpoint = client.bus.endpoint
         statuses, infos = states(client.bus), descriptions(client.bus)
+        claims = Counter(client.bus.claims())
         places = sorted({*client.bus.robots(), *statuses}, key=lambda place: (place[0], place[1] != "sim"))
     if as_json:
-        rows = [as_row(place, statuses.get(place), infos.get(place)) for place in places]
+        rows = [
+            as_row(place, statuses.get(place), infos.get(place)) | {"nodes": claims[place]}
+            for place in places
+        ]
         document({"result": True, "endpoint": endpoint, "robots": rows})
     elif places:
         show(places, statuses, infos)
+        for name, twin in places:
+            if (nodes := claims[name, twin]) > 1:
+                say(f"{name} ({twin}): {nodes} nodes serve under this name and all of them obey: end all but one.")
     else:
         say(f"The router at {endpoint} answers, but no robot is on line. Start a simulation: beatrix sim")
 

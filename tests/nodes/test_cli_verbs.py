@@ -128,6 +128,14 @@ def test_warnings_are_shown_by_ls(shell: Shell) -> None:
     assert "There is no arm 'elbow'" in shell.good("ls")
 
 
+def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
+    with shell.robot("hw") as robot:  # as when two networks are joined in which both serve
+        robot.client.bus.announce(f"beatrix/{NAME}/hw/@claim/ffff")
+        assert "hw): 2 nodes serve under this name" in shell.good("ls")
+        assert [row["nodes"] for row in shell.json("ls")["robots"]] == [1, 2]
+    assert "2 nodes" not in shell.good("ls")
+
+
 def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     (row,) = shell.json("info", "--on", "hw")["robots"]
     assert row["limits_deg"]["tilt_max"] == pytest.approx(35)
