@@ -12,7 +12,7 @@ import typer
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.verb import say, verb
+from beatrix_zenoh.cli.verb import say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
@@ -22,7 +22,6 @@ TURN_S = 0.5
 """Windows delivers Ctrl-C only between waits."""
 
 
-@verb
 def router(
     listen: Annotated[
         str, typer.Option(metavar="ENDPOINT", help="Where robots and programs connect.")
@@ -49,13 +48,11 @@ def router(
         session.close()
 
 
-@verb
 def sim(context: typer.Context) -> None:
     """Simulate a robot. `beatrix sim --help` lists its options."""
     raise typer.Exit(run("sim", context.args))
 
 
-@verb
 def hw(context: typer.Context) -> None:
     """Serve a robot, or a virtual board. `beatrix hw --help` lists its options."""
     raise typer.Exit(run("hw", context.args))

@@ -16,7 +16,7 @@ from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.cli.listing import Place, state, states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.readings import HeadAngles, head_angles
 from beatrix_zenoh.settings import resolve
@@ -103,7 +103,6 @@ class Watch:
         )
 
 
-@verb
 def top(
     once: Annotated[bool, typer.Option("--once", help="Print one table and end.")] = False,
     connect: Connect = None,

@@ -13,7 +13,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli.options import Connect, Json, Name
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import document, say
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
 
@@ -22,7 +22,6 @@ FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
 
 
-@verb
 def up(
     hw: Annotated[
         str | None,

@@ -163,7 +163,7 @@ def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
     assert echo.stdout is not None
     assert "yaw" in echo.stdout.readline() + echo.stdout.readline()
     echo.stdout.close()
-    echo.wait(5)
+    assert echo.wait(5) == 141
 
 
 def test_hz_counts_fifty_positions_a_second_and_no_loss(shell: Shell) -> None:
@@ -355,11 +355,9 @@ def test_a_one_shot_verb_imports_nothing_slow(shell: Shell) -> None:
     slow = ("rich", "numpy", "matplotlib", "mujoco", "wasmtime")
     code = f"""
 import sys
-from beatrix_zenoh.cli.app import main
-try:
-    main(["look", "--yaw", "0"])
-finally:
-    print("slow:", [name for name in {slow} if name in sys.modules])
+from beatrix_zenoh.cli.app import run
+run(["look", "--yaw", "0"])
+print("slow:", [name for name in {slow} if name in sys.modules])
 """
     done = subprocess.run(
         [sys.executable, "-c", code],
