@@ -1,33 +1,43 @@
-"""`beatrix`: what the entry point calls."""
+"""`beatrix`: what the entry point calls. Imports next to nothing: only inside `main` is Ctrl-C quiet."""
 
 from __future__ import annotations
 
-import io
 import sys
-from collections.abc import Sequence
 
 
 def main() -> None:
     """As a process of its own; ends with SystemExit."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a terminal without a degree sign is no reason to fail
-    sys.exit(run(sys.argv[1:]))
-
-
-def run(words: Sequence[str]) -> int:
-    """Run `beatrix` with these words; the exit code."""
     try:
-        from beatrix_zenoh.cli import verb
-        from beatrix_zenoh.cli.catalogue import application
+        code = run(sys.argv[1:])
+        end()
+    except KeyboardInterrupt:
+        code = 130  # as shells say it
+    sys.exit(code)
 
-        app = application(words)
-    except ModuleNotFoundError as error:
-        if error.name not in ("typer", "rich"):
-            raise
-        sys.stderr.write(
-            f"The command line needs {error.name}, which is not installed: "
-            'pip install ".[cli]" in the folder of BEATRIX\n'
-        )
-        return 1
+
+def run(words: list[str]) -> int:
+    """Run `beatrix` with these words; the exit code."""
+    from beatrix_zenoh.cli.hurry import nothing_to_undo
+
+    with nothing_to_undo():
+        try:
+            from beatrix_zenoh.cli import verb
+            from beatrix_zenoh.cli.catalogue import application
+
+            app = application(words)
+        except ModuleNotFoundError as error:
+            if error.name not in ("typer", "rich"):
+                raise
+            sys.stderr.write(
+                f"The command line needs {error.name}, which is not installed: "
+                'pip install ".[cli]" in the folder of BEATRIX\n'
+            )
+            return 1
     return verb.run(app, words, "beatrix")
+
+
+def end() -> None:
+    """All is done and said: while Python leaves, Ctrl-C has nothing to add."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

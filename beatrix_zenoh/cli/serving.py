@@ -12,6 +12,7 @@ import typer
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.hurry import nothing_to_undo
 from beatrix_zenoh.cli.verb import say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
@@ -69,7 +70,8 @@ def run(process: str, arguments: list[str]) -> int:
     if not entries:
         raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")
     try:
-        main = next(iter(entries)).load()
+        with nothing_to_undo():
+            main = next(iter(entries)).load()
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE, f"`beatrix {process}` needs {error.name}, which is not installed: {install}"

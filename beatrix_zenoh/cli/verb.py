@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -13,10 +14,11 @@ import msgspec
 import typer
 
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.hurry import INTERRUPTED
 from beatrix_zenoh.errors import BeatrixError
 
-FAILED, NOBODY, TIMED_OUT, INTERRUPTED, UNREAD = 1, 3, 4, 130, 141
-"""Exit codes; 0 is done, 2 (from typer) is usage, the last two are what shells give to Ctrl-C and to a closed pipe."""
+FAILED, NOBODY, TIMED_OUT, UNREAD = 1, 3, 4, 141
+"""Exit codes; 0 is done, 2 (from typer) is usage, 141 is what shells give to a tool whose reader has gone."""
 CODES = {Reason.NO_ANSWER: NOBODY, Reason.NO_ROUTER: NOBODY, Reason.TIMED_OUT: TIMED_OUT}
 STDOUT = 1
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
@@ -31,6 +33,9 @@ def exit_code(reason: Reason) -> int:
 
 def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
     """Do what the words say; the exit code. A fault of ours is raised, everything else is said."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without a degree sign is no reason to fail
     try:
         return _done(app, words, program)
     except OSError as error:
