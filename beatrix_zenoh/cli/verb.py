@@ -15,10 +15,10 @@ import typer
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.hurry import INTERRUPTED
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.errors import BeatrixError, WrongUsage
 
-FAILED, NOBODY, TIMED_OUT, UNREAD = 1, 3, 4, 141
-"""Exit codes; 0 is done, 2 (from typer) is usage, 141 is what shells give to a tool whose reader has gone."""
+FAILED, USAGE, NOBODY, TIMED_OUT, UNREAD = 1, 2, 3, 4, 141
+"""Exit codes; 0 is done, 141 is what shells give to a tool whose reader has gone."""
 CODES = {Reason.NO_ANSWER: NOBODY, Reason.NO_ROUTER: NOBODY, Reason.TIMED_OUT: TIMED_OUT}
 STDOUT = 1
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
@@ -66,13 +66,13 @@ def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
             refusal(Reason.BAD_VALUE, error.format_message())
         else:
             error.show()
-        return error.exit_code
+        return USAGE
     except BeatrixError as error:
         if as_json:
             refusal(error.reason, error.message)
         else:
             note(error.message)
-        return exit_code(error.reason)
+        return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
 
 

@@ -17,6 +17,7 @@ from beatrix_zenoh.cli import app, verb
 from beatrix_zenoh.cli.catalogue import PROCESSES, VERBS
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.table import columns
+from beatrix_zenoh.errors import WrongUsage
 
 CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
@@ -34,6 +35,8 @@ def ended_by(error: BaseException, *words: str) -> int:
     ("error", "code"),
     [
         (Refused(Reason.OUT_OF_REACH, "too far"), 1),
+        (Refused(Reason.BAD_VALUE, "the robot cannot read this"), 1),
+        (WrongUsage(Reason.BAD_VALUE, "nobody can read this"), 2),
         (Interrupted(Reason.STOPPED, "stopped"), 1),
         (NoAnswer(Reason.BOARD_LOST, "no board"), 1),
         (NoAnswer(Reason.NO_ANSWER, "nobody"), 3),
@@ -75,6 +78,12 @@ def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
         (("move", "1", "2"), "long"),
         (("dance",), "dance"),
         (("up", "--no-sim"), "--hw PORT"),
+        (("up", "--name", "Bea 1"), "bea-1"),
+        (("look", "--who", "Ana"), "'ana'"),
+        (("look", "--name", "a/b"), "a-b"),
+        (("ls", "--connect", "localhost"), "protocol/host:port"),
+        (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
+        (("doctor", "--connect", "http/127.0.0.1:80"), "tcp, udp"),
     ],
 )
 def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
@@ -85,6 +94,15 @@ def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
     document = json.loads(out)
     assert (document["result"], document["reason"], err) == (False, "BAD_VALUE", "")
     assert wrong.lower() in document["message"].lower()
+
+
+def test_a_file_that_cannot_be_read_is_wrong_usage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "beatrix.toml").write_text('colour = "red"', encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert app.run(["ls"]) == 2
+    assert "colour" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", [name for name in VERBS if name not in PROCESSES])
