@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli.options import Connect, Json, Name
+from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
 from beatrix_zenoh.cli.verb import document, say
@@ -31,7 +31,7 @@ def up(
     ready: Annotated[
         bool, typer.Option("--ready", help="The simulation starts with motors on and calibrated.")
     ] = False,
-    name: Name = None,
+    name: OwnName = None,
     connect: Connect = None,
     as_json: Json = False,
 ) -> None:

@@ -44,11 +44,11 @@ def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
         return unwritten(error)
 
 
-def alone(command: Callable[..., None], program: str, words: Sequence[str]) -> int:
-    """As `run`, of a program that is one verb."""
+def alone(command: Callable[..., None], program: str, words: Sequence[str] | None) -> int:
+    """As `run`, of a program that is one verb; words default to those of the process."""
     app = typer.Typer(add_completion=False, rich_markup_mode=None)
     app.command()(command)
-    return run(app, words, program)
+    return run(app, sys.argv[1:] if words is None else words, program)
 
 
 def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:

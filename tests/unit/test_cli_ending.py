@@ -14,7 +14,7 @@ import typer
 from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli import app, verb
-from beatrix_zenoh.cli.catalogue import PROCESSES, VERBS
+from beatrix_zenoh.cli.catalogue import VERBS
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.table import columns
 from beatrix_zenoh.errors import WrongUsage
@@ -84,6 +84,8 @@ def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
         (("ls", "--connect", "localhost"), "protocol/host:port"),
         (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
         (("doctor", "--connect", "http/127.0.0.1:80"), "tcp, udp"),
+        (("sim", "--nonsense"), "--nonsense"),
+        (("hw", "--nonsense"), "--nonsense"),
     ],
 )
 def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
@@ -105,11 +107,12 @@ def test_a_file_that_cannot_be_read_is_wrong_usage(
     assert "colour" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", [name for name in VERBS if name not in PROCESSES])
+@pytest.mark.parametrize("name", VERBS)
 def test_every_verb_explains_itself_and_its_units(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run([name, "--help"]) == 0
     text = capsys.readouterr().out
-    assert "Usage: beatrix" in text
+    assert text.startswith(f"Usage: beatrix {name} [OPTIONS]")
+    assert not set(text) & set("│╭")
     if name in ("look", "move", "info", "echo", "top"):
         assert "egrees" in text
 
