@@ -47,7 +47,7 @@ def demo(
         with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
             good = present(twin, out, as_json=as_json)
         if keep:
-            note(advice(settings.connect, NEXT, fleet.folder.name))
+            note(advice(settings.connect, NEXT, fleet.folder))
             stay(fleet)
     if not good:
         raise typer.Exit(FAILED)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -61,11 +62,11 @@ def up(
                 "endpoint": settings.connect,
                 "robot": settings.robot,
                 "running": [child.title for child in fleet.children],
-                "logs": fleet.folder.name,
+                "logs": str(fleet.folder),
             })  # fmt: skip
         else:
             say(columns(("what", "where", ""), rows))
-            say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder.name))
+            say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
         stay(fleet)
 
 
@@ -78,7 +79,7 @@ def answers(endpoint: str) -> bool:
     return True
 
 
-def advice(endpoint: str, verbs: Sequence[str], logs: str) -> str:
+def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     """What to type next, and where."""
     lines = [f"  beatrix {words}" for words in verbs]
     if endpoint != DEFAULT_ENDPOINT:

@@ -40,8 +40,15 @@ def children(process: Process) -> dict[str, int]:
     return found
 
 
+@pytest.fixture(autouse=True)
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where processes put their temporary files."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    return tmp_path
+
+
 @pytest.fixture
-def up(endpoint: str) -> Iterator[Process]:
+def up(endpoint: str, temporary: Path) -> Iterator[Process]:
     """Router, simulation and virtual robot."""
     process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
     try:
@@ -78,17 +85,23 @@ def test_options_of_a_process_pass_through(endpoint: str) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals) -> None:
+def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)
     assert set(started) == {"router", "sim", "hw"}
     assert up.end(number) == 0
+    assert not list(temporary.iterdir())
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_nothing_survives_a_killed_up(up: Process) -> None:
+def test_nothing_survives_a_killed_up(up: Process, temporary: Path) -> None:
     started = children(up)
     up.end(signal.SIGKILL)
     until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
+    assert list(temporary.iterdir())
+    another = Process(*CLI, "up", "--connect", free_endpoint(), "--no-sim", "--hw", "virtual:")
+    another.expect("What they write")
+    assert another.end(signal.SIGINT) == 0
+    assert not list(temporary.iterdir())
 
 
 def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
@@ -96,6 +109,10 @@ def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
     os.kill(started["sim"], signal.SIGKILL)
     assert up.wait() == 1
     assert any("simulation has ended" in line for line in up.lines)
+    (log,) = [
+        line.partition(" is in ")[2].rstrip(".") for line in up.lines if line.startswith("All it wrote")
+    ]
+    assert Path(log).read_text().startswith("ready")
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
