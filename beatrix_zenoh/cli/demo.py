@@ -15,7 +15,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.choreography import Choreography, Pose, shipped
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.processes import Fleet, heard
-from beatrix_zenoh.cli.up import advice, stay
+from beatrix_zenoh.cli.up import advice, stay, until_told
 from beatrix_zenoh.cli.verb import FAILED, document, note, say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import Settings
@@ -47,8 +47,9 @@ def demo(
         with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
             good = present(twin, out, as_json=as_json)
         if keep:
-            note(advice(settings.connect, NEXT, fleet.folder))
-            stay(fleet)
+            with until_told():
+                note(advice(settings.connect, NEXT, fleet.folder))
+                stay(fleet)
     if not good:
         raise typer.Exit(FAILED)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -14,7 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say
+from beatrix_zenoh.cli.verb import document, note, say
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
 
@@ -56,18 +57,19 @@ def up(
             fleet.start("hardware", "hw", *where, "--port", hw)
             rows.append(("hardware", settings.robot, hw))
         fleet.wait_ready()
-        if as_json:
-            document({
-                "result": True,
-                "endpoint": settings.connect,
-                "robot": settings.robot,
-                "running": [child.title for child in fleet.children],
-                "logs": str(fleet.folder),
-            })  # fmt: skip
-        else:
-            say(columns(("what", "where", ""), rows))
-            say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
-        stay(fleet)
+        with until_told():
+            if as_json:
+                document({
+                    "result": True,
+                    "endpoint": settings.connect,
+                    "robot": settings.robot,
+                    "running": [child.title for child in fleet.children],
+                    "logs": str(fleet.folder),
+                })  # fmt: skip
+            else:
+                say(columns(("what", "where", ""), rows))
+                say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
+            stay(fleet)
 
 
 def answers(endpoint: str) -> bool:
@@ -88,11 +90,17 @@ def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     return f"\nNow type in another terminal:\n{typed}\n\nWhat they write is in {logs}. Ctrl-C here ends them all."
 
 
-def stay(fleet: Fleet) -> None:
-    """Until Ctrl-C or SIGTERM, which is how this is meant to end; raises Refused if a child ends by itself."""
+@contextlib.contextmanager
+def until_told() -> Iterator[None]:
+    """Ctrl-C or SIGTERM in here is how this is meant to end."""
     try:
-        while True:
-            fleet.check()
-            time.sleep(WATCH_S)
+        yield
     except KeyboardInterrupt:
-        say("Ending.")
+        note("Ending.")
+
+
+def stay(fleet: Fleet) -> NoReturn:
+    """Until somebody interrupts; raises Refused if a child ends by itself."""
+    while True:
+        fleet.check()
+        time.sleep(WATCH_S)
