@@ -12,14 +12,16 @@ from typing import Annotated, NoReturn
 import typer
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli.listing import states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
 from beatrix_zenoh.cli.verb import document, note, say
 from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 
 WATCH_S = 0.2
+TITLES = {"sim": "simulation", "hw": "hardware"}
 FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
 
@@ -45,18 +47,19 @@ def up(
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
     with heard(), Fleet() as fleet:
-        rows = [("router", settings.connect, "was there already" if answers(settings.connect) else "started")]
-        if rows[0][2] == "started":
-            fleet.start("router", "router", "--listen", settings.connect)
-            fleet.wait_ready()
+        rows = [("router", settings.connect, start_router(fleet, settings.connect))]
         where = ("--name", settings.robot, "--connect", settings.connect)
+        served = {}
         if not no_sim:
-            fleet.start("simulation", "sim", *where, *(["--ready"] if ready else []))
-            rows.append(("simulation", settings.robot, "ready" if ready else "motors off"))
+            fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))
+            served["sim"] = "ready" if ready else "motors off"
         if hw is not None:
-            fleet.start("hardware", "hw", *where, "--port", hw)
-            rows.append(("hardware", settings.robot, hw))
+            fleet.start(TITLES["hw"], "hw", *where, "--port", hw)
+            served["hw"] = hw
         fleet.wait_ready()
+        wrong = amiss(settings)
+        for twin, how in served.items():
+            rows.append((TITLES[twin], settings.robot, ": ".join(filter(None, (how, wrong.get(twin))))))
         with until_told():
             if as_json:
                 document({
@@ -64,12 +67,22 @@ def up(
                     "endpoint": settings.connect,
                     "robot": settings.robot,
                     "running": [child.title for child in fleet.children],
+                    "warnings": [f"{TITLES[twin]}: {wrong[twin]}" for twin in served if wrong.get(twin)],
                     "logs": str(fleet.folder),
                 })  # fmt: skip
             else:
                 say(columns(("what", "where", ""), rows))
                 say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
             stay(fleet)
+
+
+def start_router(fleet: Fleet, endpoint: str) -> str:
+    """Start one if none answers; what there was to do."""
+    if answers(endpoint):
+        return "was there already"
+    fleet.start("router", "router", "--listen", endpoint)
+    fleet.wait_ready()
+    return "started"
 
 
 def answers(endpoint: str) -> bool:
@@ -79,6 +92,13 @@ def answers(endpoint: str) -> bool:
     except NoAnswer:
         return False
     return True
+
+
+def amiss(settings: Settings) -> dict[str, str]:
+    """What is wrong with the robots of this name, by twin."""
+    with zbus.connect(settings.connect, label=settings.who) as bus:
+        found = states(bus)
+    return {twin: " ".join(troubles(found[name, twin])) for name, twin in found if name == settings.robot}
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:

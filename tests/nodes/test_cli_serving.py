@@ -131,6 +131,20 @@ def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
         up.end(signal.SIGKILL)
 
 
+def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Path) -> None:
+    up = Process(
+        *CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", str(tmp_path / "tty")
+    )
+    try:
+        assert "could not open port" in up.expect("hardware")
+        up.expect("What they write")
+        listing = Process(*CLI, "ls", "--connect", endpoint)
+        assert listing.wait() == 0
+        assert any("could not open port" in line for line in listing.lines)
+    finally:
+        assert up.end(signal.SIGINT) == 0
+
+
 def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> None:
     second = Process(*CLI, "up", "--connect", endpoint, "--name", "bea")
     assert second.wait(20) == 1
