@@ -350,6 +350,18 @@ def parts(endpoint: str) -> tuple[str, str, int]:
     return protocol, host.strip("[]"), int(port)
 
 
+def ours(endpoint: str) -> bool:
+    """Whether this computer can listen there: at loopback, at all its addresses, or at one of them."""
+    _, host, _ = parts(endpoint)
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as knocker:
+            knocker.bind(address)
+    except OSError:
+        return False
+    return True
+
+
 def short(error: zenoh.ZError) -> str:
     """What Zenoh says, without the places in its source."""
     return str(error).partition(" at /")[0]
@@ -359,10 +371,15 @@ def open_router(listen: str) -> zenoh.Session:
     """Be the router of a classroom: clients meet here. Close the session to end it.
 
     Raises:
-        WrongUsage: BAD_VALUE, if `listen` is no endpoint.
-        NoAnswer: NO_ROUTER, if the endpoint is taken or not ours.
+        WrongUsage: BAD_VALUE, if `listen` is no endpoint, or not ours.
+        NoAnswer: NO_ROUTER, if the endpoint is taken.
     """
-    parts(listen)
+    if not ours(listen):
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"Cannot listen at {listen}: that is another computer. A router listens at 127.0.0.1 (for this computer "
+            "only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
+        )
     os.environ.setdefault(*RUNTIME)
     config = zenoh.Config()
     settings = {

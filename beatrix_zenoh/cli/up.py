@@ -12,6 +12,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.listing import states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
@@ -77,9 +78,20 @@ def up(
 
 
 def start_router(fleet: Fleet, endpoint: str) -> str:
-    """Start one if none answers; what there was to do."""
+    """Start one if none answers; what there was to do.
+
+    Raises:
+        NoAnswer: NO_ROUTER, and the address is another computer's.
+    """
     if answers(endpoint):
         return "was there already"
+    if not zbus.ours(endpoint):
+        port = endpoint.rpartition(":")[2]
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"No router at {endpoint}, and that is another computer: start one there with "
+            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or leave out --connect to have all of it here.",
+        )
     fleet.start("router", "router", "--listen", endpoint)
     fleet.wait_ready()
     return "started"

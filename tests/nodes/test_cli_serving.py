@@ -12,6 +12,8 @@ import pytest
 from stage import Process, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.cli import up as up_verb
 
 CLI = ("-m", "beatrix_zenoh.cli")
 
@@ -74,6 +76,38 @@ def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
     assert second.wait() == 3
     assert any("another router" in line for line in second.lines)
     assert first.end() == 0
+
+
+ELSEWHERE = "tcp/192.0.2.7:7447"
+"""An address for documentation (RFC 5737): nobody's, so not ours."""
+
+
+def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
+    router = Process(*CLI, "router", "--listen", ELSEWHERE)
+    assert router.wait() == 2
+    assert any("0.0.0.0" in line for line in router.lines)
+
+
+def test_up_does_not_start_the_router_of_another_computer(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(up_verb, "answers", lambda _: False)  # asking would leave this computer
+    assert app.run(["up", "--connect", ELSEWHERE]) == 3
+    assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("host", "ours"),
+    [
+        ("127.0.0.1", True),
+        ("localhost", True),
+        ("0.0.0.0", True),
+        ("192.0.2.7", False),
+    ],
+)
+def test_only_an_address_of_this_computer_can_be_listened_at(host: str, *, ours: bool) -> None:
+    code = "import sys; from beatrix_zenoh import bus; sys.exit(not bus.ours(sys.argv[1]))"
+    assert (Process("-c", code, f"tcp/{host}:7447").wait() == 0) is ours
 
 
 def test_options_of_a_process_pass_through(endpoint: str) -> None:
