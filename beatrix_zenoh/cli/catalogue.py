@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
+from typing import Annotated
 
 import typer
+
+from beatrix_zenoh.cli.verb import say
 
 VERBS = {
     "demo": "demo",
@@ -41,6 +44,15 @@ HELP = """BEATRIX, the humanoid head: simulation, robot, or both. All angles are
 """
 
 
+def tell_version(asked: bool) -> None:
+    """Which version is installed; ends."""
+    if asked:
+        from beatrix_zenoh.cli.checks import DISTRIBUTION, version
+
+        say(f"beatrix {version(DISTRIBUTION) or 'from its sources, not installed'}")
+        raise typer.Exit
+
+
 def application(words: Sequence[str]) -> typer.Typer:
     """With the verb these words begin with, and nothing the others import; with all of them if it is none."""
     app = typer.Typer(
@@ -51,7 +63,14 @@ def application(words: Sequence[str]) -> typer.Typer:
     )
 
     @app.callback(help=HELP)
-    def beatrix() -> None:
+    def beatrix(
+        _version: Annotated[
+            bool,
+            typer.Option(
+                "--version", is_eager=True, callback=tell_version, help="Print the version and end."
+            ),
+        ] = False,
+    ) -> None:
         pass
 
     for name in words[:1] if words and words[0] in VERBS else VERBS:

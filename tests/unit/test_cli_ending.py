@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,11 @@ def test_every_verb_explains_itself_and_its_units(name: str, capsys: pytest.Capt
     assert not set(text) & set("│╭")
     if name in ("look", "move", "info", "echo", "top"):
         assert "egrees" in text
+
+
+def test_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["--version"]) == 0
+    assert capsys.readouterr().out == f"beatrix {metadata.version('beatrix-zenoh')}\n"
 
 
 def test_help_names_every_verb_in_a_line_that_is_not_cut(capsys: pytest.CaptureFixture[str]) -> None:
