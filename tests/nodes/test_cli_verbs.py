@@ -179,6 +179,18 @@ def test_top_shows_all_robots_once(shell: Shell) -> None:
     assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
 
 
+def test_top_into_a_pipe_is_plain_tables_as_they_come(shell: Shell) -> None:
+    top = shell.start("top")
+    assert top.stdout is not None
+    lines = [top.stdout.readline().rstrip("\n") for _ in range(8)]
+    top.stdout.close()
+    assert top.wait(5) == 141
+    tables = [line for line in lines if line.startswith("robot")]
+    assert len(tables) == 2
+    assert "".join(lines).isprintable()
+    assert any(line.startswith(NAME) for line in lines)
+
+
 def test_doctor_finds_router_contract_and_clock(shell: Shell) -> None:
     done = shell.run("doctor", "--json")
     findings = {(row["what"], row["found"].split(",")[0]) for row in json.loads(done.stdout)["findings"]}
