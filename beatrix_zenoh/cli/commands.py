@@ -65,10 +65,17 @@ def stop(
     emergency: Annotated[
         bool, typer.Option("--emergency", help="Motors off at once; the head falls. Then enable, calibrate.")
     ] = False,
-    name: Name = None,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            "--name",
+            metavar="ROBOT",
+            help="The robots of this name; else BEATRIX_ROBOT, beatrix.toml, every robot.",
+        ),
+    ] = None,
     connect: Connect = None,
     who: Who = None,
-    on: On = None,
+    on: Annotated[Which | None, typer.Option("--on", help="sim or hw alone; else both.")] = None,
     as_json: Json = False,
 ) -> None:
     """Stop at once, whoever drives. Robot and simulation of a name; without a name every robot at the router."""

@@ -118,6 +118,14 @@ def test_every_verb_explains_itself_and_its_units(name: str, capsys: pytest.Capt
         assert "egrees" in text
 
 
+def test_stop_does_not_promise_to_choose(capsys: pytest.CaptureFixture[str]) -> None:
+    app.run(["stop", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "every robot. --connect" in text
+    assert "sim or hw alone; else both." in text
+    assert "only one on line" not in text
+
+
 def test_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["--version"]) == 0
     assert capsys.readouterr().out == f"beatrix {metadata.version('beatrix-zenoh')}\n"
