@@ -22,7 +22,7 @@ from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer, Refused, quoted
+from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.requests import Wording
 
 LEASE_MS = 2000
@@ -41,6 +41,7 @@ HALF_OPEN = 1000
 """Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
 ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
+PROTOCOLS = ("tcp", "udp", "ws", "tls", "quic")
 STALE_S = 0.02
 """After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
 FOR_EVER_S = 24 * 3600.0
@@ -336,16 +337,29 @@ def parts(endpoint: str) -> tuple[str, str, int]:
     """Protocol, host and port of `tcp/127.0.0.1:7447`.
 
     Raises:
-        Refused: BAD_VALUE.
+        WrongUsage: BAD_VALUE.
     """
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.partition("#")[0].rpartition(":")
-    if not host or not port.isdigit() or int(port) > PORT_MAX:
-        raise Refused(
+    if protocol not in PROTOCOLS or not host or not port.isdigit() or int(port) > PORT_MAX:
+        raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{quoted(endpoint)} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447.",
+            f"{quoted(endpoint)} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447; "
+            f"protocols are {', '.join(PROTOCOLS)}.",
         )
     return protocol, host.strip("[]"), int(port)
+
+
+def ours(endpoint: str) -> bool:
+    """Whether this computer can listen there: at loopback, at all its addresses, or at one of them."""
+    _, host, _ = parts(endpoint)
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as knocker:
+            knocker.bind(address)
+    except OSError:
+        return False
+    return True
 
 
 def short(error: zenoh.ZError) -> str:
@@ -357,10 +371,15 @@ def open_router(listen: str) -> zenoh.Session:
     """Be the router of a classroom: clients meet here. Close the session to end it.
 
     Raises:
-        Refused: BAD_VALUE, if `listen` is no endpoint.
-        NoAnswer: NO_ROUTER, if the endpoint is taken or not ours.
+        WrongUsage: BAD_VALUE, if `listen` is no endpoint, or not ours.
+        NoAnswer: NO_ROUTER, if the endpoint is taken.
     """
-    parts(listen)
+    if not ours(listen):
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"Cannot listen at {listen}: that is another computer. A router listens at 127.0.0.1 (for this computer "
+            "only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
+        )
     os.environ.setdefault(*RUNTIME)
     config = zenoh.Config()
     settings = {

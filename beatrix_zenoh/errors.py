@@ -25,6 +25,10 @@ class Refused(BeatrixError):
     """The robot, or a check on its behalf, said no; nothing has moved."""
 
 
+class WrongUsage(Refused):
+    """A name, an endpoint or a file that can mean nothing, whoever is asked; nobody was."""
+
+
 class Interrupted(BeatrixError):
     """A motion was accepted and ended somewhere else than asked: stopped, replaced, lost."""
 

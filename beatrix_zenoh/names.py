@@ -7,7 +7,7 @@ import re
 import socket
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused, quoted
+from beatrix_zenoh.errors import WrongUsage, quoted
 
 PATTERN = re.compile(r"[a-z0-9-]{1,32}")
 TWINS = ("sim", "hw")
@@ -17,11 +17,11 @@ def check_name(text: str, what: str = "robot") -> str:
     """Return `text` if it may stand in a key.
 
     Raises:
-        Refused: BAD_VALUE, with the nearest name that would be accepted.
+        WrongUsage: BAD_VALUE, with the nearest name that would be accepted.
     """
     if PATTERN.fullmatch(text):
         return text
-    raise Refused(
+    raise WrongUsage(
         Reason.BAD_VALUE,
         f"{quoted(text)} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from beatrix_zenoh import names
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.errors import WrongUsage
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 FILE = "beatrix.toml"
@@ -29,7 +29,7 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
     """Fill in what was not given from BEATRIX_ROBOT, BEATRIX_CONNECT, BEATRIX_WHO, then ./beatrix.toml.
 
     Raises:
-        Refused: BAD_VALUE, for a name that cannot stand in a key or a file that cannot be read.
+        WrongUsage: BAD_VALUE, for a name that cannot stand in a key or a file that cannot be read.
     """
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
@@ -52,10 +52,10 @@ def _stored() -> dict[str, str]:
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
-        raise Refused(Reason.BAD_VALUE, f"{path.resolve()} cannot be read: {error}.") from error
+        raise WrongUsage(Reason.BAD_VALUE, f"{path.resolve()} cannot be read: {error}.") from error
     unknown = set(table) - set(FIELDS)
     if unknown or not all(isinstance(value, str) for value in table.values()):
-        raise Refused(
+        raise WrongUsage(
             Reason.BAD_VALUE,
             f"{path.resolve()}: allowed are {', '.join(FIELDS)}, each a text; it holds {', '.join(table)}.",
         )

@@ -14,7 +14,7 @@ from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandRepl
 from beatrix_zenoh.bus import Question
 from beatrix_zenoh.cli.line import Where, named, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.verb import document, exit_code, note, say, verb
+from beatrix_zenoh.cli.verb import document, exit_code, note, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.settings import resolve
@@ -24,7 +24,6 @@ STOP_S = 3.0
 URGENT = "real_time"
 
 
-@verb
 def enable(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
@@ -32,7 +31,6 @@ def enable(
     command(Where(name, connect, who), on, Command.ENABLE, as_json=as_json)
 
 
-@verb
 def disable(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
@@ -40,7 +38,6 @@ def disable(
     command(Where(name, connect, who), on, Command.ENABLE, value=False, as_json=as_json)
 
 
-@verb
 def calibrate(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
@@ -61,7 +58,6 @@ def command(where: Where, which: Which | None, what: Command, *, as_json: bool, 
         document({"result": True, "robots": rows})
 
 
-@verb
 def stop(
     every: Annotated[
         bool, typer.Option("--all", help="Every robot at the router, even if a name is set.")
@@ -69,10 +65,17 @@ def stop(
     emergency: Annotated[
         bool, typer.Option("--emergency", help="Motors off at once; the head falls. Then enable, calibrate.")
     ] = False,
-    name: Name = None,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            "--name",
+            metavar="ROBOT",
+            help="The robots of this name; else BEATRIX_ROBOT, beatrix.toml, every robot.",
+        ),
+    ] = None,
     connect: Connect = None,
     who: Who = None,
-    on: On = None,
+    on: Annotated[Which | None, typer.Option("--on", help="sim or hw alone; else both.")] = None,
     as_json: Json = False,
 ) -> None:
     """Stop at once, whoever drives. Robot and simulation of a name; without a name every robot at the router."""

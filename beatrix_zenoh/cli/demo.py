@@ -15,8 +15,8 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.choreography import Choreography, Pose, shipped
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.processes import Fleet, heard
-from beatrix_zenoh.cli.up import advice, stay
-from beatrix_zenoh.cli.verb import FAILED, document, note, say, verb
+from beatrix_zenoh.cli.up import advice, stay, until_told
+from beatrix_zenoh.cli.verb import FAILED, document, note, say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.twin import Twin
@@ -28,7 +28,6 @@ ROBOT = "demo"
 NEXT = ("look --yaw 20 --on both", "top", "stop")
 
 
-@verb
 def demo(
     keep: Annotated[bool, typer.Option("--stay", help="Leave both robots running until Ctrl-C.")] = False,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Where picture, plot and table go.")] = Path(
@@ -48,8 +47,9 @@ def demo(
         with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
             good = present(twin, out, as_json=as_json)
         if keep:
-            note(advice(settings.connect, NEXT, fleet.folder.name))
-            stay(fleet)
+            with until_told():
+                note(advice(settings.connect, NEXT, fleet.folder))
+                stay(fleet)
     if not good:
         raise typer.Exit(FAILED)
 

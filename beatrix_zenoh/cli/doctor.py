@@ -12,7 +12,7 @@ from beatrix_zenoh.cli.checks import Finding, this_computer
 from beatrix_zenoh.cli.clocks import clock_offset
 from beatrix_zenoh.cli.listing import descriptions, state, states
 from beatrix_zenoh.cli.options import Connect, Json, Who
-from beatrix_zenoh.cli.verb import FAILED, document, say, verb
+from beatrix_zenoh.cli.verb import FAILED, document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.robot import Robot
@@ -22,7 +22,6 @@ OFFSET_S = 0.05
 """Clocks further apart than this make times of two robots hard to compare."""
 
 
-@verb
 def doctor(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
     settings = resolve(None, connect, who)

@@ -13,7 +13,7 @@ from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.cli.line import Where, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.settings import resolve
 
@@ -23,7 +23,6 @@ Place = tuple[str, str]
 """Name and twin of a robot."""
 
 
-@verb
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """List the robots on line. State, who drives, what is wrong, versions."""
     with Client(resolve(None, connect, who)) as client:
@@ -121,7 +120,6 @@ def state_row(status: Status) -> dict[str, object]:
     }
 
 
-@verb
 def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:

@@ -13,7 +13,7 @@ from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.cli.line import Line, Where, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.unattended import hand_over
-from beatrix_zenoh.cli.verb import document, note, say, verb
+from beatrix_zenoh.cli.verb import document, note, say
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.readings import Reading
 from beatrix_zenoh.robot import Robot, motion_query, pose_query
@@ -30,7 +30,6 @@ NoWait = Annotated[
 ROADS = {"pose": keys.pose, "motion": keys.motion}
 
 
-@verb
 def look(
     yaw: Annotated[float, typer.Option(help="Degrees, left is positive.")] = 0.0,
     pitch: Annotated[float, typer.Option(help="Degrees, nose down is positive.")] = 0.0,
@@ -54,7 +53,6 @@ def look(
         carry_out(line, "pose", query, preview, no_wait=no_wait, as_json=as_json)
 
 
-@verb
 def move(
     short: Annotated[float, typer.Argument(help="Short arm, degrees.")],
     middle: Annotated[float, typer.Argument(help="Middle arm, degrees.")],
@@ -78,7 +76,6 @@ def move(
         carry_out(line, "motion", query, preview, no_wait=no_wait, as_json=as_json)
 
 
-@verb
 def home(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:

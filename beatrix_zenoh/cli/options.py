@@ -22,6 +22,13 @@ Name = Annotated[
         "--name", metavar="ROBOT", help="The robot; else BEATRIX_ROBOT, beatrix.toml, the only one on line."
     ),
 ]
+OwnName = Annotated[
+    str | None,
+    typer.Option(
+        "--name", metavar="ROBOT", help="Its name; else BEATRIX_ROBOT, beatrix.toml, your user name and host."
+    ),
+]
+"""Of verbs that bring a robot on line."""
 Connect = Annotated[
     str | None,
     typer.Option(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,7 +13,8 @@ from types import FrameType
 from typing import Self
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.cli import logs
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 READY_S = 20.0
 """A busy computer that imports MuJoCo for the first time may need this long."""
@@ -80,16 +80,20 @@ class Child:
 
 
 class Fleet:
-    """Children that live as long as a `with` block; the last one started ends first."""
+    """Children that live as long as a `with` block; the last one started ends first.
+
+    What they write goes to a folder that is deleted with them, unless one has failed.
+    """
 
     def __init__(self) -> None:
-        self.folder = tempfile.TemporaryDirectory(prefix="beatrix-")
+        logs.sweep()
+        self.folder = logs.make()
+        self._kept = False
         self.children: list[Child] = []
 
     def start(self, title: str, *arguments: str) -> Child:
         """Start `beatrix …`; wait for it with `wait_ready`."""
-        log = Path(self.folder.name) / f"{title}.log"
-        child = Child(title, arguments, log)
+        child = Child(title, arguments, self.folder / f"{title}.log")
         self.children.append(child)
         return child
 
@@ -107,7 +111,7 @@ class Fleet:
                 child = waiting[0]
                 raise NoAnswer(
                     Reason.TIMED_OUT,
-                    f"The {child.title} did not become ready within {timeout_s:.0f} s:\n{child.last_words()}",
+                    f"The {child.title} did not become ready within {timeout_s:.0f} s. {self._words_of(child)}",
                 )
             time.sleep(TURN_S)
 
@@ -117,21 +121,33 @@ class Fleet:
             if child.code is not None:
                 raise Refused(
                     Reason.SHUTDOWN,
-                    f"The {child.title} has ended (exit code {child.code}). Its last words:\n{child.last_words()}",
+                    f"The {child.title} has ended (exit code {child.code}). {self._words_of(child)}",
                 )
+
+    def _words_of(self, child: Child) -> str:
+        """What a child that failed wrote last, and where the rest is from now on."""
+        self._kept = True
+        return f"Its last words:\n{child.last_words()}\nAll it wrote is in {child.log}."
 
     def end(self) -> None:
         """End all, the last one started first."""
         while self.children:
             self.children.pop().end()
-        self.folder.cleanup()
+        if self._kept:
+            logs.keep(self.folder)
+        else:
+            logs.remove(self.folder)
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *exc: object) -> None:
+    def __exit__(self, _kind: object, error: BaseException | None, _traceback: object) -> None:
         with deaf():
-            self.end()
+            try:
+                if isinstance(error, BeatrixError):
+                    self.check()  # a child that has ended explains it better than who misses it
+            finally:
+                self.end()
 
 
 @contextmanager

@@ -12,7 +12,8 @@ import typer
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.verb import say, verb
+from beatrix_zenoh.cli.hurry import nothing_to_undo
+from beatrix_zenoh.cli.verb import say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
@@ -22,7 +23,6 @@ TURN_S = 0.5
 """Windows delivers Ctrl-C only between waits."""
 
 
-@verb
 def router(
     listen: Annotated[
         str, typer.Option(metavar="ENDPOINT", help="Where robots and programs connect.")
@@ -49,13 +49,11 @@ def router(
         session.close()
 
 
-@verb
 def sim(context: typer.Context) -> None:
     """Simulate a robot. `beatrix sim --help` lists its options."""
     raise typer.Exit(run("sim", context.args))
 
 
-@verb
 def hw(context: typer.Context) -> None:
     """Serve a robot, or a virtual board. `beatrix hw --help` lists its options."""
     raise typer.Exit(run("hw", context.args))
@@ -72,7 +70,8 @@ def run(process: str, arguments: list[str]) -> int:
     if not entries:
         raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")
     try:
-        main = next(iter(entries)).load()
+        with nothing_to_undo():
+            main = next(iter(entries)).load()
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE, f"`beatrix {process}` needs {error.name}, which is not installed: {install}"

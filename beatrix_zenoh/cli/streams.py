@@ -21,7 +21,7 @@ from beatrix_zenoh.cli.listing import state, state_row, troubles
 from beatrix_zenoh.cli.motions import where
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import document, say
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.readings import reading
 from beatrix_zenoh.robot import Robot
@@ -79,7 +79,6 @@ class Listener:
             ) from None
 
 
-@verb
 def echo(
     stream: Annotated[Stream, typer.Argument(help="What to show.")] = Stream.POSITIONS,
     count: Annotated[int, typer.Option(min=0, help="End after so many; 0: with Ctrl-C.")] = 0,
@@ -129,7 +128,6 @@ class Rate(NamedTuple):
     lost: int
 
 
-@verb
 def hz(
     seconds: Annotated[float, typer.Option(min=0.2, help="How long to count.")] = 3.0,
     name: Name = None,

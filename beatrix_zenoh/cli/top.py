@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections import deque
@@ -16,7 +17,7 @@ from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.cli.listing import Place, state, states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import STDOUT, document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.readings import HeadAngles, head_angles
 from beatrix_zenoh.settings import resolve
@@ -28,7 +29,7 @@ HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent"
 WINDOW = 50
 """Positions over which the rate is taken: one second."""
 LOOK_S = 1.2
-"""How long `--once` listens before it tells."""
+"""How long `--once` listens before it tells; into a pipe a table comes as often."""
 REFRESH_S = 0.2
 SILENT_S = 0.5
 """No positions for this long: lost, whatever its token says (positions come every 20 ms)."""
@@ -103,7 +104,6 @@ class Watch:
         )
 
 
-@verb
 def top(
     once: Annotated[bool, typer.Option("--once", help="Print one table and end.")] = False,
     connect: Connect = None,
@@ -120,8 +120,10 @@ def top(
                 document({"result": True, "robots": [as_dict(row) for row in rows]})
             else:
                 say(text(rows))
-        else:
+        elif os.isatty(STDOUT):
             live(watch, client.bus.endpoint)
+        else:
+            roll(watch)
 
 
 def place(key: str) -> Place:
@@ -161,6 +163,13 @@ def as_dict(row: Row) -> dict[str, object]:
         "driver": row.driver,
         "warnings": row.troubles,
     }
+
+
+def roll(watch: Watch) -> None:
+    """Print table after table until Ctrl-C, or until nobody reads them."""
+    while True:
+        time.sleep(LOOK_S)
+        say(f"{text(watch.rows())}\n")
 
 
 def live(watch: Watch, endpoint: str) -> None:

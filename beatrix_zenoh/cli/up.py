@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
-from collections.abc import Sequence
-from typing import Annotated
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, NoReturn
 
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli.options import Connect, Json, Name
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.listing import states, troubles
+from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say, verb
+from beatrix_zenoh.cli.verb import document, note, say
 from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 
 WATCH_S = 0.2
+TITLES = {"sim": "simulation", "hw": "hardware"}
 FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
 
 
-@verb
 def up(
     hw: Annotated[
         str | None,
@@ -32,7 +36,7 @@ def up(
     ready: Annotated[
         bool, typer.Option("--ready", help="The simulation starts with motors on and calibrated.")
     ] = False,
-    name: Name = None,
+    name: OwnName = None,
     connect: Connect = None,
     as_json: Json = False,
 ) -> None:
@@ -44,30 +48,53 @@ def up(
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
     with heard(), Fleet() as fleet:
-        rows = [("router", settings.connect, "was there already" if answers(settings.connect) else "started")]
-        if rows[0][2] == "started":
-            fleet.start("router", "router", "--listen", settings.connect)
-            fleet.wait_ready()
+        rows = [("router", settings.connect, start_router(fleet, settings.connect))]
         where = ("--name", settings.robot, "--connect", settings.connect)
+        served = {}
         if not no_sim:
-            fleet.start("simulation", "sim", *where, *(["--ready"] if ready else []))
-            rows.append(("simulation", settings.robot, "ready" if ready else "motors off"))
+            fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))
+            served["sim"] = "ready" if ready else "motors off"
         if hw is not None:
-            fleet.start("hardware", "hw", *where, "--port", hw)
-            rows.append(("hardware", settings.robot, hw))
+            fleet.start(TITLES["hw"], "hw", *where, "--port", hw)
+            served["hw"] = hw
         fleet.wait_ready()
-        if as_json:
-            document({
-                "result": True,
-                "endpoint": settings.connect,
-                "robot": settings.robot,
-                "running": [child.title for child in fleet.children],
-                "logs": fleet.folder.name,
-            })  # fmt: skip
-        else:
-            say(columns(("what", "where", ""), rows))
-            say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder.name))
-        stay(fleet)
+        wrong = amiss(settings)
+        for twin, how in served.items():
+            rows.append((TITLES[twin], settings.robot, ": ".join(filter(None, (how, wrong.get(twin))))))
+        with until_told():
+            if as_json:
+                document({
+                    "result": True,
+                    "endpoint": settings.connect,
+                    "robot": settings.robot,
+                    "running": [child.title for child in fleet.children],
+                    "warnings": [f"{TITLES[twin]}: {wrong[twin]}" for twin in served if wrong.get(twin)],
+                    "logs": str(fleet.folder),
+                })  # fmt: skip
+            else:
+                say(columns(("what", "where", ""), rows))
+                say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
+            stay(fleet)
+
+
+def start_router(fleet: Fleet, endpoint: str) -> str:
+    """Start one if none answers; what there was to do.
+
+    Raises:
+        NoAnswer: NO_ROUTER, and the address is another computer's.
+    """
+    if answers(endpoint):
+        return "was there already"
+    if not zbus.ours(endpoint):
+        port = endpoint.rpartition(":")[2]
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"No router at {endpoint}, and that is another computer: start one there with "
+            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or leave out --connect to have all of it here.",
+        )
+    fleet.start("router", "router", "--listen", endpoint)
+    fleet.wait_ready()
+    return "started"
 
 
 def answers(endpoint: str) -> bool:
@@ -79,7 +106,14 @@ def answers(endpoint: str) -> bool:
     return True
 
 
-def advice(endpoint: str, verbs: Sequence[str], logs: str) -> str:
+def amiss(settings: Settings) -> dict[str, str]:
+    """What is wrong with the robots of this name, by twin."""
+    with zbus.connect(settings.connect, label=settings.who) as bus:
+        found = states(bus)
+    return {twin: " ".join(troubles(found[name, twin])) for name, twin in found if name == settings.robot}
+
+
+def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     """What to type next, and where."""
     lines = [f"  beatrix {words}" for words in verbs]
     if endpoint != DEFAULT_ENDPOINT:
@@ -88,11 +122,17 @@ def advice(endpoint: str, verbs: Sequence[str], logs: str) -> str:
     return f"\nNow type in another terminal:\n{typed}\n\nWhat they write is in {logs}. Ctrl-C here ends them all."
 
 
-def stay(fleet: Fleet) -> None:
-    """Until Ctrl-C or SIGTERM, which is how this is meant to end; raises Refused if a child ends by itself."""
+@contextlib.contextmanager
+def until_told() -> Iterator[None]:
+    """Ctrl-C or SIGTERM in here is how this is meant to end."""
     try:
-        while True:
-            fleet.check()
-            time.sleep(WATCH_S)
+        yield
     except KeyboardInterrupt:
-        say("Ending.")
+        note("Ending.")
+
+
+def stay(fleet: Fleet) -> NoReturn:
+    """Until somebody interrupts; raises Refused if a child ends by itself."""
+    while True:
+        fleet.check()
+        time.sleep(WATCH_S)

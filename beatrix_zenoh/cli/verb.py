@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-import functools
+import contextlib
+import errno
+import io
+import os
 import sys
-from collections.abc import Callable, Mapping
-from typing import NoReturn, ParamSpec
+from collections.abc import Callable, Mapping, Sequence
+from typing import cast
 
 import msgspec
 import typer
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.cli.hurry import INTERRUPTED
+from beatrix_zenoh.errors import BeatrixError, WrongUsage
 
-P = ParamSpec("P")
-
-FAILED, NOBODY, TIMED_OUT, INTERRUPTED = 1, 3, 4, 130
-"""Exit codes; 0 is done, 2 (from typer) is usage, 130 is what shells give to Ctrl-C."""
+FAILED, USAGE, NOBODY, TIMED_OUT, UNREAD = 1, 2, 3, 4, 141
+"""Exit codes; 0 is done, 141 is what shells give to a tool whose reader has gone."""
 CODES = {Reason.NO_ANSWER: NOBODY, Reason.NO_ROUTER: NOBODY, Reason.TIMED_OUT: TIMED_OUT}
+STDOUT = 1
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
+USAGE_ERROR = cast("type[typer.BadParameter]", typer.BadParameter.__base__)
+"""What typer raises for all wrong usage; it names only this child of it in public."""
 
 
 def exit_code(reason: Reason) -> int:
@@ -25,28 +31,61 @@ def exit_code(reason: Reason) -> int:
     return CODES.get(reason, FAILED)
 
 
-def verb(function: Callable[P, None]) -> Callable[P, None]:
-    """Turn what a verb raises into a sentence and an exit code; Ctrl-C into 130."""
-
-    @functools.wraps(function)
-    def run(*args: P.args, **kwargs: P.kwargs) -> None:
-        try:
-            function(*args, **kwargs)
-        except BeatrixError as error:
-            fail(error, as_json=bool(kwargs.get("as_json")))
-        except KeyboardInterrupt:
-            raise typer.Exit(INTERRUPTED) from None
-
-    return run
+def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
+    """Do what the words say; the exit code. A fault of ours is raised, everything else is said."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without a degree sign is no reason to fail
+    try:
+        return _done(app, words, program)
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError) and error.errno not in NO_ROOM:
+            raise
+        return unwritten(error)
 
 
-def fail(error: BeatrixError, *, as_json: bool) -> NoReturn:
-    """Say what went wrong and end."""
-    if as_json:
-        document({"result": False, "reason": error.reason, "message": error.message})
-    else:
-        note(error.message)
-    raise typer.Exit(exit_code(error.reason)) from error
+def alone(command: Callable[..., None], program: str, words: Sequence[str] | None) -> int:
+    """As `run`, of a program that is one verb; words default to those of the process."""
+    app = typer.Typer(add_completion=False, rich_markup_mode=None)
+    app.command()(command)
+    return run(app, sys.argv[1:] if words is None else words, program)
+
+
+def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
+    as_json = "--json" in words  # also where typer has not come so far as to read it
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context(program, list(words)) as context:
+            command.invoke(context)
+    except typer.Exit as end:
+        return end.exit_code
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except USAGE_ERROR as error:
+        if as_json:
+            refusal(Reason.BAD_VALUE, error.format_message())
+        else:
+            error.show()
+        return USAGE
+    except BeatrixError as error:
+        if as_json:
+            refusal(error.reason, error.message)
+        else:
+            note(error.message)
+        return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
+    return 0
+
+
+def unwritten(error: OSError) -> int:
+    """Nobody takes what we write: quiet if the reader has gone, as other tools are, else a sentence."""
+    # What is left in the buffer would be tried, and complained of, once more when Python ends.
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, STDOUT)
+    if isinstance(error, BrokenPipeError):
+        return UNREAD
+    with contextlib.suppress(OSError):
+        note(f"Cannot write the result: {error.strerror}. Make room there, or write it elsewhere.")
+    return FAILED
 
 
 def say(text: str) -> None:
@@ -62,3 +101,8 @@ def note(text: str) -> None:
 def document(content: Mapping[str, object]) -> None:
     """One JSON document on one line."""
     print(msgspec.json.encode(content).decode(), flush=True)
+
+
+def refusal(reason: Reason, message: str) -> None:
+    """A failure as JSON."""
+    document({"result": False, "reason": reason, "message": message})

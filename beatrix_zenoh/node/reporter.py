@@ -67,7 +67,7 @@ class Reporter:
             moving=bool(state & State.MOVING),
             motion=telemetry.motion,
             fault=self._fault(telemetry),
-            warnings=self._driver.warnings,
+            warnings=[*filter(None, [link.trouble]), *self._driver.warnings],
             holder=self._driver.holder,
             board=msg.BoardStatus(
                 connected=link.connected,

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from types import FrameType
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.node.roads import Roads
@@ -27,6 +27,9 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
 
     `ready` switches the motors on and calibrates at the start, which only a simulation may.
     Prints `ready <key>` on stdout when the robot serves.
+
+    Raises:
+        BeatrixError: it cannot serve: its name is taken, or its router goes while it begins.
     """
     over = threading.Event()
     broken: list[threading.ExceptHookArgs] = []
@@ -48,11 +51,7 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     roads = _connect(settings, over)
     if roads is None:
         return 0
-    try:
-        node = _open(roads, build(), settings)
-    except BeatrixError as error:
-        print(error.message, file=sys.stderr, flush=True)
-        return 1
+    node = _open(roads, build(), settings)
     try:
         if ready:
             node.make_ready()

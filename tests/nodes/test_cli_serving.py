@@ -12,6 +12,8 @@ import pytest
 from stage import Process, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.cli import up as up_verb
 
 CLI = ("-m", "beatrix_zenoh.cli")
 
@@ -40,8 +42,15 @@ def children(process: Process) -> dict[str, int]:
     return found
 
 
+@pytest.fixture(autouse=True)
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where processes put their temporary files."""
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    return tmp_path
+
+
 @pytest.fixture
-def up(endpoint: str) -> Iterator[Process]:
+def up(endpoint: str, temporary: Path) -> Iterator[Process]:
     """Router, simulation and virtual robot."""
     process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
     try:
@@ -69,6 +78,38 @@ def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
     assert first.end() == 0
 
 
+ELSEWHERE = "tcp/192.0.2.7:7447"
+"""An address for documentation (RFC 5737): nobody's, so not ours."""
+
+
+def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
+    router = Process(*CLI, "router", "--listen", ELSEWHERE)
+    assert router.wait() == 2
+    assert any("0.0.0.0" in line for line in router.lines)
+
+
+def test_up_does_not_start_the_router_of_another_computer(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(up_verb, "answers", lambda _: False)  # asking would leave this computer
+    assert app.run(["up", "--connect", ELSEWHERE]) == 3
+    assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("host", "ours"),
+    [
+        ("127.0.0.1", True),
+        ("localhost", True),
+        ("0.0.0.0", True),
+        ("192.0.2.7", False),
+    ],
+)
+def test_only_an_address_of_this_computer_can_be_listened_at(host: str, *, ours: bool) -> None:
+    code = "import sys; from beatrix_zenoh import bus; sys.exit(not bus.ours(sys.argv[1]))"
+    assert (Process("-c", code, f"tcp/{host}:7447").wait() == 0) is ours
+
+
 def test_options_of_a_process_pass_through(endpoint: str) -> None:
     robot = Process(*CLI, "hw", "--help")
     assert robot.wait() == 0
@@ -78,17 +119,23 @@ def test_options_of_a_process_pass_through(endpoint: str) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals) -> None:
+def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)
     assert set(started) == {"router", "sim", "hw"}
     assert up.end(number) == 0
+    assert not list(temporary.iterdir())
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_nothing_survives_a_killed_up(up: Process) -> None:
+def test_nothing_survives_a_killed_up(up: Process, temporary: Path) -> None:
     started = children(up)
     up.end(signal.SIGKILL)
     until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
+    assert list(temporary.iterdir())
+    another = Process(*CLI, "up", "--connect", free_endpoint(), "--no-sim", "--hw", "virtual:")
+    another.expect("What they write")
+    assert another.end(signal.SIGINT) == 0
+    assert not list(temporary.iterdir())
 
 
 def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
@@ -96,6 +143,10 @@ def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
     os.kill(started["sim"], signal.SIGKILL)
     assert up.wait() == 1
     assert any("simulation has ended" in line for line in up.lines)
+    (log,) = [
+        line.partition(" is in ")[2].rstrip(".") for line in up.lines if line.startswith("All it wrote")
+    ]
+    assert Path(log).read_text().startswith("ready")
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
@@ -112,6 +163,20 @@ def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
     finally:
         session.close()
         up.end(signal.SIGKILL)
+
+
+def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Path) -> None:
+    up = Process(
+        *CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", str(tmp_path / "tty")
+    )
+    try:
+        assert "could not open port" in up.expect("hardware")
+        up.expect("What they write")
+        listing = Process(*CLI, "ls", "--connect", endpoint)
+        assert listing.wait() == 0
+        assert any("could not open port" in line for line in listing.lines)
+    finally:
+        assert up.end(signal.SIGINT) == 0
 
 
 def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> None:

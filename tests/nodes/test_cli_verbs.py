@@ -163,7 +163,7 @@ def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
     assert echo.stdout is not None
     assert "yaw" in echo.stdout.readline() + echo.stdout.readline()
     echo.stdout.close()
-    echo.wait(5)
+    assert echo.wait(5) == 141
 
 
 def test_hz_counts_fifty_positions_a_second_and_no_loss(shell: Shell) -> None:
@@ -177,6 +177,18 @@ def test_top_shows_all_robots_once(shell: Shell) -> None:
     rows = shell.json("top", "--once")["robots"]
     assert [(row["robot"], row["on"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
     assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
+
+
+def test_top_into_a_pipe_is_plain_tables_as_they_come(shell: Shell) -> None:
+    top = shell.start("top")
+    assert top.stdout is not None
+    lines = [top.stdout.readline().rstrip("\n") for _ in range(8)]
+    top.stdout.close()
+    assert top.wait(5) == 141
+    tables = [line for line in lines if line.startswith("robot")]
+    assert len(tables) == 2
+    assert "".join(lines).isprintable()
+    assert any(line.startswith(NAME) for line in lines)
 
 
 def test_doctor_finds_router_contract_and_clock(shell: Shell) -> None:
@@ -355,11 +367,9 @@ def test_a_one_shot_verb_imports_nothing_slow(shell: Shell) -> None:
     slow = ("rich", "numpy", "matplotlib", "mujoco", "wasmtime")
     code = f"""
 import sys
-from beatrix_zenoh.cli.app import main
-try:
-    main(["look", "--yaw", "0"])
-finally:
-    print("slow:", [name for name in {slow} if name in sys.modules])
+from beatrix_zenoh.cli.app import run
+run(["look", "--yaw", "0"])
+print("slow:", [name for name in {slow} if name in sys.modules])
 """
     done = subprocess.run(
         [sys.executable, "-c", code],

@@ -3,96 +3,169 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
 
 import pytest
 import typer
 
 from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli import app
+from beatrix_zenoh.cli import app, verb
+from beatrix_zenoh.cli.catalogue import VERBS
+from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import verb
+from beatrix_zenoh.errors import WrongUsage
+
+CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
+
+
+def ended_by(error: BaseException, *words: str) -> int:
+    """Exit code of a verb that raises it."""
+
+    def failing(as_json: Json = False) -> None:
+        raise error
+
+    return verb.alone(failing, "beatrix", words)
 
 
 @pytest.mark.parametrize(
     ("error", "code"),
     [
         (Refused(Reason.OUT_OF_REACH, "too far"), 1),
+        (Refused(Reason.BAD_VALUE, "the robot cannot read this"), 1),
+        (WrongUsage(Reason.BAD_VALUE, "nobody can read this"), 2),
         (Interrupted(Reason.STOPPED, "stopped"), 1),
         (NoAnswer(Reason.BOARD_LOST, "no board"), 1),
         (NoAnswer(Reason.NO_ANSWER, "nobody"), 3),
         (NoAnswer(Reason.NO_ROUTER, "no router"), 3),
         (NoAnswer(Reason.TIMED_OUT, "too late"), 4),
+        (typer.BadParameter("nonsense"), 2),
+        (typer.Exit(4), 4),
         (KeyboardInterrupt(), 130),
     ],
 )
 def test_every_failure_has_its_exit_code(error: BaseException, code: int) -> None:
-    @verb
-    def failing() -> None:
-        raise error
-
-    with pytest.raises(typer.Exit) as end:
-        failing()
-    assert end.value.exit_code == code
+    assert ended_by(error) == code
 
 
 def test_a_failure_is_one_sentence_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:
-    @verb
-    def failing() -> None:
-        raise Refused(Reason.OUT_OF_REACH, "Too far; 35 degrees are allowed.")
-
-    with pytest.raises(typer.Exit):
-        failing()
+    ended_by(Refused(Reason.OUT_OF_REACH, "Too far; 35 degrees are allowed."))
     assert capsys.readouterr() == ("", "Too far; 35 degrees are allowed.\n")
 
 
 def test_a_failure_as_json_is_one_document_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
-    @verb
-    def failing(*, as_json: bool) -> None:
-        raise Refused(Reason.OUT_OF_REACH, f"Too far: {as_json}.")
-
-    with pytest.raises(typer.Exit):
-        failing(as_json=True)
+    ended_by(Refused(Reason.OUT_OF_REACH, "Too far."), "--json")
     out, err = capsys.readouterr()
-    assert json.loads(out) == {"result": False, "reason": "OUT_OF_REACH", "message": "Too far: True."}
+    assert json.loads(out) == {"result": False, "reason": "OUT_OF_REACH", "message": "Too far."}
     assert err == ""
 
 
-def test_a_fault_of_ours_is_not_hidden() -> None:
-    @verb
-    def broken() -> None:
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        broken()
+@pytest.mark.parametrize("error", [ZeroDivisionError(), FileNotFoundError(2, "No such file")])
+def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
+    with pytest.raises(type(error)):
+        ended_by(error)
 
 
-@pytest.mark.parametrize("name", [name for name in app.VERBS if name not in app.PROCESSES])
+@pytest.mark.parametrize(
+    ("words", "wrong"),
+    [
+        (("look", "--yaw", "left"), "left"),
+        (("look", "--nonsense"), "--nonsense"),
+        (("look", "--on", "moon"), "moon"),
+        (("move", "1", "2"), "long"),
+        (("dance",), "dance"),
+        (("up", "--no-sim"), "--hw PORT"),
+        (("up", "--name", "Bea 1"), "bea-1"),
+        (("look", "--who", "Ana"), "'ana'"),
+        (("look", "--name", "a/b"), "a-b"),
+        (("ls", "--connect", "localhost"), "protocol/host:port"),
+        (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
+        (("doctor", "--connect", "http/127.0.0.1:80"), "tcp, udp"),
+        (("sim", "--nonsense"), "--nonsense"),
+        (("hw", "--nonsense"), "--nonsense"),
+    ],
+)
+def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
+    words: tuple[str, ...], wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run([*words, "--json"]) == 2
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert (document["result"], document["reason"], err) == (False, "BAD_VALUE", "")
+    assert wrong.lower() in document["message"].lower()
+
+
+def test_a_file_that_cannot_be_read_is_wrong_usage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "beatrix.toml").write_text('colour = "red"', encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert app.run(["ls"]) == 2
+    assert "colour" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", VERBS)
 def test_every_verb_explains_itself_and_its_units(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as end:
-        app.main([name, "--help"])
-    assert end.value.code == 0
+    assert app.run([name, "--help"]) == 0
     text = capsys.readouterr().out
-    assert "Usage: beatrix" in text
+    assert text.startswith(f"Usage: beatrix {name} [OPTIONS]")
+    assert not set(text) & set("│╭")
     if name in ("look", "move", "info", "echo", "top"):
         assert "egrees" in text
 
 
+def test_stop_does_not_promise_to_choose(capsys: pytest.CaptureFixture[str]) -> None:
+    app.run(["stop", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "every robot. --connect" in text
+    assert "sim or hw alone; else both." in text
+    assert "only one on line" not in text
+
+
+def test_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["--version"]) == 0
+    assert capsys.readouterr().out == f"beatrix {metadata.version('beatrix-zenoh')}\n"
+
+
 def test_help_names_every_verb_in_a_line_that_is_not_cut(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        app.main(["--help"])
+    assert app.run(["--help"]) == 0
     lines = capsys.readouterr().out.partition("Commands:")[2].strip().splitlines()
-    assert [line.split()[0] for line in lines] == list(app.VERBS)
+    assert [line.split()[0] for line in lines] == list(VERBS)
     assert not [line for line in lines if line.endswith("...")]
 
 
-def test_missing_command_line_extra_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_typer(_verbs: object) -> typer.Typer:
-        raise ModuleNotFoundError("No module named 'typer'", name="typer")
+def test_missing_command_line_extra_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "typer", None)
+    monkeypatch.delitem(sys.modules, "beatrix_zenoh.cli.catalogue")
+    assert app.run(["ls"]) == 1
+    assert 'pip install ".[cli]"' in capsys.readouterr().err
 
-    monkeypatch.setattr(app, "build", no_typer)
-    with pytest.raises(SystemExit, match=r'pip install "\.\[cli\]"'):
-        app.main(["ls"])
+
+# -- nobody takes the result: a matter of real processes ------------------------------------------
+
+
+@pytest.mark.parametrize("words", [("--help",), ("doctor",), ("look", "--nonsense", "--json")])
+def test_a_full_disk_is_one_sentence(words: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run([*CLI, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "No space left" in done.stderr
+
+
+@pytest.mark.parametrize("words", [("--help",), ("doctor",), ("look", "--nonsense", "--json")])
+def test_a_reader_who_has_gone_is_no_news(words: tuple[str, ...]) -> None:
+    end, pipe = os.pipe()
+    os.close(end)
+    with open(pipe, "wb") as closed:  # noqa: PTH123 - a number has no path
+        done = subprocess.run([*CLI, *words], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (141, "")
 
 
 def test_table_aligns_numbers_to_the_right_and_words_to_the_left() -> None:
