@@ -40,7 +40,9 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
         show(places, statuses, infos)
         for name, twin in places:
             if (nodes := claims[name, twin]) > 1:
-                say(f"{name} ({twin}): {nodes} nodes serve under this name and all of them obey: end all but one.")
+                say(
+                    f"{name} ({twin}): {nodes} nodes serve under this name and all of them obey: end all but one."
+                )
     else:
         say(f"The router at {endpoint} answers, but no robot is on line. Start a simulation: beatrix sim")
 
