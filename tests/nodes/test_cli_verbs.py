@@ -346,7 +346,9 @@ def test_both_with_one_of_them_missing_moves_nothing(shell: Shell) -> None:
 
 def test_frozen_robot_is_named_by_stop_and_exit_code_four(shell: Shell) -> None:
     unanswered: list[Incoming] = []
-    with zbus.connect(shell.endpoint) as bus:  # a node that is frozen counts as alive for two seconds; this one longer
+    with zbus.connect(
+        shell.endpoint
+    ) as bus:  # a frozen node counts as alive for two seconds; this one longer
         bus.serve(keys.stop("bea3", "hw"), unanswered.append)
         bus.announce(keys.alive("bea3", "hw"))
         done = shell.run("stop", "--name", "bea3")
