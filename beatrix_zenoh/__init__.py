@@ -11,6 +11,7 @@ does while Ctrl-C is not yet in its hands, does not wait for all of them.
 
 from __future__ import annotations
 
+__all__ = ["BeatrixError", "Interrupted", "NoAnswer", "Plan", "Refused", "Robot", "Twin"]
 TYPE_CHECKING = False
 """Type checkers know this name; `typing` would cost a third of the time that is saved."""
 if TYPE_CHECKING:

@@ -25,6 +25,7 @@ WATCH_S = 0.2
 TITLES = {"sim": "simulation", "hw": "hardware"}
 FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
+BOTH = " --on both"
 
 
 def up(
@@ -73,7 +74,9 @@ def up(
                 })  # fmt: skip
             else:
                 say(columns(("what", "where", ""), rows))
-                say(advice(settings.connect, [*([] if ready else FIRST), *NEXT], fleet.folder))
+                both = BOTH if len(served) > 1 else ""
+                first = [] if ready and not both else [verb + both for verb in FIRST]
+                say(advice(settings.connect, [*first, NEXT[0] + both, *NEXT[1:]], fleet.folder))
             stay(fleet)
 
 
