@@ -254,6 +254,15 @@ class Bus:
         callback = Callback(receive, indirect=False)
         self._declared.append(liveliness.declare_subscriber(key, callback, history=True))
 
+    def watch_router(self, handle: Callable[[bool], None]) -> None:
+        """Hear of the router that comes and goes, one already there first: `handle(there)`."""
+
+        def receive(event: zenoh.TransportEvent) -> None:
+            handle(event.kind == zenoh.SampleKind.PUT)
+
+        callback = Callback(receive, indirect=False)
+        self._declared.append(self._session.info.declare_transport_events_listener(callback, history=True))
+
     @property
     def connected(self) -> bool:
         """A router is there."""

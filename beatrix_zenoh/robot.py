@@ -29,6 +29,7 @@ from beatrix_zenoh.settings import resolve
 
 MARGIN_S = 3.0
 """How much longer than announced a motion may take before its end counts as lost."""
+SILENT = "{} did not say that the motion has ended: it is frozen, has gone, or this computer is very busy."
 HOME_S = 60.0
 STREAM_LENGTH = 3000
 """Positions a stream keeps for a slow reader: one minute."""
@@ -71,7 +72,7 @@ class Motion:
             self._robot.stop()
             raise
         if end is None:
-            raise NoAnswer(Reason.TIMED_OUT, f"{self._robot} did not say that the motion has ended.")
+            raise NoAnswer(Reason.TIMED_OUT, SILENT.format(self._robot))
         if not end.result:
             raise Interrupted(end.reason, end.message)
         return end

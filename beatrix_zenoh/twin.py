@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Self
 
@@ -10,7 +11,7 @@ from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuer
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
 from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
-from beatrix_zenoh.robot import MARGIN_S, Motion, Robot, motion_query, pose_query
+from beatrix_zenoh.robot import MARGIN_S, SILENT, Motion, Robot, motion_query, pose_query
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ PREVIEW_S = 10.0
 TURN_S = 0.02
 SAME_DEG = 0.1
 """A microstep is 0.086 deg."""
+
+Start = tuple[ArmAngles, ArmAngles | None]
+"""Set points of simulation and hardware; None if there was no hardware to ask."""
 
 
 class Plan:
@@ -31,7 +35,7 @@ class Plan:
         road: str,
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
-        start: ArmAngles,
+        start: Start,
     ) -> None:
         self._twin, self._road, self._query = twin, road, query
         self._start = start
@@ -51,16 +55,18 @@ class Plan:
         If one of them refuses or is stopped, the other is stopped too.
 
         Raises:
-            Refused: one robot said no, or the simulation has moved since the preview.
+            Refused: one robot said no, or one of them has moved since the preview.
+            NoAnswer: one is not on line.
             Interrupted: one robot ended elsewhere.
         """
         self._settle("committed")
-        now = self._twin.sim.positions().commanded
-        if max(abs(was - is_) for was, is_ in zip(self._start, now, strict=True)) > SAME_DEG:
-            raise Refused(
-                Reason.REPLACED,
-                "The simulation has moved since this preview, so its way is another: preview again.",
-            )
+        now = self._twin.sim.positions().commanded, self._twin.hw.positions().commanded
+        for robot, was, is_ in zip((self._twin.sim, self._twin.hw), self._start, now, strict=True):
+            if was is None or apart(was, is_) > SAME_DEG:
+                what = "was not on line at" if was is None else "has moved since"
+                raise Refused(
+                    Reason.REPLACED, f"{robot} {what} this preview, so its way is another: preview again."
+                )
         self._twin.carry_out(self._road, self._query)
 
     def __repr__(self) -> str:
@@ -155,11 +161,23 @@ class Twin:
 
     def _preview(self, road: str, query: MotionQuery | PoseQuery) -> Plan:
         key = keys.preview(self.name, self.client.settings.who)
-        start = self.sim.positions().commanded
+        start = self._start()
+        if not query.absolute and start[1] is not None and apart(start[0], start[1]) > SAME_DEG:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"The robots stand {apart(start[0], start[1]):.1f} deg apart, so a relative motion would leave them "
+                "apart: bring both to one place first, with home or without relative.",
+            )
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, reply.message)
         return Plan(self, road, query, reply, start)
+
+    def _start(self) -> Start:
+        hardware = None
+        with contextlib.suppress(NoAnswer):  # a preview needs the simulation only; commit will say who is missing
+            hardware = self.hw.positions().commanded
+        return self.sim.positions().commanded, hardware
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
@@ -186,7 +204,8 @@ class Twin:
                     raise Interrupted(end.reason, f"{robot}: {end.message}")
             if all(end is not None for end in ends):
                 return
-        raise NoAnswer(Reason.TIMED_OUT, "One of the robots did not say that the motion has ended.")
+        silent = " and ".join(str(robot) for robot, motion in motions if motion.poll(0) is None)
+        raise NoAnswer(Reason.TIMED_OUT, SILENT.format(silent))
 
     def close(self) -> None:
         """Leave the bus; motions under way are stopped by the robots."""
@@ -197,3 +216,8 @@ class Twin:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def apart(one: ArmAngles, other: ArmAngles) -> float:
+    """Largest difference of one arm, deg."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))

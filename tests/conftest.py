@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import sys
 import threading
@@ -34,6 +35,8 @@ def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
 
 
 sys.addaudithook(refuse_other_networks)
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun with `&` in a script: our programs would be deaf too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True)

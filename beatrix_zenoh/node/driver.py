@@ -271,11 +271,18 @@ class Driver:
     def client_gone(self, session: str) -> None:
         """A client's session has ended: stop what it asked for, free the robot."""
         self._gone.append(session)
-        running = self._running
-        if running is not None and running.asker.session == session:
-            self._cause = Reason.CLIENT_LOST
-            self.stop_motion()
-            self._lease.free()
+        if self._running is not None and self._running.asker.session == session:
+            self._let_go()
+
+    def router_gone(self) -> None:
+        """Nobody can be heard any more, not even STOP: end what runs, whoever asked for it."""
+        if self._running is not None:
+            self._let_go()
+
+    def _let_go(self) -> None:
+        self._cause = Reason.CLIENT_LOST
+        self.stop_motion()
+        self._lease.free()
 
     def client_there(self, session: str) -> None:
         """A client's session has begun, or is back with its router."""

@@ -105,6 +105,7 @@ class Node:
         bus.serve(keys.command(name, twin, "*"), self._command)
         motions.subscribe(keys.arm_target(name, twin, "*"), self._arm_target)
         bus.watch(keys.seat("*", "*"), self._seat)
+        bus.watch_router(self._router)
         reporter = self.reporter
         for key, build in (
             (keys.positions(name, twin), lambda: reporter.positions(count=False)),
@@ -210,6 +211,10 @@ class Node:
         session = key.rpartition("/")[2]
         happened = self.driver.client_there if alive else self.driver.client_gone
         self._mailbox.post_event(lambda: happened(session))
+
+    def _router(self, there: bool) -> None:  # noqa: FBT001
+        if not there:
+            self._mailbox.post_event(self.driver.router_gone)
 
     # -- the board's thread ---------------------------------------------------------------------
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from stage import Stage, until
+from stage import Stage, free_endpoint, ready, until
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.node import Node, Roads
+from hw_node.body import VirtualHardware
 
 GET = """
 import json, sys, zenoh
@@ -19,6 +25,15 @@ with zenoh.open(config) as session:
     payload = sys.argv[3] if len(sys.argv) > 3 else None
     for reply in session.get(sys.argv[2], payload=payload, timeout=8):
         print(reply.ok.payload.to_string())
+"""
+
+BEGIN = """
+import sys, zenoh
+config = zenoh.Config()
+config.insert_json5("mode", '"client"')
+config.insert_json5("connect/endpoints", f'["{sys.argv[1]}"]')
+session = zenoh.open(config)
+list(session.get("beatrix/bea/hw/cmd/me/pose?yaw=2;speed=0.5", timeout=60))
 """
 
 
@@ -54,9 +69,30 @@ def test_a_plain_get_drives_the_robot_from_cold_to_there(stage: Stage) -> None:
 def test_a_client_without_a_token_is_not_stopped_when_it_goes(stage: Stage) -> None:
     robot = stage.robot("bea", "sim", "me")
     until(lambda: robot.status().holder == "", "the pause after a STOP is over", 4.0)
+    ready(robot)
     command = [sys.executable, "-c", GET, stage.endpoint, "beatrix/bea/sim/cmd/me/pose?yaw=0.5;speed=0.5"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL) as program:
         until(lambda: robot.status().moving, "moving", 10.0)
         program.kill()
     assert robot.status().moving, "documented: anybody can stop it"
     robot.stop()
+
+
+def test_without_a_router_nobody_can_stop_it_so_the_robot_does(tmp_path: Path) -> None:
+    program = tmp_path / "begin.py"
+    program.write_text(BEGIN)
+    with Stage() as stage:
+        endpoint = free_endpoint()
+        router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+        router.expect("ready")
+        node = Node(Roads.open(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea"))
+        try:
+            node.make_ready()
+            stage.script(program, endpoint)
+            until(lambda: node.driver.arms()[0] > 0.1, "moving", 10.0)
+            router.end(signal.SIGKILL)
+            until(lambda: not node.reporter.status().moving, "stopped", 2.0)
+            assert 0 < node.driver.arms()[0] < 1.5
+            assert node.driver.holder == ""
+        finally:
+            node.close()

@@ -73,9 +73,35 @@ def test_an_aborted_or_committed_plan_is_used_up(twin: Twin) -> None:
 def test_a_plan_from_where_the_robot_no_longer_is_is_refused(twin: Twin) -> None:
     plan = twin.preview(yaw=10)
     twin.sim.look(yaw=-3, speed=60)
-    with pytest.raises(Refused, match="preview again"):
+    with pytest.raises(Refused, match=r"bea \(sim\) has moved.*preview again"):
         plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
+    twin.sim.home()
+    plan = twin.preview(yaw=10)
+    twin.hw.look(yaw=-3, speed=60)
+    with pytest.raises(Refused, match=r"bea \(hw\) has moved.*preview again"):
+        plan.commit()
+    assert commanded(twin.sim) == (0, 0, 0)
+
+
+def test_a_relative_plan_of_robots_apart_is_refused_an_absolute_one_brings_them_together(twin: Twin) -> None:
+    twin.hw.look(yaw=20, speed=60)
+    with pytest.raises(Refused, match=r"20\.\d deg apart"):
+        twin.preview(yaw=5, relative=True)
+    twin.preview(yaw=5, speed=60).commit()
+    twin.preview(yaw=5, speed=60, relative=True).commit()
+    assert commanded(twin.sim) == commanded(twin.hw)
+
+
+def test_hardware_that_comes_after_the_preview_is_not_driven_by_it() -> None:
+    with Stage() as stage, Twin("late", connect=stage.endpoint, who="ana") as late:
+        stage.simulation("late")
+        late.sim.enable()
+        late.sim.calibrate()
+        plan = late.preview(yaw=5)
+        stage.hardware("late")
+        with pytest.raises(Refused, match=r"late \(hw\) was not on line"):
+            plan.commit()
 
 
 def test_an_impossible_plan_is_refused_before_anything_moves(twin: Twin) -> None:
