@@ -41,7 +41,8 @@ HALF_OPEN = 1000
 """Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
 ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
-PROTOCOLS = ("tcp", "udp", "ws", "tls", "quic")
+PROTOCOLS = ("tcp",)
+"""What is tried here; with others Zenoh waits for ever where nobody answers."""
 STALE_S = 0.02
 """After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
 FOR_EVER_S = 24 * 3600.0
@@ -329,15 +330,16 @@ def probe(endpoint: str) -> None:
     Raises:
         NoAnswer: NO_ROUTER.
     """
-    protocol, host, port = parts(endpoint)
-    if protocol not in ("tcp", "tls"):
-        return  # nothing to knock at before the session itself
+    _, host, port = parts(endpoint)
     try:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
+        start = (
+            "`beatrix router`" if ours(endpoint) else f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
+        )
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"No router at {endpoint} ({error}). Start one with `beatrix router`, or name another with "
+            f"No router at {endpoint} ({error}). Start one with {start}, or name another with "
             "--connect or BEATRIX_CONNECT.",
         ) from error
 
@@ -354,7 +356,7 @@ def parts(endpoint: str) -> tuple[str, str, int]:
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"{quoted(endpoint)} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447; "
-            f"protocols are {', '.join(PROTOCOLS)}.",
+            f"the protocol is {' or '.join(PROTOCOLS)}.",
         )
     return protocol, host.strip("[]"), int(port)
 

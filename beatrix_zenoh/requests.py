@@ -122,6 +122,8 @@ def _parameters(text: str) -> dict[str, str]:
         if "&" in part:
             raise Refused(Reason.BAD_VALUE, f"{quoted(part)}: put ; between parameters, not &.")
         if not name.startswith("_"):  # zenoh's own parameters begin with an underscore
+            if unquote(name) in fields:
+                raise Refused(Reason.BAD_VALUE, f"{quoted(unquote(name))} is given twice: give it once.")
             fields[unquote(name)] = unquote(value)
     return fields
 

@@ -23,7 +23,7 @@ from beatrix_zenoh._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.client import Client, Conversation
-from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
+from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.readings import Reading, reading
 from beatrix_zenoh.settings import resolve
 
@@ -60,7 +60,7 @@ class Motion:
         return self._end
 
     def wait(self) -> MotionReply:
-        """Return when the head is there. Ctrl-C stops the robot.
+        """Return when the head is there. Ctrl-C stops the robot; the KeyboardInterrupt says where.
 
         Raises:
             Interrupted: it ended elsewhere: stopped, replaced, lost.
@@ -68,9 +68,8 @@ class Motion:
         """
         try:
             end = self.poll(self.duration + MARGIN_S)
-        except KeyboardInterrupt:
-            self._robot.stop()
-            raise
+        except KeyboardInterrupt as interrupt:
+            raise KeyboardInterrupt(f"{self._robot}: {self._robot.stop().message}") from interrupt
         if end is None:
             raise NoAnswer(Reason.TIMED_OUT, SILENT.format(self._robot))
         if not end.result:
@@ -105,7 +104,8 @@ class Robot:
     """One robot: `Robot("bea1", twin="sim")`. Use it in a `with` block, or close it.
 
     Args:
-        name: the robot; default BEATRIX_ROBOT, then beatrix.toml, then `user-host`.
+        name: the robot; default BEATRIX_ROBOT, then beatrix.toml, then `user-host`. Whether it is on line shows
+            the first question or motion.
         twin: `sim` or `hw`.
         connect: the router, default BEATRIX_CONNECT or tcp/127.0.0.1:7447.
         who: your seat, default BEATRIX_WHO or the user's name.
@@ -274,20 +274,27 @@ class Robot:
 
 
 def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:
-    """Degrees to a query."""
+    """Degrees to a query; raises WrongUsage if one is no finite number."""
     return PoseQuery(
         absolute=not relative,
-        yaw=math.radians(yaw),
-        pitch=math.radians(pitch),
-        roll=math.radians(roll),
-        speed=None if speed is None else math.radians(speed),
+        yaw=to_rad("yaw", yaw),
+        pitch=to_rad("pitch", pitch),
+        roll=to_rad("roll", roll),
+        speed=None if speed is None else to_rad("speed", speed),
     )
 
 
 def motion_query(
     short: float, middle: float, long: float, *, relative: bool, speed: float | None
 ) -> MotionQuery:
-    """Degrees to a query."""
-    each = None if speed is None else Vector3(*[math.radians(speed)] * 3)
-    position = Vector3(math.radians(short), math.radians(middle), math.radians(long))
+    """Degrees to a query; raises as `pose_query`."""
+    each = None if speed is None else Vector3(*[to_rad("speed", speed)] * 3)
+    position = Vector3(to_rad("short", short), to_rad("middle", middle), to_rad("long", long))
     return MotionQuery(absolute=not relative, position=position, speed=each)
+
+
+def to_rad(what: str, angle: float) -> float:
+    """Degrees, or degrees/s, to rad; raises WrongUsage if it is no finite number."""
+    if not math.isfinite(angle):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle}: give a finite number of degrees.")
+    return math.radians(angle)

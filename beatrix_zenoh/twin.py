@@ -175,7 +175,9 @@ class Twin:
 
     def _start(self) -> Start:
         hardware = None
-        with contextlib.suppress(NoAnswer):  # a preview needs the simulation only; commit will say who is missing
+        with contextlib.suppress(
+            NoAnswer
+        ):  # a preview needs the simulation only; commit will say who is missing
             hardware = self.hw.positions().commanded
         return self.sim.positions().commanded, hardware
 
@@ -188,10 +190,11 @@ class Twin:
             self._wait(begun)
         except BaseException as error:
             # What one robot does not do, the other must not finish; but who was replaced has nothing to stop.
-            replaced = isinstance(error, Interrupted) and error.reason is Reason.REPLACED
-            for robot, motion in [] if replaced else begun:
-                if motion.poll(0) is None:
-                    robot.stop()
+            if isinstance(error, Interrupted) and error.reason is Reason.REPLACED:
+                raise
+            rests = [f"{robot}: {robot.stop().message}" for robot, motion in begun if motion.poll(0) is None]
+            if isinstance(error, KeyboardInterrupt):
+                raise KeyboardInterrupt("\n".join(rests)) from error
             raise
 
     @staticmethod

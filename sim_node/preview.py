@@ -24,12 +24,12 @@ from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import Interrupted, Refused
-from beatrix_zenoh.node.body import Preview
+from beatrix_zenoh.node.body import PREVIEW_MAX_S, Preview
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
 
-LONGEST_MS: Final = 60_000
-"""Longest motion that is tried (simulated ms)."""
+LONGEST_MS: Final = round(PREVIEW_MAX_S * 1000)
+"""Longest motion that is tried (simulated ms), should the firmware take longer than was computed."""
 SAMPLES_MAX: Final = 300
 """Then every second sample is dropped and the rest go on at half the rate."""
 _SAMPLE_MS: Final = 20

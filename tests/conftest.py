@@ -35,7 +35,9 @@ def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
 
 
 sys.addaudithook(refuse_other_networks)
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun with `&` in a script: our programs would be deaf too
+if (
+    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):  # begun with `&` in a script: our programs would be deaf too
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

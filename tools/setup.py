@@ -76,6 +76,11 @@ def see_to_debian_packages(purpose: str) -> None:
         sys.exit("Debian packages could not be installed; apt-get says why above.")
 
 
+def python() -> str:
+    """The Python .venv is made with."""
+    return f"{sys.implementation.name} {sys.version.split()[0]} {Path(sys.executable).resolve()}"
+
+
 def digest() -> str:
     """Of everything that decides what is in .venv."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -91,20 +96,20 @@ def requirements(purpose: str) -> list[str]:
     return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS}]", *group]
 
 
-def install_with_uv(purpose: str) -> bool:
+def install_with_uv(purpose: str, *, anew: bool) -> bool:
     """Fill .venv with uv; False where uv is missing or cannot reach its packages."""
     if not works(["uv", "--version"]):
         return False
-    return run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)]) and run(
-        ["uv", "pip", "install", "--python", str(PYTHON), *requirements(purpose)]
-    )
+    made = not anew or run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)])
+    return made and run(["uv", "pip", "install", "--python", str(PYTHON), *requirements(purpose)])
 
 
-def install_with_pip(purpose: str) -> None:
+def install_with_pip(purpose: str, *, anew: bool) -> None:
     """Fill .venv with Python's own tools, or say why not and stop."""
     if not works([sys.executable, "-c", "import ensurepip"]):
         see_to_debian_packages("venv")
-    if not run([sys.executable, "-m", "venv", "--clear", str(VENV)]):
+    clear = ["--clear"] if anew else []
+    if not run([sys.executable, "-m", "venv", *clear, str(VENV)]):
         sys.exit("Python could not make .venv; it says why above.")
     if not run([str(PYTHON), "-m", "pip", "install", *requirements(purpose)]):
         sys.exit("pip could not install what BEATRIX needs; it says why above. Is this computer on line?")
@@ -116,9 +121,14 @@ def make_venv(purpose: str) -> None:
     made = json.loads(stamp.read_text(encoding="utf-8")) if stamp.exists() else {}
     if made.get("digest") == digest() and purpose in (made["purpose"], "demo"):
         return
-    if not install_with_uv(purpose):
-        install_with_pip(purpose)
-    stamp.write_text(json.dumps({"digest": digest(), "purpose": purpose}), encoding="utf-8")
+    # A whole .venv of this Python is completed, not made anew: robots may be running from it.
+    anew = made.get("python") != python()
+    stamp.unlink(missing_ok=True)
+    if not install_with_uv(purpose, anew=anew):
+        install_with_pip(purpose, anew=anew)
+    stamp.write_text(
+        json.dumps({"digest": digest(), "purpose": purpose, "python": python()}), encoding="utf-8"
+    )
 
 
 def main() -> int:

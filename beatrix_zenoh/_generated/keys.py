@@ -133,7 +133,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "",
         ("hw", "sim"),
-        "Liveliness token of a client: when it goes, the motions it asked for are stopped.",
+        "Liveliness token of a client: when it goes, the motion it asked for is stopped. It asked for those queries whose source info names this session (zenoh id); a client that does not say so has none, and its motion ends by itself, by STOP, or with the router.",
     ),
 }
 
@@ -209,7 +209,7 @@ def claim(robot: str, twin: str, session: str) -> str:
 
 
 def seat(who: str, session: str) -> str:
-    """Liveliness token of a client: when it goes, the motions it asked for are stopped."""
+    """Liveliness token of a client: when it goes, the motion it asked for is stopped. It asked for those queries whose source info names this session (zenoh id); a client that does not say so has none, and its motion ends by itself, by STOP, or with the router."""
     return f"beatrix/@seat/{who}/{session}"
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "ebb02960"
+CONTRACT: Final = "d968c32e"
 """Hash of messages and keys."""
 
 

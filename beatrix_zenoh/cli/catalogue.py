@@ -40,7 +40,8 @@ SETTINGS: dict[str, dict[str, object]] = {
 }
 HELP = """BEATRIX, the humanoid head: simulation, robot, or both. All angles are degrees.
 
-`beatrix VERB --help` explains a verb. Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 nobody answered, 4 timed out.
+`beatrix VERB --help` explains a verb. Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 nobody answered, 4 timed out,
+130 ended by Ctrl-C, 141 the reader of its output has gone.
 """
 
 

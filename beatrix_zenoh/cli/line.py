@@ -56,7 +56,7 @@ def on_line(where: Where, which: Which | None) -> Iterator[Line]:
         name = settings.robot
         if not named(where, settings) and not any(robot == name for robot, _ in present):
             name = only_one(present, client.bus.endpoint)
-            note(f"Robot {name}, the only one on line.")
+            note(f"Robot {name}, the only name on line.")
         yield Line(client, name, choose(name, which, present, client.bus.endpoint))
 
 

@@ -9,11 +9,11 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.cli.line import Line, Where, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.unattended import hand_over
-from beatrix_zenoh.cli.verb import document, note, say
+from beatrix_zenoh.cli.verb import document, note, refusal, say
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.readings import Reading
 from beatrix_zenoh.robot import Robot, motion_query, pose_query
@@ -106,10 +106,10 @@ def carry_out(
             say(f"{robots[0]}: {sentence}")
             return
     elif len(robots) > 1:
-        with stopping(robots):
+        with stopping(robots, as_json=as_json):
             commit(line, preview)
     else:
-        with stopping(robots):
+        with stopping(robots, as_json=as_json):
             robots[0].begin(road, query).wait()
     announce(robots, as_json=as_json)
 
@@ -124,15 +124,26 @@ def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
 
 
 @contextlib.contextmanager
-def stopping(robots: list[Robot]) -> Iterator[None]:
-    """Ctrl-C in here stops the robots, whatever they are doing."""
+def stopping(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
+    """Ctrl-C in here stops the robots, whatever they are doing, and says where they rest."""
     try:
         yield
-    except KeyboardInterrupt:
-        for robot in robots:
-            with contextlib.suppress(BeatrixError):  # what has gone, moves no more
-                note(f"{robot}: {robot.stop().message}")
+    except KeyboardInterrupt as interrupt:
+        told = str(interrupt) or "\n".join(
+            rests(robots)
+        )  # empty: it came when nobody was waiting for a motion
+        if as_json:
+            refusal(Reason.STOPPED, told)
+        else:
+            note(told)
         raise
+
+
+def rests(robots: list[Robot]) -> Iterator[str]:
+    """Stop them all; what each says."""
+    for robot in robots:
+        with contextlib.suppress(BeatrixError):  # what has gone, moves no more
+            yield f"{robot}: {robot.stop().message}"
 
 
 def announce(robots: list[Robot], *, as_json: bool) -> None:
@@ -150,6 +161,6 @@ def where(robot: Robot, reading: Reading) -> Mapping[str, object]:
     return {
         "robot": robot.name,
         "on": robot.twin,
-        "head_deg": {axis: round(angle, 3) for axis, angle in reading.head._asdict().items()},
-        "arms_deg": {arm: round(angle, 3) for arm, angle in reading.arms._asdict().items()},
+        "head_deg": {axis: round(angle, 3) + 0.0 for axis, angle in reading.head._asdict().items()},
+        "arms_deg": {arm: round(angle, 3) + 0.0 for arm, angle in reading.arms._asdict().items()},
     }

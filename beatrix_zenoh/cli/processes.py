@@ -53,18 +53,15 @@ class Child:
     @property
     def ready(self) -> bool:
         """It has said that it serves."""
-        return any(line.startswith("ready ") for line in self._lines())
+        return any(line.startswith("ready ") for line in self.lines())
 
     @property
     def code(self) -> int | None:
         """Exit code, None while it runs."""
         return self._process.poll()
 
-    def last_words(self) -> str:
-        """What it wrote last, to tell why it failed."""
-        return "\n".join(f"  {line}" for line in self._lines()[-LAST_WORDS:])
-
-    def _lines(self) -> list[str]:
+    def lines(self) -> list[str]:
+        """What it has written."""
         return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
 
     def end(self) -> None:
@@ -82,7 +79,7 @@ class Child:
 class Fleet:
     """Children that live as long as a `with` block; the last one started ends first.
 
-    What they write goes to a folder that is deleted with them, unless one has failed.
+    What they write goes to a folder that is deleted with them, unless one has failed and written more than is shown.
     """
 
     def __init__(self) -> None:
@@ -125,9 +122,13 @@ class Fleet:
                 )
 
     def _words_of(self, child: Child) -> str:
-        """What a child that failed wrote last, and where the rest is from now on."""
+        """What a child that failed wrote last, and where the rest is from now on, if there is more."""
+        lines = child.lines()
+        shown = "\n".join(f"  {line}" for line in lines[-LAST_WORDS:])
+        if len(lines) <= LAST_WORDS:
+            return f"It says:\n{shown}" if lines else "It has said nothing."
         self._kept = True
-        return f"Its last words:\n{child.last_words()}\nAll it wrote is in {child.log}."
+        return f"Its last words:\n{shown}\nAll it wrote is in {child.log}."
 
     def end(self) -> None:
         """End all, the last one started first."""

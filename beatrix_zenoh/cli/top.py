@@ -157,9 +157,11 @@ def as_dict(row: Row) -> dict[str, object]:
         "robot": row.place[0],
         "on": row.place[1],
         "state": row.state,
-        "head_deg": None if row.head is None else row.head._asdict(),
+        "head_deg": None
+        if row.head is None
+        else {axis: round(angle, 3) + 0.0 for axis, angle in row.head._asdict().items()},
         "hz": round(row.hz, 2),
-        "silent_s": row.silent_s,
+        "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
         "driver": row.driver,
         "warnings": row.troubles,
     }

@@ -5,15 +5,15 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.listing import states, troubles
+from beatrix_zenoh._generated.messages import Reason, Status
+from beatrix_zenoh.cli.listing import state, states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, OwnName
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
@@ -49,35 +49,75 @@ def up(
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
     with heard(), Fleet() as fleet:
-        rows = [("router", settings.connect, start_router(fleet, settings.connect))]
-        where = ("--name", settings.robot, "--connect", settings.connect)
-        served = {}
-        if not no_sim:
-            fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))
-            served["sim"] = "ready" if ready else "motors off"
-        if hw is not None:
-            fleet.start(TITLES["hw"], "hw", *where, "--port", hw)
-            served["hw"] = hw
-        fleet.wait_ready()
-        wrong = amiss(settings)
-        for twin, how in served.items():
-            rows.append((TITLES[twin], settings.robot, ": ".join(filter(None, (how, wrong.get(twin))))))
+        router = start_router(fleet, settings.connect)
+        served = start_robots(fleet, settings, hw, sim=not no_sim, ready=ready)
+        with zbus.connect(settings.connect, label=settings.who) as bus:
+            found = states(bus)
+        own = {twin: found.get((settings.robot, twin)) for twin in served}
         with until_told():
             if as_json:
-                document({
-                    "result": True,
-                    "endpoint": settings.connect,
-                    "robot": settings.robot,
-                    "running": [child.title for child in fleet.children],
-                    "warnings": [f"{TITLES[twin]}: {wrong[twin]}" for twin in served if wrong.get(twin)],
-                    "logs": str(fleet.folder),
-                })  # fmt: skip
+                tell_json(fleet, settings, own)
             else:
-                say(columns(("what", "where", ""), rows))
-                both = BOTH if len(served) > 1 else ""
-                first = [] if ready and not both else [verb + both for verb in FIRST]
-                say(advice(settings.connect, [*first, NEXT[0] + both, *NEXT[1:]], fleet.folder))
+                tell(settings.connect, router, settings.robot, served, own)
+                crowded = any(robot != settings.robot for robot, _ in found)
+                name_them = f" --name {settings.robot}" if crowded else ""
+                say(advice(settings.connect, verbs(name_them, len(served), ready=ready), fleet.folder))
             stay(fleet)
+
+
+def start_robots(
+    fleet: Fleet, settings: Settings, port: str | None, *, sim: bool, ready: bool
+) -> dict[str, str]:
+    """Start simulation and robot, wait until they serve; twin and what its body is."""
+    where = ("--name", settings.robot, "--connect", settings.connect)
+    served = {}
+    if sim:
+        fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))
+        served["sim"] = "MuJoCo"
+    if port is not None:
+        fleet.start(TITLES["hw"], "hw", *where, "--port", port)
+        served["hw"] = port
+    fleet.wait_ready()
+    return served
+
+
+def tell_json(fleet: Fleet, settings: Settings, own: Mapping[str, Status | None]) -> None:
+    """What runs, as JSON."""
+    document({
+        "result": True,
+        "endpoint": settings.connect,
+        "robot": settings.robot,
+        "running": [child.title for child in fleet.children],
+        "warnings": warnings(own),
+        "logs": str(fleet.folder),
+    })  # fmt: skip
+
+
+def tell(
+    endpoint: str, router: str, robot: str, served: Mapping[str, str], own: Mapping[str, Status | None]
+) -> None:
+    """What runs, for people, and below it what is wrong."""
+    rows = [("router", "", endpoint, router)]
+    for twin, where in served.items():
+        status = own[twin]
+        rows.append((TITLES[twin], robot, where, "does not answer" if status is None else state(status)))
+    say(columns(("what", "name", "where", "state"), rows))
+    for line in warnings(own):
+        say(line)
+
+
+def warnings(own: Mapping[str, Status | None]) -> list[str]:
+    """What a person should know, a line for each robot concerned."""
+    return [
+        f"{TITLES[twin]}: {' '.join(found)}" for twin, status in own.items() if (found := troubles(status))
+    ]
+
+
+def verbs(name_them: str, robots: int, *, ready: bool) -> list[str]:
+    """What to type next."""
+    both = BOTH if robots > 1 else ""
+    first = [] if ready and not both else [verb + name_them + both for verb in FIRST]
+    return [*first, NEXT[0] + name_them + both, NEXT[1], NEXT[2] + name_them]
 
 
 def start_router(fleet: Fleet, endpoint: str) -> str:
@@ -107,13 +147,6 @@ def answers(endpoint: str) -> bool:
     except NoAnswer:
         return False
     return True
-
-
-def amiss(settings: Settings) -> dict[str, str]:
-    """What is wrong with the robots of this name, by twin."""
-    with zbus.connect(settings.connect, label=settings.who) as bus:
-        found = states(bus)
-    return {twin: " ".join(troubles(found[name, twin])) for name, twin in found if name == settings.robot}
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:

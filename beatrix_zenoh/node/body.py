@@ -10,6 +10,9 @@ from beatrix_zenoh._generated.serial import Move, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.drive import Arms
 
+PREVIEW_MAX_S = 60.0
+"""Longest motion that is tried."""
+
 
 @dataclass(frozen=True)
 class Pose:

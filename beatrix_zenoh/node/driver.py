@@ -136,12 +136,12 @@ class Driver:
             )
         if telemetry.state & State.EMERGENCY:
             raise Refused(
-                Reason.NOT_ENABLED, "EMERGENCY_STOP is latched: ENABLE, set the head upright, CALIBRATE."
+                Reason.NOT_ENABLED, "The emergency stop is latched: enable, set the head upright, calibrate."
             )
         if not telemetry.state & State.ENABLED:
-            raise Refused(Reason.NOT_ENABLED, "The motors are off: ENABLE, set the head upright, CALIBRATE.")
+            raise Refused(Reason.NOT_ENABLED, "The motors are off: enable, set the head upright, calibrate.")
         if not telemetry.state & State.CALIBRATED:
-            raise Refused(Reason.NOT_CALIBRATED, "Home is not known: set the head upright, then CALIBRATE.")
+            raise Refused(Reason.NOT_CALIBRATED, "Home is not known: set the head upright, then calibrate.")
         return telemetry
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
@@ -220,15 +220,15 @@ class Driver:
             return "Motors off; home is forgotten."
         telemetry = self._board.telemetry
         known = telemetry is not None and telemetry.state & State.CALIBRATED
-        return "Motors on; home is known." if known else "Motors on; set the head upright, then CALIBRATE."
+        return "Motors on; home is known." if known else "Motors on; set the head upright, then calibrate."
 
     def _calibrate(self, who: str) -> str:
         self._lease.check(who, time.monotonic())
         telemetry = self._board.telemetry
         if telemetry is not None and telemetry.state & State.MOVING:
-            raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or STOP, then CALIBRATE.")
+            raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
         if telemetry is not None and not telemetry.state & State.ENABLED:
-            raise Refused(Reason.NOT_ENABLED, "The motors are off: ENABLE first, then CALIBRATE.")
+            raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
         self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
         self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
@@ -313,7 +313,7 @@ class Driver:
     def _at_rest(self, how: str) -> str:
         telemetry = self._board.telemetry
         if telemetry is not None and telemetry.state & State.EMERGENCY:
-            return "Motors off, latched until ENABLE; home is forgotten."
+            return "Motors off, latched until enabled; home is forgotten."
         return f"{how}; the arms rest at {degrees(self.arms())}."
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:

@@ -8,7 +8,7 @@ from beatrix_zenoh import requests, threads
 from beatrix_zenoh._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.node.answers import Asker, preview_refused
-from beatrix_zenoh.node.body import Body, Preview
+from beatrix_zenoh.node.body import PREVIEW_MAX_S, Body, Preview
 from beatrix_zenoh.node.course import Course, vector
 from beatrix_zenoh.node.driver import Driver
 from beatrix_zenoh.requests import Wording
@@ -45,6 +45,12 @@ class Previewer:
     def _look(self, wording: Wording) -> Preview:
         query = requests.read_motion_or_pose(wording)
         goal = self._course.goal(query, self._driver.ready_telemetry())
+        if goal.duration > PREVIEW_MAX_S:
+            raise Refused(
+                Reason.TIMED_OUT,
+                f"This motion takes {goal.duration:.0f} s and a preview looks {PREVIEW_MAX_S:.0f} s ahead: ask for a "
+                "higher speed or a shorter way.",
+            )
         preview = self._body.preview(goal.frame(0))
         if preview is None:
             raise Refused(Reason.FAULT, "This robot has no copy to try a motion on: ask its simulation.")

@@ -242,7 +242,7 @@ def test_home_turns_all_arms_to_zero(shell: Shell) -> None:
 def test_motors_are_switched_and_home_is_declared(shell: Shell) -> None:
     assert "home is forgotten" in shell.good("disable", "--on", "hw")
     refused = shell.run("look", "--yaw", "5", "--on", "hw")
-    assert (refused.returncode, "ENABLE" in refused.stderr) == (1, True)
+    assert (refused.returncode, "enable" in refused.stderr) == (1, True)
     shell.good("enable", "--on", "hw")
     assert shell.json("calibrate", "--on", "hw")["result"] is True
     shell.good("look", "--yaw", "5", "--on", "hw", "--speed", "80")
@@ -260,6 +260,12 @@ def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
     assert (document["result"], document["reason"], done.stderr) == (False, "OUT_OF_REACH", "")
 
 
+def test_an_angle_that_is_no_number_is_wrong_usage(shell: Shell) -> None:
+    done = shell.run("look", "--yaw", "nan")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "yaw is nan: give a finite number of degrees" in done.stderr
+
+
 def test_interrupted_look_stops_the_robot(free: Shell) -> None:
     with free.robot("hw") as robot:
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
@@ -267,9 +273,20 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=10)
         assert look.returncode == 130
-        assert "rest at" in output
+        assert "(hw): Stopped; the arms rest at" in output
         assert not robot.status().moving
         assert yaw_deg(robot) < 90
+
+
+def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
+        until(lambda: robot.status().moving, "the motion begins")
+        look.send_signal(signal.SIGINT)
+        output, _ = look.communicate(timeout=10)
+        document = json.loads(output.splitlines()[-1])
+        assert (look.returncode, document["result"], document["reason"]) == (130, False, "STOPPED")
+        assert "Stopped; the arms rest at" in document["message"]
 
 
 def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
@@ -281,8 +298,10 @@ def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
         )
         assert look.poll() is None, look.communicate()
         look.send_signal(signal.SIGINT)
-        look.communicate(timeout=10)
+        output, _ = look.communicate(timeout=10)
         assert look.returncode == 130
+        assert "(sim): Stopped;" in output
+        assert "(hw): Stopped;" in output
         assert not hardware.status().moving
         assert not simulation.status().moving
 

@@ -84,7 +84,7 @@ def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
         (("look", "--name", "a/b"), "a-b"),
         (("ls", "--connect", "localhost"), "protocol/host:port"),
         (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
-        (("doctor", "--connect", "http/127.0.0.1:80"), "tcp, udp"),
+        (("doctor", "--connect", "http/127.0.0.1:80"), "protocol is tcp"),
         (("sim", "--nonsense"), "--nonsense"),
         (("hw", "--nonsense"), "--nonsense"),
     ],

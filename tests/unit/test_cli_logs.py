@@ -13,7 +13,7 @@ from stage import until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli import logs
+from beatrix_zenoh.cli import logs, processes
 from beatrix_zenoh.cli.processes import Fleet
 
 
@@ -66,7 +66,16 @@ def test_folder_goes_when_no_child_is_to_blame(temporary: Path, error: type[Base
     assert not list(temporary.iterdir())
 
 
-def test_folder_stays_when_a_child_failed_and_is_named(temporary: Path) -> None:
+def test_folder_goes_if_all_that_a_failed_child_wrote_was_shown(temporary: Path) -> None:
+    with pytest.raises(Refused, match="No such option: --nonsense"), Fleet() as fleet:
+        fails(fleet)
+    assert not list(temporary.iterdir())
+
+
+def test_folder_stays_when_a_child_failed_and_wrote_more_than_is_shown(
+    temporary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "LAST_WORDS", 1)
     with pytest.raises(Refused) as failure, Fleet() as fleet:
         fails(fleet)
     (folder,) = temporary.iterdir()

@@ -124,6 +124,11 @@ def test_plain_words_do_not_say_what_a_preview_means() -> None:
         requests.read_motion_or_pose(Wording(b"1 2 3", "", ""))
 
 
+def test_a_parameter_given_twice_is_refused() -> None:
+    with pytest.raises(Refused, match="'command' is given twice"):
+        requests.read(Wording(b"", "", "command=enable;command=stop"), CommandQuery)
+
+
 def test_percent_codes_in_parameters_are_decoded() -> None:
     assert requests.read(Wording(b"", "", "command=enable;value=%6Fn"), CommandQuery).value
 
