@@ -57,7 +57,7 @@ class Simulation:
     def _step(self) -> None:
         with self._board.lock:
             self._board.advance(TIMESTEP_MS)
-            pulses, drivers_on = self._firmware.pulses(), self._firmware.drivers_on()
+            pulses, drivers_on = self._firmware.outputs()
         self._plant.step(pulses, drivers_on=drivers_on)
 
     def pose(self, telemetry: Telemetry) -> Pose:  # noqa: ARG002

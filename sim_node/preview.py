@@ -98,7 +98,8 @@ class _Run:
         tilt_max, gap_min = self._tilt_max, self._gap_min
         for _ in range(_CHUNK_MS // TIMESTEP_MS):
             firmware.tick(TIMESTEP_MS)
-            plant.step(firmware.pulses(), drivers_on=firmware.drivers_on())
+            pulses, drivers_on = firmware.outputs()
+            plant.step(pulses, drivers_on=drivers_on)
             tilt_max = max(tilt_max, plant.tilt())
             gap_min = min(gap_min, plant.gap())
         self._tilt_max, self._gap_min = tilt_max, gap_min

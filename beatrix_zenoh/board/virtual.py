@@ -68,7 +68,9 @@ class Firmware:
         self._receive_at: int = self._call("receive_buffer")
         self._receive_size: int = self._call("receive_size")
         self._transmit_at: int = self._call("transmit_buffer")
-        self._report_at: int = self._call("report_buffer")
+        report_at: int = self._call("report_buffer")
+        # A view made once, for a simulation reads it 500 times a second. The memory never moves: the firmware has no heap.
+        self._report_view = self._memory.get_buffer_ptr(self._store, _REPORT.size, report_at)
         self._memory.write(
             self._store, name.encode("ascii").ljust(_NAME_SIZE, b"\0"), self._call("name_buffer")
         )
@@ -114,6 +116,12 @@ class Firmware:
         x, y, z = (end / (1 << 26) for end in self._report()[3:6])
         return x, y, z
 
+    def outputs(self) -> tuple[tuple[int, int, int], bool]:
+        """`pulses` and `drivers_on` in one."""
+        report = self._report()
+        x, y, z = report[9:12]
+        return (x, y, z), bool(report[12])
+
     def drivers_on(self) -> bool:
         """Say whether the motors hold."""
         return bool(self._report()[12])
@@ -133,7 +141,7 @@ class Firmware:
         return result
 
     def _report(self) -> tuple[int, ...]:
-        return _REPORT.unpack(self._memory.read(self._store, self._report_at, self._report_at + _REPORT.size))
+        return _REPORT.unpack_from(self._report_view)
 
     def _drain(self) -> None:
         length = self._report()[13]
