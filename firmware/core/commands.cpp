@@ -121,9 +121,11 @@ void Machine::emergency_stop() {
 }
 
 void Machine::switch_off(Outcome why) {
-  hal::drivers(false);
   TickHeld held;
-  motion_.abort(why);
+  hal::drivers(false);
+  int16_t unmade[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) unmade[i] = hal::unmade(i);
+  motion_.abort(why, unmade);
   if (enabled_) forget_home();
   enabled_ = false;
 }

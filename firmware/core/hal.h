@@ -34,6 +34,8 @@ void send(const uint8_t *bytes, uint8_t count);
 
 // Motor drivers on or off. Off takes effect before it returns and throws away steps not made yet.
 void drivers(bool on);
+// How many steps of an arm the last drivers(false) threw away: forward minus backward.
+int16_t unmade(uint8_t arm);
 
 // How often the board was started, this time included.
 uint32_t boot_number();

@@ -63,11 +63,11 @@ void Motion::brake(Outcome why) {
   why_ = why;
 }
 
-void Motion::abort(Outcome why) {
+void Motion::abort(Outcome why, const int16_t unmade[ARMS]) {
+  for (uint8_t i = 0; i < ARMS; i++) axes_[i].place(axes_[i].steps() - unmade[i]);
   if (!moving_) return;
   moving_ = braking_ = false;
   outcome_ = why;
-  for (uint8_t i = 0; i < ARMS; i++) axes_[i].settle();
 }
 
 void Motion::zero() {

@@ -30,8 +30,8 @@ class Motion {
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.
   void brake(Outcome why);
-  // Rest at once, where the last steps went: the drivers are off.
-  void abort(Outcome why);
+  // Rest at once, where the last steps went: the drivers are off, and some steps were not made.
+  void abort(Outcome why, const int16_t unmade[ARMS]);
   // At rest only: the present position becomes home.
   void zero();
   void tick();
