@@ -40,6 +40,7 @@ class Machine {
   void send(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size);
   void send_hello(uint8_t seq);
   uint8_t state() const;
+  bool has_news() const;
   Telemetry observe() const;
 
   Receiver receiver_;

@@ -4,35 +4,55 @@
 namespace beatrix {
 
 static const uint8_t RATIO_BITS = 32;
-static const int64_t SLOWEST_RATIO = int64_t(1) << (RATIO_BITS - 4);
+static const uint64_t WHOLE = uint64_t(1) << RATIO_BITS;
+static const uint64_t SLOWEST_RATIO = WHOLE >> 4;
 
 static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
 
-static Fine scaled(Fine value, int64_t ratio) { return (value >> 16) * ratio >> (RATIO_BITS - 16); }
+// part / whole in 32 binary places, part <= whole < 2^31: digit by digit, a fifth of what a 64-bit division takes on an AVR.
+static uint64_t ratio_of(uint32_t part, uint32_t whole) {
+  if (part == whole) return WHOLE;
+  uint32_t ratio = 0;
+  for (uint8_t i = 0; i < RATIO_BITS; i++) {
+    part <<= 1;
+    ratio <<= 1;
+    if (part >= whole) {
+      part -= whole;
+      ratio |= 1;
+    }
+  }
+  return ratio;
+}
+
+static Fine scaled(const Fine &value, uint64_t ratio) {
+  if (ratio == WHOLE) return value;
+  return Fine(int64_t((uint64_t(value.whole()) >> 16) * ratio >> (RATIO_BITS - 16)));
+}
 
 void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
   for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
   *resting = !moving_;
 }
 
-static Ramp straight_ramp(Fine top, Fine acceleration, int64_t ratio, bool resting) {
-  if (resting && ratio) return make_ramp(scaled(top, ratio), scaled(acceleration, ratio));
-  // In motion an arm may have to turn back, however little it has to do: it must not crawl.
-  return make_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), acceleration);
-}
-
 Plan Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting) const {
   uint32_t most = 1;
   for (uint8_t i = 0; i < ARMS; i++) most = todo[i] > most ? todo[i] : most;
   Fine acceleration = from_q26(limits.acceleration);
+  Fine top = from_quarters(move.speed[0]);
+  uint32_t ticks = ticks_to_rest(top, acceleration);
   Plan plan;
   for (uint8_t i = 0; i < ARMS; i++) {
     plan.target[i] = move.target[i];
-    if (move.flags & MOVE_STRAIGHT) {
-      int64_t ratio = int64_t((uint64_t(todo[i]) << RATIO_BITS) / most);
-      plan.ramp[i] = straight_ramp(from_quarters(move.speed[0]), acceleration, ratio, resting);
-    } else {
+    if (!(move.flags & MOVE_STRAIGHT)) {
       plan.ramp[i] = make_ramp(from_quarters(move.speed[i]), acceleration);
+      continue;
+    }
+    uint64_t ratio = ratio_of(todo[i], most);
+    if (resting && ratio) {
+      plan.ramp[i] = make_ramp(scaled(top, ratio), scaled(acceleration, ratio), ticks);
+    } else {
+      // In motion an arm may have to turn back, however little it has to do: it must not crawl.
+      plan.ramp[i] = make_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), acceleration);
     }
   }
   return plan;

@@ -13,7 +13,7 @@ struct Limits {
 
 // Where a motion goes and how: what start() needs, worked out beforehand with all divisions.
 struct Plan {
-  int32_t target[ARMS];
+  int32_t target[ARMS] = {};
   Ramp ramp[ARMS];
 };
 

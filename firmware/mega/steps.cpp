@@ -34,13 +34,13 @@ bool powered = false;
 inline bool before(uint16_t a, uint16_t b) { return int16_t(a - b) < 0; }
 
 template <uint8_t ARM>
-inline void schedule(uint16_t when) {
+inline __attribute__((always_inline)) void schedule(uint16_t when) {
   uint16_t soon = uint16_t(TCNT1 + SOON);
   Wires<ARM>::match() = before(when, soon) ? soon : when;
 }
 
 template <uint8_t ARM>
-inline void turn(bool forward) {
+inline __attribute__((always_inline)) void turn(bool forward) {
   queues[ARM].forward = forward;
   if (forward) {
     Wires<ARM>::forward();
@@ -50,7 +50,7 @@ inline void turn(bool forward) {
 }
 
 template <uint8_t ARM>
-inline void begin_next() {
+inline __attribute__((always_inline)) void begin_next() {
   volatile Queue &queue = queues[ARM];
   turn<ARM>(queue.next.forward);
   queue.interval = queue.next.interval;

@@ -13,12 +13,12 @@ namespace {
 const uint8_t WAY_BITS = 24;  // the way of a tick in 32 bits: up to 256 steps
 const uint32_t WAY_ONE = uint32_t(1) << WAY_BITS;
 
-uint32_t to_way(Fine value) { return uint32_t(uint64_t(value) >> (FINE_BITS - WAY_BITS)); }
+uint32_t to_way(const Fine &value) { return uint32_t(value.high) << (WAY_BITS - 8) | value.low >> (40 - WAY_BITS); }
 
 // From start to the first whole number on the way; nothing if it has just turned round between two.
-uint32_t way_to_first(Fine start, int32_t before, bool forward) {
+uint32_t way_to_first(const Fine &start, int32_t before, bool forward) {
   if ((floor_steps(start) == before) == forward) return 0;
-  return to_way(forward ? -start : start) & (WAY_ONE - 1);
+  return (forward ? -to_way(start) : to_way(start)) & (WAY_ONE - 1);
 }
 
 // 65536 * part / whole in whole numbers; at most 65535.
@@ -49,9 +49,9 @@ bool make_train(const Axis &axis, int32_t before, uint16_t begin, Train *train) 
   int8_t steps = int8_t(axis.steps() - before);
   if (!steps) return false;
   bool forward = steps > 0;
-  Fine start = axis.start();
-  uint32_t way = to_way(forward ? axis.end() - start : start - axis.end());
-  uint32_t first = way_to_first(start, before, forward);
+  uint32_t way = to_way(axis.end()) - to_way(axis.start());
+  if (!forward) way = -way;
+  uint32_t first = way_to_first(axis.start(), before, forward);
   train->forward = forward;
   train->count = uint8_t(forward ? steps : -steps);
   if (train->count == 1) {
