@@ -189,8 +189,7 @@ Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
   int64_t rest = speed.whole() - ticks * slower_by;
   for (; rest < 0; ticks--) rest += slower_by;
   for (; rest >= slower_by; ticks++) rest -= slower_by;
-  int64_t n = ticks;
-  return Fine(slower_by * (n * (n + 1) / 2) + (n + 1) * rest);
+  return Fine(((int64_t(ticks) + 1) * (speed.whole() + rest)) >> 1);  // the mean of first and last, as often as there are
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {
@@ -562,7 +561,7 @@ class Receiver {
 //   machine.start()         once after reset, before interrupts are on;
 //   machine.receive(byte)   from its main loop, for every byte that came, while room() >= REPLY_ROOM: replies are
 //                           written at once and must never be dropped; bytes wait in the body's receive buffer;
-//   machine.poll()          from its main loop, at least once per millisecond or after every interrupt that woke it;
+//   machine.poll()          from its main loop, once per millisecond;
 //   machine.tick()          every millisecond, from a timer interrupt; after it, motion().axis(i).start(), .end() and
 //                           .steps() say where each arm's set point began and ended this millisecond (exact, Q40) and
 //                           how many steps are made by its end. A step belongs to the moment the set point leaves the
@@ -694,6 +693,7 @@ class Motion {
   Outcome outcome() const { return outcome_; }
 
  private:
+  bool can_follow(const Plan &plan) const;
   void follow(const Plan &plan);
   void brake_all();
   void finish();
@@ -733,8 +733,9 @@ class Machine {
  private:
   void answer();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
-  Error move(const uint8_t *payload);
+  Error check_move(const uint8_t *payload) const;
   Error check(const Move &move) const;
+  void move(const uint8_t *payload);
   bool repeated(const uint8_t *payload) const;
   Error enable(uint8_t value);
   Error calibrate();
@@ -815,7 +816,7 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   if (type < FRAME_HELLO || type > FRAME_SET_NAME) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
-    case FRAME_MOVE: return move(payload);
+    case FRAME_MOVE: return check_move(payload);
     case FRAME_STOP: {
       TickHeld held;
       motion_.brake(OUTCOME_STOPPED);
@@ -829,11 +830,17 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   }
 }
 
-Error Machine::move(const uint8_t *payload) {
+Error Machine::check_move(const uint8_t *payload) const {
   Move wanted;
   wanted.read(payload);
-  Error error = check(wanted);
-  if (error != ERROR_OK || repeated(payload)) return error;
+  return check(wanted);
+}
+
+// The answer has been sent before: nothing can refuse the move any more, and planning it takes a millisecond.
+void Machine::move(const uint8_t *payload) {
+  if (repeated(payload)) return;
+  Move wanted;
+  wanted.read(payload);
   uint32_t todo[ARMS];
   bool resting;
   {
@@ -846,7 +853,6 @@ Error Machine::move(const uint8_t *payload) {
   motion_number_ = wanted.motion;
   for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
   has_moved_ = true;
-  return ERROR_OK;
 }
 
 Error Machine::check(const Move &move) const {
@@ -1166,6 +1172,7 @@ void Machine::answer() {
   uint8_t payload[Ack::SIZE];
   ack.write(payload);
   send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
+  if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
 }
 
 void Machine::tick() {
@@ -1300,16 +1307,23 @@ void Motion::follow(const Plan &plan) {
 // A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
 // this motion is braked first and the new one starts from rest.
 void Motion::start(const Plan &plan) {
-  Axis before[ARMS] = {axes_[0], axes_[1], axes_[2]};
-  follow(plan);
-  for (uint8_t i = 0; i < ARMS; i++) axes_[i].brake();
-  braking_ = moving_ && guard_tick(axes_) != OUTCOME_NONE;
+  braking_ = moving_ && !can_follow(plan);
   if (braking_) {
-    for (uint8_t i = 0; i < ARMS; i++) axes_[i] = before[i];
     next_ = plan;
+  } else {
+    follow(plan);
   }
   why_ = outcome_ = OUTCOME_NONE;
   moving_ = true;
+}
+
+bool Motion::can_follow(const Plan &plan) const {
+  Axis axes[ARMS] = {axes_[0], axes_[1], axes_[2]};
+  for (uint8_t i = 0; i < ARMS; i++) {
+    axes[i].follow(plan.target[i], plan.ramp[i]);
+    axes[i].brake();
+  }
+  return guard_tick(axes) == OUTCOME_NONE;
 }
 
 void Motion::brake(Outcome why) {
@@ -1537,13 +1551,9 @@ void begin(uint32_t baud) {
 
 // However much comes in, poll() has its turn after every tick.
 void run() {
-  bool news = mega::tick_made();
-  mega::forget_tick();
-  while (can_receive() && !mega::tick_made()) {
-    machine.receive(mega::take_byte());
-    news = true;
-  }
-  if (news) {
+  while (can_receive() && !mega::tick_made()) machine.receive(mega::take_byte());
+  if (mega::tick_made()) {
+    mega::forget_tick();
     machine.poll();
     mega::work_on_memory();
   }

@@ -26,8 +26,7 @@ Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
   int64_t rest = speed.whole() - ticks * slower_by;
   for (; rest < 0; ticks--) rest += slower_by;
   for (; rest >= slower_by; ticks++) rest -= slower_by;
-  int64_t n = ticks;
-  return Fine(slower_by * (n * (n + 1) / 2) + (n + 1) * rest);
+  return Fine(((int64_t(ticks) + 1) * (speed.whole() + rest)) >> 1);  // the mean of first and last, as often as there are
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {

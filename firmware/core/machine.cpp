@@ -31,6 +31,7 @@ void Machine::answer() {
   uint8_t payload[Ack::SIZE];
   ack.write(payload);
   send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
+  if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
 }
 
 void Machine::tick() {

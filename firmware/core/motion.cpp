@@ -65,16 +65,23 @@ void Motion::follow(const Plan &plan) {
 // A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
 // this motion is braked first and the new one starts from rest.
 void Motion::start(const Plan &plan) {
-  Axis before[ARMS] = {axes_[0], axes_[1], axes_[2]};
-  follow(plan);
-  for (uint8_t i = 0; i < ARMS; i++) axes_[i].brake();
-  braking_ = moving_ && guard_tick(axes_) != OUTCOME_NONE;
+  braking_ = moving_ && !can_follow(plan);
   if (braking_) {
-    for (uint8_t i = 0; i < ARMS; i++) axes_[i] = before[i];
     next_ = plan;
+  } else {
+    follow(plan);
   }
   why_ = outcome_ = OUTCOME_NONE;
   moving_ = true;
+}
+
+bool Motion::can_follow(const Plan &plan) const {
+  Axis axes[ARMS] = {axes_[0], axes_[1], axes_[2]};
+  for (uint8_t i = 0; i < ARMS; i++) {
+    axes[i].follow(plan.target[i], plan.ramp[i]);
+    axes[i].brake();
+  }
+  return guard_tick(axes) == OUTCOME_NONE;
 }
 
 void Motion::brake(Outcome why) {

@@ -55,13 +55,9 @@ void begin(uint32_t baud) {
 
 // However much comes in, poll() has its turn after every tick.
 void run() {
-  bool news = mega::tick_made();
-  mega::forget_tick();
-  while (can_receive() && !mega::tick_made()) {
-    machine.receive(mega::take_byte());
-    news = true;
-  }
-  if (news) {
+  while (can_receive() && !mega::tick_made()) machine.receive(mega::take_byte());
+  if (mega::tick_made()) {
+    mega::forget_tick();
     machine.poll();
     mega::work_on_memory();
   }

@@ -81,7 +81,7 @@ struct Bench {
 
   struct { int vector; uint64_t since; uint64_t own; } running[VECTORS];
   int depth;
-  bool woken;
+  bool woken, fresh;
   uint32_t millivolts[ADC_INPUTS];
 };
 
@@ -278,20 +278,27 @@ static void use_eeprom(Bench *b, uint32_t action, uint8_t *bytes, uint32_t offse
 
 // --- reset, start, run
 
-// Called by libsimavr for every reset, whoever caused it.
+// Called by libsimavr for every reset, whoever caused it, before its own parts are reset.
 static void on_reset(avr_io_t *io) {
   Bench *b = io->avr->custom.data;
   b->report.resets++;
   b->depth = 0;
   b->buffered = 0;
   b->shifted = b->woken = false;
-  io->avr->run_cycle_limit = RUN_LIMIT;
+  b->fresh = true;
   if (b->eeprom_busy) {
     uint8_t spoilt = 0x55;
     use_eeprom(b, AVR_IOCTL_EEPROM_SET, &spoilt, b->eeprom_address, 1);
     b->eeprom_busy = false;
   }
   look_at_enable(b, 0, 0);
+}
+
+// What resets undo, before the first instruction.
+static void prepare(Bench *b) {
+  b->fresh = false;
+  b->avr->run_cycle_limit = RUN_LIMIT;
+  for (int i = 0; i < 8; i++) avr_extint_set_strict_lvl_trig(b->avr, i, 0);
   if (b->queue_head < b->queue_tail) avr_cycle_timer_register(b->avr, b->byte_cycles, on_byte, b);
   for (int i = 0; i < ADC_INPUTS; i++) {
     avr_raise_irq(avr_io_getirq(b->avr, AVR_IOCTL_ADC_GETIRQ, i), b->millivolts[i]);
@@ -317,7 +324,6 @@ static bool load(avr_t *avr, const char *path) {
 
 static void attach(Bench *b) {
   avr_t *avr = b->avr;
-  for (int i = 0; i < 8; i++) avr_extint_set_strict_lvl_trig(avr, i, 0);
   for (int i = 0; i < avr->interrupts.vector_count; i++) {
     avr_irq_register_notify(avr->interrupts.vector[i]->irq + AVR_INT_IRQ_RUNNING, on_vector, b);
     if (avr->interrupts.vector[i]->vector == RXC_VECTOR) {
@@ -378,7 +384,13 @@ static avr_cycle_count_t on_time(avr_t *avr, avr_cycle_count_t when, void *param
 int bench_run(Bench *b, uint64_t until) {
   avr_t *avr = b->avr;
   if (avr->cycle < until) avr_cycle_timer_register(avr, until - avr->cycle, on_time, b);
-  while (avr->cycle < until && avr->state != cpu_Done && avr->state != cpu_Crashed) avr_run(avr);
+  while (avr->cycle < until && avr->state != cpu_Done && avr->state != cpu_Crashed) {
+    if (b->fresh) {
+      prepare(b);
+      avr_cycle_timer_register(avr, until - avr->cycle, on_time, b);
+    }
+    avr_run(avr);
+  }
   avr_cycle_timer_cancel(avr, on_time, b);
   b->report.cycle = avr->cycle;
   return avr->state;
