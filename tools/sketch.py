@@ -21,7 +21,7 @@ TITLE: Final = """// {what}
 """
 SPEED: Final = """
 // The Arduino IDE optimises for size; the planner's tick and the step interrupts need speed.
-#pragma GCC optimize("O2")
+#pragma GCC optimize("O3")
 """
 
 

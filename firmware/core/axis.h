@@ -48,6 +48,7 @@ class Axis {
   const Fine &start() const { return start_; }
   const Fine &end() const { return position_; }
   Fine velocity() const { return direction_ > 0 ? speed_ : -speed_; }
+  const Fine &acceleration() const { return ramp_.acceleration; }
   bool halted() const { return speed_ == Fine(); }
   bool arrived() const { return halted() && position_ == target_; }
 
@@ -68,8 +69,8 @@ class Axis {
   Fine target_;
   Fine next_speed_;  // of the planned tick
   Fine next_rest_;   // at speed 0 the place where it ends
-  Ramp ramp_ = Ramp();
   Fine start_;
+  Ramp ramp_ = Ramp();
   int32_t steps_ = 0;
   int32_t next_rest_steps_ = 0;
   int8_t direction_ = 1;  // of the last tick that moved

@@ -65,7 +65,7 @@ void Motion::follow(const Plan &plan) {
 // A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
 // this motion is braked first and the new one starts from rest.
 void Motion::start(const Plan &plan) {
-  braking_ = moving_ && !can_follow(plan);
+  braking_ = moving_ && !brakes_alike(plan) && !can_follow(plan);
   if (braking_) {
     next_ = plan;
   } else {
@@ -73,6 +73,13 @@ void Motion::start(const Plan &plan) {
   }
   why_ = outcome_ = OUTCOME_NONE;
   moving_ = true;
+}
+
+bool Motion::brakes_alike(const Plan &plan) const {
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (plan.ramp[i].acceleration != axes_[i].acceleration()) return false;
+  }
+  return true;
 }
 
 bool Motion::can_follow(const Plan &plan) const {

