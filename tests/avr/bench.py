@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -31,7 +32,12 @@ class Crashed(Exception):
 
 
 class _Work(ctypes.Structure):
-    _fields_ = (("calls", ctypes.c_uint64), ("cycles", ctypes.c_uint64), ("longest", ctypes.c_uint64))
+    _fields_ = (
+        ("calls", ctypes.c_uint64),
+        ("cycles", ctypes.c_uint64),
+        ("longest", ctypes.c_uint64),
+        ("last", ctypes.c_uint64),
+    )
 
 
 class _Report(ctypes.Structure):
@@ -53,11 +59,14 @@ BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
 
 
 class Work(NamedTuple):
-    """What an interrupt has cost, without what was nested in it: calls, cycles of all, cycles of the longest."""
+    """What an interrupt has cost, in cycles, without what was nested in it."""
 
     calls: int
     cycles: int
+    """of all calls"""
     longest: int
+    last: int
+    """when it was called last"""
 
 
 class Byte(NamedTuple):
@@ -73,7 +82,7 @@ def _library() -> ctypes.CDLL:
     BUILD.mkdir(parents=True, exist_ok=True)
     source, library = HERE / "mega.c", BUILD / "mega.so"
     if not library.exists() or library.stat().st_mtime < source.stat().st_mtime:
-        fresh = BUILD / f"mega-{id(source)}-{subprocess.os.getpid()}.so"  # type: ignore[attr-defined]
+        fresh = BUILD / f"mega-{os.getpid()}.so"
         options = ["-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror"]
         subprocess.run(["cc", *options, source, "-o", fresh, "-lsimavr", "-lelf"], check=True)
         fresh.rename(library)
@@ -109,6 +118,7 @@ class Avr:
         self.byte_cycles = round(16_000_000 * 10 / baud)
         """Cycles of a byte on the host's wire: 10 bits."""
         self._taken = 0
+        self._wire_free = 0
 
     def __enter__(self) -> Self:
         return self
@@ -148,7 +158,7 @@ class Avr:
 
     def send(self, data: bytes) -> int:
         """Put bytes on the wire, behind those still on it; the cycle at which the last stop bit will end."""
-        start = max(self.cycle, getattr(self, "_wire_free", 0))
+        start = max(self.cycle, self._wire_free)
         self._c.bench_send(self._board, data, len(data), self.byte_cycles)
         self._wire_free = start + len(data) * self.byte_cycles
         return self._wire_free
@@ -244,7 +254,7 @@ class Avr:
     def work(self, vector: int) -> Work:
         """What an interrupt has cost since power came; see VECTORS."""
         row = self._report.work[vector]
-        return Work(int(row.calls), int(row.cycles), int(row.longest))
+        return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
 
     def _copy(self, address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
         if not count or not address:

@@ -44,6 +44,7 @@ typedef struct {
 
 typedef struct {
   uint64_t calls, cycles, longest;  // without what was nested in them; response and return included
+  uint64_t last;                    // when it was called last
 } Work;
 
 // What Python reads; all counts are since the start.
@@ -152,6 +153,7 @@ static void on_vector(avr_irq_t *irq, uint32_t running, void *param) {
     if (b->depth == VECTORS) return;
     b->running[b->depth].vector = irq->irq / 256;
     b->running[b->depth].since = at;
+    b->report.work[irq->irq / 256 % VECTORS].last = at;
     b->running[b->depth].own = 0;
     b->depth++;
   } else if (b->depth) {
@@ -286,6 +288,8 @@ static void on_reset(avr_io_t *io) {
   b->buffered = 0;
   b->shifted = b->woken = false;
   b->fresh = true;
+  while (b->report.sent && b->sent[b->report.sent - 1].cycle > b->avr->cycle) b->report.sent--;  // cut off on the wire
+  b->wire_free = 0;
   if (b->eeprom_busy) {
     uint8_t spoilt = 0x55;
     use_eeprom(b, AVR_IOCTL_EEPROM_SET, &spoilt, b->eeprom_address, 1);

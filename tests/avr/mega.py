@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rig import ROOT, Rig, Steps
 
 from avr.bench import EEPROM_SIZE, SIGNALS, Avr
+from beatrix_zenoh.board.link import Decoder
 
 HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"
 """What is flashed into real boards."""
@@ -63,6 +64,19 @@ class Mega(Rig):
                 assert self.avr.overruns == 0
         finally:
             self.avr.close()
+
+    def restart(self, after_cycles: int = 0) -> None:
+        """Press reset, so many cycles from now; returns when the board has said HELLO."""
+        self.avr.run(after_cycles)
+        self.avr.reset()
+        self.hear_again()
+        self.tick(START_MS)
+
+    def hear_again(self) -> None:
+        """Forget the frame that a reset has cut off."""
+        self.core.transmit()
+        self._decoder = Decoder()
+        self.others.clear()
 
     def settle(self) -> None:
         """Let the steps that are planned be made and reported."""
