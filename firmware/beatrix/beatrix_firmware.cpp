@@ -66,6 +66,11 @@ inline Fine operator-(const Fine &a, const Fine &b) {
 }
 
 inline Fine operator-(const Fine &a) { return Fine() - a; }
+Fine product(uint32_t a, uint32_t b);
+Fine operator*(const Fine &a, uint32_t n);
+inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
+// a / 65536 in 32 bits.
+inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }
 inline bool operator==(const Fine &a, const Fine &b) { return a.low == b.low && a.high == b.high; }
 inline bool operator!=(const Fine &a, const Fine &b) { return !(a == b); }
 inline bool operator<(const Fine &a, const Fine &b) {
@@ -78,14 +83,26 @@ inline bool operator>=(const Fine &a, const Fine &b) { return !(a < b); }
 inline Fine to_fine(int32_t steps) { return Fine(int32_t(uint32_t(steps) << (FINE_BITS - 32)), 0); }
 inline Fine from_q26(int32_t value) { return Fine(int64_t(value) * (1 << FINE_OVER_Q26)); }
 inline int64_t to_q26(const Fine &value) { return value.whole() >> FINE_OVER_Q26; }
+// Of values from 0 to less than 64.
+inline uint32_t to_small_q26(const Fine &value) {
+  Fine twice = value + value;
+  return middle(twice + twice);
+}
 
 inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE_BITS - 32); }
 inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
 inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
 
 // Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
-inline Fine from_quarters(uint16_t speed) { return Fine(int64_t(speed) * 274877907L); }
+inline Fine from_quarters(uint16_t speed) { return product(274877907, speed); }
 inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
+
+// Proportions: 32 binary places, from 0 to WHOLE.
+static const uint64_t WHOLE = uint64_t(1) << 32;
+// part / whole, part <= whole < 2^31.
+uint64_t ratio_of(uint32_t part, uint32_t whole);
+// Of values from 0 to less than 65536.
+Fine scaled(const Fine &value, uint64_t ratio);
 
 }  // namespace beatrix
 
@@ -186,18 +203,18 @@ Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
   return ramp;
 }
 
-// Of speeds below 32 microsteps per tick; exact where the acceleration has no more than 26 places.
+// Exact where the acceleration has no more than 26 places.
 uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
-  uint32_t slower_by = uint32_t(to_q26(acceleration));
-  return slower_by ? uint32_t(to_q26(speed)) / slower_by : 0;
+  uint32_t slower_by = to_small_q26(acceleration);
+  return slower_by ? to_small_q26(speed) / slower_by : 0;
 }
 
 Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
-  int64_t slower_by = acceleration.whole();
-  int64_t rest = speed.whole() - ticks * slower_by;
-  for (; rest < 0; ticks--) rest += slower_by;
-  for (; rest >= slower_by; ticks++) rest -= slower_by;
-  return Fine(((int64_t(ticks) + 1) * (speed.whole() + rest)) >> 1);  // the mean of first and last, as often as there are
+  Fine rest = speed - acceleration * ticks;
+  for (; rest < Fine(); ticks--) rest = rest + acceleration;
+  for (; rest >= acceleration; ticks++) rest = rest - acceleration;
+  // The mean of the first and the last, as often as there are.
+  return half((speed + rest) * (ticks + 1));
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {
@@ -1254,31 +1271,9 @@ void Machine::send_hello(uint8_t seq) {
 
 namespace beatrix {
 
-static const uint8_t RATIO_BITS = 32;
-static const uint64_t WHOLE = uint64_t(1) << RATIO_BITS;
 static const uint64_t SLOWEST_RATIO = WHOLE >> 4;
 
 static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
-
-// part / whole in 32 binary places, part <= whole < 2^31: digit by digit, a fifth of what a 64-bit division takes on an AVR.
-static uint64_t ratio_of(uint32_t part, uint32_t whole) {
-  if (part == whole) return WHOLE;
-  uint32_t ratio = 0;
-  for (uint8_t i = 0; i < RATIO_BITS; i++) {
-    part <<= 1;
-    ratio <<= 1;
-    if (part >= whole) {
-      part -= whole;
-      ratio |= 1;
-    }
-  }
-  return ratio;
-}
-
-static Fine scaled(const Fine &value, uint64_t ratio) {
-  if (ratio == WHOLE) return value;
-  return Fine(int64_t((uint64_t(value.whole()) >> 16) * ratio >> (RATIO_BITS - 16)));
-}
 
 void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
   for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
@@ -1396,6 +1391,44 @@ void Motion::finish() {
     moving_ = false;
     outcome_ = why_;
   }
+}
+
+}  // namespace beatrix
+
+// --- core/units.cpp
+// Products and proportions.
+//
+// Written for a processor that multiplies 8 bits: the compiler's own routines for 64 bits take three times as long.
+
+namespace beatrix {
+
+// From four products of 16 bits.
+Fine product(uint32_t a, uint32_t b) {
+  uint16_t a_low = uint16_t(a), a_high = uint16_t(a >> 16), b_low = uint16_t(b), b_high = uint16_t(b >> 16);
+  uint32_t low = uint32_t(a_low) * b_low, high = uint32_t(a_high) * b_high;
+  uint32_t one = uint32_t(a_low) * b_high, other = uint32_t(a_high) * b_low;
+  uint32_t middle = (low >> 16) + uint16_t(one) + uint16_t(other);
+  return Fine(int32_t(high + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
+}
+
+Fine operator*(const Fine &a, uint32_t n) {
+  Fine whole = product(a.low, n);
+  whole.high = int32_t(uint32_t(whole.high) + uint32_t(a.high) * n);
+  return whole;
+}
+
+// In two divisions of 32 bits; ways of more than 65535 steps need one of 64, which takes an AVR five times as long.
+uint64_t ratio_of(uint32_t part, uint32_t whole) {
+  if (part == whole) return WHOLE;
+  if (whole > 0xFFFF) return (uint64_t(part) << 32) / whole;
+  uint32_t rest = (part << 16) % whole;
+  return (part << 16) / whole << 16 | (rest << 16) / whole;
+}
+
+Fine scaled(const Fine &value, uint64_t ratio) {
+  if (ratio == WHOLE) return value;
+  Fine result = product(middle(value), uint32_t(ratio));
+  return Fine(result.high >> 16, middle(result));
 }
 
 }  // namespace beatrix

@@ -15,18 +15,18 @@ Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
   return ramp;
 }
 
-// Of speeds below 32 microsteps per tick; exact where the acceleration has no more than 26 places.
+// Exact where the acceleration has no more than 26 places.
 uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
-  uint32_t slower_by = uint32_t(to_q26(acceleration));
-  return slower_by ? uint32_t(to_q26(speed)) / slower_by : 0;
+  uint32_t slower_by = to_small_q26(acceleration);
+  return slower_by ? to_small_q26(speed) / slower_by : 0;
 }
 
 Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
-  int64_t slower_by = acceleration.whole();
-  int64_t rest = speed.whole() - ticks * slower_by;
-  for (; rest < 0; ticks--) rest += slower_by;
-  for (; rest >= slower_by; ticks++) rest -= slower_by;
-  return Fine(((int64_t(ticks) + 1) * (speed.whole() + rest)) >> 1);  // the mean of first and last, as often as there are
+  Fine rest = speed - acceleration * ticks;
+  for (; rest < Fine(); ticks--) rest = rest + acceleration;
+  for (; rest >= acceleration; ticks++) rest = rest - acceleration;
+  // The mean of the first and the last, as often as there are.
+  return half((speed + rest) * (ticks + 1));
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {

@@ -3,31 +3,9 @@
 
 namespace beatrix {
 
-static const uint8_t RATIO_BITS = 32;
-static const uint64_t WHOLE = uint64_t(1) << RATIO_BITS;
 static const uint64_t SLOWEST_RATIO = WHOLE >> 4;
 
 static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
-
-// part / whole in 32 binary places, part <= whole < 2^31: digit by digit, a fifth of what a 64-bit division takes on an AVR.
-static uint64_t ratio_of(uint32_t part, uint32_t whole) {
-  if (part == whole) return WHOLE;
-  uint32_t ratio = 0;
-  for (uint8_t i = 0; i < RATIO_BITS; i++) {
-    part <<= 1;
-    ratio <<= 1;
-    if (part >= whole) {
-      part -= whole;
-      ratio |= 1;
-    }
-  }
-  return ratio;
-}
-
-static Fine scaled(const Fine &value, uint64_t ratio) {
-  if (ratio == WHOLE) return value;
-  return Fine(int64_t((uint64_t(value.whole()) >> 16) * ratio >> (RATIO_BITS - 16)));
-}
 
 void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
   for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);

@@ -50,6 +50,11 @@ inline Fine operator-(const Fine &a, const Fine &b) {
 }
 
 inline Fine operator-(const Fine &a) { return Fine() - a; }
+Fine product(uint32_t a, uint32_t b);
+Fine operator*(const Fine &a, uint32_t n);
+inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
+// a / 65536 in 32 bits.
+inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }
 inline bool operator==(const Fine &a, const Fine &b) { return a.low == b.low && a.high == b.high; }
 inline bool operator!=(const Fine &a, const Fine &b) { return !(a == b); }
 inline bool operator<(const Fine &a, const Fine &b) {
@@ -62,14 +67,26 @@ inline bool operator>=(const Fine &a, const Fine &b) { return !(a < b); }
 inline Fine to_fine(int32_t steps) { return Fine(int32_t(uint32_t(steps) << (FINE_BITS - 32)), 0); }
 inline Fine from_q26(int32_t value) { return Fine(int64_t(value) * (1 << FINE_OVER_Q26)); }
 inline int64_t to_q26(const Fine &value) { return value.whole() >> FINE_OVER_Q26; }
+// Of values from 0 to less than 64.
+inline uint32_t to_small_q26(const Fine &value) {
+  Fine twice = value + value;
+  return middle(twice + twice);
+}
 
 inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE_BITS - 32); }
 inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
 inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
 
 // Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
-inline Fine from_quarters(uint16_t speed) { return Fine(int64_t(speed) * 274877907L); }
+inline Fine from_quarters(uint16_t speed) { return product(274877907, speed); }
 inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
+
+// Proportions: 32 binary places, from 0 to WHOLE.
+static const uint64_t WHOLE = uint64_t(1) << 32;
+// part / whole, part <= whole < 2^31.
+uint64_t ratio_of(uint32_t part, uint32_t whole);
+// Of values from 0 to less than 65536.
+Fine scaled(const Fine &value, uint64_t ratio);
 
 }  // namespace beatrix
 

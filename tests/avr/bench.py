@@ -19,6 +19,7 @@ EEPROM_SIZE: Final = 4096
 SIGNALS: Final = ("step", "direction", "enable")
 VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "transmit", 32: "tick"}
 """Interrupts of the firmware by their number on the ATmega2560."""
+TICK: Final = 32
 _GONE: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
 _PIECE: Final = 16_000_000
@@ -204,10 +205,19 @@ class Avr:
         """Whether the drivers are on: their wire is low."""
         return self.level("enable") == 0
 
+    def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """When an arm's steps began, in cycles, and their directions, +1 or -1."""
+        edges = self.all_edges()
+        steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"].astype(np.int64)
+        turns = edges[edges["signal"] == 3 + arm]
+        # Low, that is backward, before its first change.
+        levels = np.concatenate([[0], turns["level"]])
+        forward = levels[np.searchsorted(turns["cycle"].astype(np.int64), steps, side="right")]
+        return steps, np.where(forward == 1, 1, -1)
+
     def pulses(self) -> Steps:
         """Steps on the pins since power came, forward minus backward."""
-        edges = self.all_edges()
-        x, y, z = (int(_directions(edges, arm).sum()) for arm in range(3))
+        x, y, z = (int(self.steps(arm)[1].sum()) for arm in range(3))
         return x, y, z
 
     # --- the rest of the board
@@ -261,13 +271,3 @@ class Avr:
             return np.empty(0, kind)
         return np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
 
-
-def _directions(edges: NDArray[np.void], arm: int) -> NDArray[np.int64]:
-    """+1 or -1 for every step of an arm."""
-    steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"]
-    turns = edges[edges["signal"] == 3 + arm]
-    last = np.searchsorted(turns["cycle"], steps, side="right") - 1
-    if not len(turns):
-        return np.full(len(steps), -1, np.int64)
-    levels = np.where(last >= 0, turns["level"][last], 1 - turns["level"][0])
-    return np.where(levels == 1, 1, -1).astype(np.int64)
