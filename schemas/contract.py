@@ -35,11 +35,11 @@ def digest(*tables: object) -> int:
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
 
 
-def load() -> Contract:
-    """Read schemas/*.toml."""
+def load(robot_file: Path = SCHEMAS / "robot.toml") -> Contract:
+    """Read schemas/*.toml, or another robot's file."""
+    files = [SCHEMAS / f"{name}.toml" for name in ("messages", "keys", "serial")]
     messages, keys, serial, robot = (
-        tomllib.loads((SCHEMAS / f"{name}.toml").read_text(encoding="utf-8"))
-        for name in ("messages", "keys", "serial", "robot")
+        tomllib.loads(path.read_text(encoding="utf-8")) for path in (*files, robot_file)
     )
     return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial))
 

@@ -2,6 +2,8 @@
 
 python schemas/generate.py          write
 python schemas/generate.py --check  exit 1 and name the files that differ
+python schemas/generate.py --robot lab.toml --header build/contract.h
+                                    only the firmware's header, for a robot with other jumpers or limits
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
+from pathlib import Path
 
 import emit_cpp
 import emit_python
@@ -30,7 +33,13 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
-    check = parser.parse_args().check
+    parser.add_argument("--robot", type=Path, help="another robot's robot.toml, for --header")
+    parser.add_argument("--header", type=Path, help="write only this C++ header")
+    arguments = parser.parse_args()
+    if arguments.header:
+        arguments.header.write_text(emit_cpp.header(load(arguments.robot)), encoding="utf-8")
+        return 0
+    check = arguments.check
     contract = load()
     emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
     wanted = {

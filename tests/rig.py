@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import random
 import struct
 from pathlib import Path
 from typing import Protocol
@@ -183,3 +184,20 @@ def least_gap(steps: Steps) -> int:
     x, y, z = steps
     last = ARM_TURN - 2 * ARM_SPACING
     return min(ARM_SPACING + y - x, ARM_SPACING + z - y, last + x - z)
+
+
+def damaged(wire: bytes, chance: random.Random) -> bytes:
+    """Flip a bit, lose, double or replace bytes."""
+    data = bytearray(wire)
+    for _ in range(chance.randint(1, 3)):
+        at = chance.randrange(len(data))
+        match chance.randrange(4):
+            case 0:
+                data[at] ^= 1 << chance.randrange(8)
+            case 1:
+                del data[at]
+            case 2:
+                data.insert(at, chance.randrange(256))
+            case _:
+                data[at : at + 4] = chance.randbytes(chance.randint(0, 6))
+    return bytes(data)

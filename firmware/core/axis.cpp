@@ -3,100 +3,125 @@
 
 namespace beatrix {
 
-Fine reach_of(Fine speed, Fine acceleration) {
-  Fine n = speed / acceleration;
-  Fine rest = speed - n * acceleration;
-  return acceleration * (n * (n + 1) / 2) + (n + 1) * rest;
+Ramp make_ramp(const Fine &top, const Fine &acceleration) {
+  return make_ramp(top, acceleration, ticks_to_rest(top, acceleration));
 }
 
-Ramp make_ramp(Fine top, Fine acceleration) {
-  Ramp ramp = {{top, reach_of(top, acceleration)}, acceleration};
+Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
+  Ramp ramp;
+  ramp.acceleration = acceleration;
+  ramp.top = top;
+  ramp.reach = reach_of(top, acceleration, ticks);
   return ramp;
 }
 
-static int32_t leading_steps(Fine position, int8_t direction) {
+// Exact where the acceleration has no more than 26 places.
+uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
+  uint32_t slower_by = to_small_q26(acceleration);
+  return slower_by ? to_small_q26(speed) / slower_by : 0;
+}
+
+Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
+  Fine rest = speed - acceleration * ticks;
+  for (; rest < Fine(); ticks--) rest = rest + acceleration;
+  for (; rest >= acceleration; ticks++) rest = rest - acceleration;
+  // The mean of the first and the last, as often as there are.
+  return half((speed + rest) * (ticks + 1));
+}
+
+static inline int32_t leading_steps(const Fine &position, int8_t direction) {
   return direction > 0 ? ceil_steps(position) : floor_steps(position);
+}
+
+static inline Fine along(const Fine &position, const Fine &way, int8_t direction) {
+  return direction > 0 ? position + way : position - way;
 }
 
 void Axis::place(int32_t steps) {
   steps_ = steps;
-  position_ = start_ = target_ = to_fine(steps);
-  pace_.speed = pace_.reach = 0;
+  position_ = start_ = target_ = rest_ = to_fine(steps);
+  speed_ = Fine();
 }
 
 void Axis::follow(int32_t target, const Ramp &ramp) {
   target_ = to_fine(target);
-  if (pace_.speed && ramp.acceleration != ramp_.acceleration) {
-    pace_.reach = reach_of(pace_.speed, ramp.acceleration);
+  if (!halted() && ramp.acceleration != ramp_.acceleration) {
+    Fine reach = reach_of(speed_, ramp.acceleration, ticks_to_rest(speed_, ramp.acceleration));
+    rest_ = along(position_, reach - speed_, direction_);
   }
   ramp_ = ramp;
 }
 
+// The fastest speed from which the arm still comes to rest before its target. The present one always leaves room for a
+// slower one, unless the target has been moved inside the stopping distance: then braking is all that can be done.
 void Axis::plan() {
-  int8_t direction = direction_;
-  if (halted()) direction = target_ < position_ ? -1 : 1;
-  Fine left = direction > 0 ? target_ - position_ : position_ - target_;
-  if (lands(left)) {
-    next_.pace.speed = next_.pace.reach = 0;
-    next_.position = next_.rest = target_;
-    next_.rest_steps = floor_steps(target_);
-    next_.direction = direction;
-  } else {
-    set_next(choose(left), direction);
+  next_direction_ = direction_;
+  if (halted()) next_direction_ = target_ < position_ ? -1 : 1;
+  if (lands()) {
+    next_speed_ = Fine();
+    next_rest_ = target_;
+    next_rest_steps_ = floor_steps(target_);
+    return;
+  }
+  Fine rest = along(rest_, speed_, next_direction_);
+  if (speed_ > ramp_.top || beyond_target(rest)) {
+    brake();
+  } else if (speed_ == ramp_.top || !speeds_up(rest)) {
+    set_next(speed_, rest);
   }
 }
 
-void Axis::brake() { set_next(slower(), direction_); }
+// Faster by the acceleration, if that leaves way enough to rest; `present_rest` is the place of rest at the present speed.
+bool Axis::speeds_up(const Fine &present_rest) {
+  Fine speed = speed_ + ramp_.acceleration;
+  bool top = speed >= ramp_.top;
+  if (top) speed = ramp_.top;
+  Fine rest = top ? along(position_, ramp_.reach, next_direction_) : along(present_rest, speed, next_direction_);
+  if (beyond_target(rest)) return false;
+  set_next(speed, rest);
+  return true;
+}
+
+bool Axis::beyond_target(const Fine &rest) const { return next_direction_ > 0 ? rest > target_ : rest < target_; }
+
+void Axis::brake() {
+  next_direction_ = direction_;
+  if (speed_ > ramp_.acceleration) {
+    set_next(speed_ - ramp_.acceleration, rest_);
+  } else {
+    next_speed_ = Fine();
+    next_rest_ = position_;
+    next_rest_steps_ = steps_;
+  }
+}
 
 void Axis::commit() {
-  bool moved = next_.position != position_;
   start_ = position_;
-  position_ = next_.position;
-  pace_ = next_.pace;
-  if (moved) {
-    direction_ = next_.direction;
-    steps_ = leading_steps(position_, direction_);
+  speed_ = next_speed_;
+  rest_ = next_rest_;
+  if (!halted()) {
+    position_ = along(position_, speed_, next_direction_);
+  } else if (position_ == rest_) {
+    return;
+  } else {
+    position_ = rest_;
   }
-}
-
-// The fastest pace that still comes to rest within what is left. The present one always leaves room for a slower one,
-// unless the target has been moved inside the stopping distance: then braking is all that can be done.
-Pace Axis::choose(Fine left) const {
-  if (pace_.speed <= ramp_.top.speed) {
-    Pace up = faster();
-    if (up.reach <= left) return up;
-    if (pace_.reach <= left) return pace_;
-  }
-  return slower();
-}
-
-Pace Axis::faster() const {
-  Fine speed = pace_.speed + ramp_.acceleration;
-  if (speed >= ramp_.top.speed) return ramp_.top;
-  Pace up = {speed, pace_.reach + speed};
-  return up;
-}
-
-Pace Axis::slower() const {
-  Pace down = {0, 0};
-  if (pace_.speed > ramp_.acceleration) {
-    down.speed = pace_.speed - ramp_.acceleration;
-    down.reach = pace_.reach - pace_.speed;
-  }
-  return down;
+  direction_ = next_direction_;
+  steps_ = leading_steps(position_, direction_);
 }
 
 // The last rest is made in one tick, if that changes the speed by no more than the acceleration.
-bool Axis::lands(Fine left) const {
-  return left >= 0 && left <= ramp_.acceleration && pace_.speed <= left + ramp_.acceleration;
+bool Axis::lands() const {
+  int32_t left_high = next_direction_ > 0 ? target_.high - position_.high : position_.high - target_.high;
+  if (left_high < 0 || left_high > ramp_.acceleration.high + 1) return false;  // spares exact figures, nearly always
+  Fine left = next_direction_ > 0 ? target_ - position_ : position_ - target_;
+  return left >= Fine() && left <= ramp_.acceleration && speed_ <= left + ramp_.acceleration;
 }
 
-void Axis::set_next(const Pace &pace, int8_t direction) {
-  next_.pace = pace;
-  next_.direction = direction;
-  next_.position = direction > 0 ? position_ + pace.speed : position_ - pace.speed;
-  next_.rest = direction > 0 ? position_ + pace.reach : position_ - pace.reach;
-  next_.rest_steps = pace.speed ? leading_steps(next_.rest, direction) : steps_;
+void Axis::set_next(const Fine &speed, const Fine &rest) {
+  next_speed_ = speed;
+  next_rest_ = rest;
+  next_rest_steps_ = leading_steps(rest, next_direction_);
 }
 
 }  // namespace beatrix

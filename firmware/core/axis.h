@@ -6,24 +6,24 @@
 
 namespace beatrix {
 
-// A speed and how far the arm still goes at it: this tick's move and those of every slower tick to rest.
-struct Pace {
-  Fine speed;  // >= 0
-  Fine reach;
-};
-
 // How fast an arm may go and how quickly it gets there.
 struct Ramp {
-  Pace top;
   Fine acceleration;  // per tick, > 0
+  Fine top;
+  Fine reach;  // from top: how far the arm still goes, this tick's move and those of every slower tick to rest
 };
 
-// v + (v - a) + (v - 2a) + ... down to rest: the sum a tick-by-tick stop from `speed` travels. One division.
-Fine reach_of(Fine speed, Fine acceleration);
-Ramp make_ramp(Fine top, Fine acceleration);
+// How often the acceleration can be taken from a speed; only nearly so if the acceleration is tiny.
+uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration);
+// v + (v - a) + (v - 2a) + ... down to rest: the sum a tick-by-tick stop from `speed` travels. `ticks` as above: the
+// nearer, the sooner it is done.
+Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks);
+Ramp make_ramp(const Fine &top, const Fine &acceleration);
+Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks);
 
 // Every tick is planned first (plan or brake), may be looked at (next_rest, next_rest_steps) and is then made (commit).
-// Only additions and comparisons: reach is carried along, gaining v + a with every faster tick, losing v with a slower.
+// Only additions and comparisons: the place of rest is carried along. It stays while braking, and goes on by v in a tick
+// at speed v, by v + (v + a) in one that is faster by a.
 class Axis {
  public:
   // Rest at `steps`.
@@ -45,39 +45,36 @@ class Axis {
   int32_t steps() const { return steps_; }
   int32_t target() const { return floor_steps(target_); }
   // Where the last tick began and ended: the step engine derives the times of its steps from these.
-  Fine start() const { return start_; }
-  Fine end() const { return position_; }
-  Fine velocity() const { return direction_ > 0 ? pace_.speed : -pace_.speed; }
-  bool halted() const { return pace_.speed == 0; }
+  const Fine &start() const { return start_; }
+  const Fine &end() const { return position_; }
+  Fine velocity() const { return direction_ > 0 ? speed_ : -speed_; }
+  const Fine &acceleration() const { return ramp_.acceleration; }
+  bool halted() const { return speed_ == Fine(); }
   bool arrived() const { return halted() && position_ == target_; }
 
   // Where the arm rests if it brakes after the planned tick; exactly, and in steps made then.
-  Fine next_rest() const { return next_.rest; }
-  int32_t next_rest_steps() const { return next_.rest_steps; }
+  const Fine &next_rest() const { return next_rest_; }
+  int32_t next_rest_steps() const { return next_rest_steps_; }
 
  private:
-  struct Next {
-    Pace pace;
-    Fine position;
-    Fine rest;
-    int32_t rest_steps;
-    int8_t direction;
-  };
+  bool lands() const;
+  bool speeds_up(const Fine &present_rest);
+  bool beyond_target(const Fine &rest) const;
+  void set_next(const Fine &speed, const Fine &rest);
 
-  Pace choose(Fine left) const;
-  Pace faster() const;
-  Pace slower() const;
-  bool lands(Fine left) const;
-  void set_next(const Pace &pace, int8_t direction);
-
-  Fine position_ = 0;
-  Fine start_ = 0;
-  Fine target_ = 0;
-  Pace pace_ = {0, 0};  // of the last tick
-  Ramp ramp_ = {{0, 0}, 1};
-  Next next_ = {{0, 0}, 0, 0, 0, 1};
+  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
+  Fine speed_;  // of the last tick, >= 0
+  Fine rest_;   // where braking from the next tick on ends
+  Fine position_;
+  Fine target_;
+  Fine next_speed_;  // of the planned tick
+  Fine next_rest_;   // at speed 0 the place where it ends
+  Fine start_;
+  Ramp ramp_ = Ramp();
   int32_t steps_ = 0;
+  int32_t next_rest_steps_ = 0;
   int8_t direction_ = 1;  // of the last tick that moved
+  int8_t next_direction_ = 1;
 };
 
 }  // namespace beatrix

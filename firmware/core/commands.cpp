@@ -20,7 +20,7 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   if (type < FRAME_HELLO || type > FRAME_SET_NAME) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
-    case FRAME_MOVE: return move(payload);
+    case FRAME_MOVE: return check_move(payload);
     case FRAME_STOP: {
       TickHeld held;
       motion_.brake(OUTCOME_STOPPED);
@@ -34,11 +34,17 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   }
 }
 
-Error Machine::move(const uint8_t *payload) {
+Error Machine::check_move(const uint8_t *payload) const {
   Move wanted;
   wanted.read(payload);
-  Error error = check(wanted);
-  if (error != ERROR_OK || repeated(payload)) return error;
+  return check(wanted);
+}
+
+// The answer has been sent before: nothing can refuse the move any more, and planning it takes a millisecond.
+void Machine::move(const uint8_t *payload) {
+  if (repeated(payload)) return;
+  Move wanted;
+  wanted.read(payload);
   uint32_t todo[ARMS];
   bool resting;
   {
@@ -51,7 +57,6 @@ Error Machine::move(const uint8_t *payload) {
   motion_number_ = wanted.motion;
   for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
   has_moved_ = true;
-  return ERROR_OK;
 }
 
 Error Machine::check(const Move &move) const {
@@ -121,9 +126,11 @@ void Machine::emergency_stop() {
 }
 
 void Machine::switch_off(Outcome why) {
-  hal::drivers(false);
   TickHeld held;
-  motion_.abort(why);
+  hal::drivers(false);
+  int16_t unmade[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) unmade[i] = hal::unmade(i);
+  motion_.abort(why, unmade);
   if (enabled_) forget_home();
   enabled_ = false;
 }

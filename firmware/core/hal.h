@@ -4,7 +4,7 @@
 //   machine.start()         once after reset, before interrupts are on;
 //   machine.receive(byte)   from its main loop, for every byte that came, while room() >= REPLY_ROOM: replies are
 //                           written at once and must never be dropped; bytes wait in the body's receive buffer;
-//   machine.poll()          from its main loop, at least once per millisecond or after every interrupt that woke it;
+//   machine.poll()          from its main loop, once per millisecond;
 //   machine.tick()          every millisecond, from a timer interrupt; after it, motion().axis(i).start(), .end() and
 //                           .steps() say where each arm's set point began and ended this millisecond (exact, Q40) and
 //                           how many steps are made by its end. A step belongs to the moment the set point leaves the
@@ -34,6 +34,8 @@ void send(const uint8_t *bytes, uint8_t count);
 
 // Motor drivers on or off. Off takes effect before it returns and throws away steps not made yet.
 void drivers(bool on);
+// How many steps of an arm the last drivers(false) threw away: forward minus backward.
+int16_t unmade(uint8_t arm);
 
 // How often the board was started, this time included.
 uint32_t boot_number();

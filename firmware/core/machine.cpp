@@ -31,6 +31,7 @@ void Machine::answer() {
   uint8_t payload[Ack::SIZE];
   ack.write(payload);
   send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
+  if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
 }
 
 void Machine::tick() {
@@ -43,15 +44,17 @@ void Machine::tick() {
 // Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
 void Machine::poll() {
   hal::kick_watchdog();
-  Telemetry now = observe();
-  bool changed =
-      now.state != reported_.state || now.outcome != reported_.outcome || now.motion != reported_.motion;
-  if (!changed && now.tick - reported_.tick < TELEMETRY_PERIOD) return;
-  if (hal::room() < Telemetry::SIZE + WIRE_OVERHEAD + REPLY_ROOM) return;
+  if (!has_news() || hal::room() < Telemetry::SIZE + WIRE_OVERHEAD + REPLY_ROOM) return;
+  reported_ = observe();
   uint8_t payload[Telemetry::SIZE];
-  now.write(payload);
+  reported_.write(payload);
   send(FRAME_TELEMETRY, telemetry_seq_++, payload, Telemetry::SIZE);
-  reported_ = now;
+}
+
+bool Machine::has_news() const {
+  TickHeld held;
+  return state() != reported_.state || motion_.outcome() != reported_.outcome || motion_number_ != reported_.motion ||
+         tick_ - reported_.tick >= TELEMETRY_PERIOD;
 }
 
 Telemetry Machine::observe() const {

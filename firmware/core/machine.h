@@ -27,8 +27,9 @@ class Machine {
  private:
   void answer();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
-  Error move(const uint8_t *payload);
+  Error check_move(const uint8_t *payload) const;
   Error check(const Move &move) const;
+  void move(const uint8_t *payload);
   bool repeated(const uint8_t *payload) const;
   Error enable(uint8_t value);
   Error calibrate();
@@ -40,6 +41,7 @@ class Machine {
   void send(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size);
   void send_hello(uint8_t seq);
   uint8_t state() const;
+  bool has_news() const;
   Telemetry observe() const;
 
   Receiver receiver_;

@@ -13,7 +13,7 @@ struct Limits {
 
 // Where a motion goes and how: what start() needs, worked out beforehand with all divisions.
 struct Plan {
-  int32_t target[ARMS];
+  int32_t target[ARMS] = {};
   Ramp ramp[ARMS];
 };
 
@@ -30,8 +30,8 @@ class Motion {
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.
   void brake(Outcome why);
-  // Rest at once, where the last steps went: the drivers are off.
-  void abort(Outcome why);
+  // Rest at once, where the last steps went: the drivers are off, and some steps were not made.
+  void abort(Outcome why, const int16_t unmade[ARMS]);
   // At rest only: the present position becomes home.
   void zero();
   void tick();
@@ -42,6 +42,8 @@ class Motion {
   Outcome outcome() const { return outcome_; }
 
  private:
+  bool brakes_alike(const Plan &plan) const;
+  bool can_follow(const Plan &plan) const;
   void follow(const Plan &plan);
   void brake_all();
   void finish();

@@ -42,6 +42,7 @@ void send(const uint8_t *bytes, uint8_t count) {
 }
 
 void drivers(bool on) { report.drivers_on = on; }
+int16_t unmade(uint8_t) { return 0; }
 
 uint32_t boot_number() { return boot; }
 void load_name(char name[NAME_SIZE]) {

@@ -53,7 +53,7 @@ void look(const Motion &motion, const Fine before[ARMS], bool settled, bool fres
     steps[i] = axis.steps();
     Fine change = axis.end() - axis.start() - before[i];
     // The last rest of a motion is one move of up to `a`; a new one may begin the other way right after it.
-    Fine allowed = from_q26(ACCELERATION) * (fresh ? 2 : 1);
+    Fine allowed = from_q26(ACCELERATION * (fresh ? 2 : 1));
     if (!settled && (change > allowed || change < -allowed)) seen->steep++;
     if (!motion.moving() && motion.outcome() == OUTCOME_DONE && axis.end() != to_fine(axis.target())) seen->missed++;
   }

@@ -115,7 +115,7 @@ def probe(build: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) 
     """The core alone, at hand."""
     build("host", "g++")
     library = tmp_path_factory.mktemp("probe") / "probe.so"
-    core = [ROOT / f"firmware/core/{name}.cpp" for name in ("axis", "guard", "motion")]
+    core = [ROOT / f"firmware/core/{name}.cpp" for name in ("axis", "guard", "motion", "units")]
     source = Path(__file__).with_name("probe.cpp")
     options = ["-shared", "-fPIC", "-O2", "-std=gnu++11", "-I", str(ROOT / "firmware/core")]
     subprocess.run(["g++", *options, source, *core, "-o", library], check=True)

@@ -8,7 +8,7 @@ import random
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rig import ROOT, Rig
+from rig import ROOT, Rig, damaged
 
 from beatrix_zenoh._generated.serial import CONTRACT, Ack, Error, FrameType, HelloReply, Move, State
 from beatrix_zenoh.board.link import Decoder, encode
@@ -33,23 +33,6 @@ def test_hello_tells_contract_version_boot_and_name() -> None:
     assert unasked.payload == asked.payload
     hello = HelloReply.unpack(asked.payload)
     assert (hello.contract, hello.boot, hello.name.rstrip(b"\0")) == (CONTRACT, 0xDEADBEEF, b"bea-1")
-
-
-def damaged(wire: bytes, chance: random.Random) -> bytes:
-    """Flip a bit, lose, double or replace bytes."""
-    data = bytearray(wire)
-    for _ in range(chance.randint(1, 3)):
-        at = chance.randrange(len(data))
-        match chance.randrange(4):
-            case 0:
-                data[at] ^= 1 << chance.randrange(8)
-            case 1:
-                del data[at]
-            case 2:
-                data.insert(at, chance.randrange(256))
-            case _:
-                data[at : at + 4] = chance.randbytes(chance.randint(0, 6))
-    return bytes(data)
 
 
 def test_of_3000_damaged_moves_none_is_acted_on(ready: Rig) -> None:

@@ -1,0 +1,80 @@
+// The wire to the host.
+//
+// Two rings of 256 bytes, indexed by bytes that wrap by themselves. Each index is written on one side only, so no side
+// has to keep interrupts off.
+#include "serial.h"
+
+#include <avr/interrupt.h>
+#include <avr/io.h>
+
+#include "../core/hal.h"
+
+namespace beatrix {
+namespace mega {
+
+namespace {
+
+const uint8_t LAST = 255;  // one place stays empty: a full ring must not look like an empty one
+
+struct Ring {
+  volatile uint8_t head;  // next to be written
+  volatile uint8_t tail;  // next to be read
+  uint8_t bytes[256];
+};
+
+Ring received, sent;
+
+}  // namespace
+
+void start_serial(uint32_t baud) {
+  UCSR0A = _BV(U2X0);
+  UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
+  UBRR0 = uint16_t((F_CPU / 8 + baud / 2) / baud - 1);
+  UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+}
+
+bool has_byte() { return received.head != received.tail; }
+
+uint8_t take_byte() {
+  uint8_t tail = received.tail;
+  uint8_t byte = received.bytes[tail];
+  received.tail = uint8_t(tail + 1);
+  return byte;
+}
+
+}  // namespace mega
+
+namespace hal {
+
+uint16_t room() { return uint8_t(mega::LAST - uint8_t(mega::sent.head - mega::sent.tail)); }
+
+void send(const uint8_t *bytes, uint8_t count) {
+  uint8_t head = mega::sent.head;
+  for (uint8_t i = 0; i < count; i++) mega::sent.bytes[head++] = bytes[i];
+  mega::sent.head = head;
+  UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0) | _BV(UDRIE0);
+}
+
+}  // namespace hal
+}  // namespace beatrix
+
+// About 80 cycles. A byte for which there is no room is lost, and with it its frame: the checksum tells.
+ISR(USART0_RX_vect) {
+  using beatrix::mega::received;
+  uint8_t byte = UDR0;
+  uint8_t head = received.head;
+  uint8_t next = uint8_t(head + 1);
+  if (next == received.tail) return;
+  received.bytes[head] = byte;
+  received.head = next;
+}
+
+// About 75 cycles.
+ISR(USART0_UDRE_vect) {
+  using beatrix::mega::sent;
+  uint8_t tail = sent.tail;
+  UDR0 = sent.bytes[tail];
+  tail = uint8_t(tail + 1);
+  sent.tail = tail;
+  if (tail == sent.head) UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+}

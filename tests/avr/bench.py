@@ -1,0 +1,273 @@
+"""The real firmware on a simulated Arduino Mega, in virtual time: exact cycles, true wires, no port, no waiting."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import subprocess
+from functools import cache
+from pathlib import Path
+from typing import Final, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+HERE: Final = Path(__file__).resolve().parent
+BUILD: Final = HERE.parents[1] / "build/avr"
+CYCLES_PER_MS: Final = 16_000
+EEPROM_SIZE: Final = 4096
+SIGNALS: Final = ("step", "direction", "enable")
+VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "transmit", 32: "tick"}
+"""Interrupts of the firmware by their number on the ATmega2560."""
+TICK: Final = 32
+_GONE: Final = (6, 7)
+"""States of libsimavr: the program ended, or crashed."""
+_PIECE: Final = 16_000_000
+"""Cycles a call into C: a keyboard interrupt gets through."""
+
+Steps = tuple[int, int, int]
+
+
+class Crashed(Exception):
+    """The program has run into nothing: no firmware may do that."""
+
+
+class _Work(ctypes.Structure):
+    _fields_ = (
+        ("calls", ctypes.c_uint64),
+        ("cycles", ctypes.c_uint64),
+        ("longest", ctypes.c_uint64),
+        ("last", ctypes.c_uint64),
+    )
+
+
+class _Report(ctypes.Structure):
+    _fields_ = (
+        ("cycle", ctypes.c_uint64),
+        ("slept", ctypes.c_uint64),
+        ("edges", ctypes.c_uint64),
+        ("sent", ctypes.c_uint64),
+        ("overruns", ctypes.c_uint64),
+        ("resets", ctypes.c_uint64),
+        ("unread", ctypes.c_uint64),
+        ("work", _Work * 64),
+        ("levels", ctypes.c_uint8 * 7),
+    )
+
+
+EDGE: Final = np.dtype([("cycle", "<u8"), ("signal", "u1"), ("level", "u1")], align=True)
+BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
+
+
+class Work(NamedTuple):
+    """What an interrupt has cost, in cycles, without what was nested in it."""
+
+    calls: int
+    cycles: int
+    """of all calls"""
+    longest: int
+    last: int
+    """when it was called last"""
+
+
+class Byte(NamedTuple):
+    """A byte from the board, and the cycle at which its stop bit ended."""
+
+    cycle: int
+    byte: int
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """Compile mega.c if it is newer than what is there; tests in parallel may both do so."""
+    BUILD.mkdir(parents=True, exist_ok=True)
+    source, library = HERE / "mega.c", BUILD / "mega.so"
+    if not library.exists() or library.stat().st_mtime < source.stat().st_mtime:
+        fresh = BUILD / f"mega-{os.getpid()}.so"
+        options = ["-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror"]
+        subprocess.run(["cc", *options, source, "-o", fresh, "-lsimavr", "-lelf"], check=True)
+        fresh.rename(library)
+    found = ctypes.CDLL(str(library))
+    pointer, number = ctypes.c_void_p, ctypes.c_uint32
+    found.bench_open.restype = pointer
+    found.bench_open.argtypes = [ctypes.c_char_p, ctypes.c_char_p, number]
+    found.bench_run.argtypes = [pointer, ctypes.c_uint64]
+    found.bench_send.argtypes = [pointer, ctypes.c_char_p, number, ctypes.c_uint64]
+    found.bench_report.restype = ctypes.POINTER(_Report)
+    found.bench_edges.restype = found.bench_sent.restype = pointer
+    found.bench_hang.restype = number
+    for name in ("close", "reset", "report", "edges", "sent", "in_main", "hang"):
+        getattr(found, f"bench_{name}").argtypes = [pointer]
+    found.bench_eeprom.argtypes = [pointer, ctypes.c_char_p, number]
+    found.bench_analogue.argtypes = [pointer, ctypes.c_uint8, number]
+    found.bench_mend.argtypes = [pointer, number]
+    return found
+
+
+class Avr:
+    """An Arduino Mega with this firmware (.elf or .hex), fresh from reset. Use it in `with`.
+
+    Times are cycles of 62.5 ns since power came, or milliseconds of 16 000 cycles. `eeprom` is what
+    the memory holds before; without it, nothing. Raises Crashed as soon as the program is lost.
+    """
+
+    def __init__(self, firmware: Path, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
+        self._c = _library()
+        self._board: int | None = self._c.bench_open(str(firmware).encode(), eeprom, len(eeprom))
+        assert self._board, f"{firmware}: no firmware that libsimavr can load"
+        self._report = self._c.bench_report(self._board).contents
+        self.byte_cycles = round(16_000_000 * 10 / baud)
+        """Cycles of a byte on the host's wire: 10 bits."""
+        self._taken = 0
+        self._wire_free = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free it; nothing can be asked after."""
+        if self._board:
+            self._c.bench_close(self._board)
+            self._board = None
+
+    # --- time
+
+    @property
+    def cycle(self) -> int:
+        """Cycles since power came; resets do not set it back."""
+        return int(self._report.cycle)
+
+    def run_until(self, cycle: int) -> None:
+        """Let time pass until this cycle, or an instruction further."""
+        while self.cycle < cycle:
+            state = self._c.bench_run(self._board, min(cycle, self.cycle + _PIECE))
+            if state in _GONE:
+                raise Crashed(f"state {state} at cycle {self.cycle}")
+
+    def run(self, cycles: int) -> None:
+        """Let so many cycles pass."""
+        self.run_until(self.cycle + cycles)
+
+    def run_ms(self, ms: float) -> None:
+        """Let so many milliseconds pass."""
+        self.run(round(ms * CYCLES_PER_MS))
+
+    # --- serial wire
+
+    def send(self, data: bytes) -> int:
+        """Put bytes on the wire, behind those still on it; the cycle at which the last stop bit will end."""
+        start = max(self.cycle, self._wire_free)
+        self._c.bench_send(self._board, data, len(data), self.byte_cycles)
+        self._wire_free = start + len(data) * self.byte_cycles
+        return self._wire_free
+
+    def deliver(self, data: bytes) -> None:
+        """Send, and let time pass until the last byte is with the board."""
+        self.run_until(self.send(data))
+
+    def sent(self, since: int = 0) -> NDArray[np.void]:
+        """All bytes from the board, from the given one on: fields `cycle` (of the stop bit) and `byte`."""
+        count = int(self._report.sent)
+        return self._copy(self._c.bench_sent(self._board), count, BYTE)[since:]
+
+    def receive(self) -> bytes:
+        """Bytes that have come from the board since the last call; only those whole by now."""
+        fresh = self.sent(self._taken)
+        fresh = fresh[fresh["cycle"] <= self.cycle]
+        self._taken += len(fresh)
+        return bytes(fresh["byte"])
+
+    @property
+    def overruns(self) -> int:
+        """Bytes that the UART lost because nobody fetched those before them."""
+        return int(self._report.overruns)
+
+    # --- pins
+
+    def edges(self, signal: str, arm: int = 0) -> NDArray[np.void]:
+        """Changes of a wire ("step", "direction", "enable"): fields `cycle` and `level`."""
+        edges = self.all_edges()
+        return edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
+
+    def all_edges(self) -> NDArray[np.void]:
+        """Changes of all wires in order; `signal` is 0 to 2 step, 3 to 5 direction, 6 enable."""
+        return self._copy(self._c.bench_edges(self._board), int(self._report.edges), EDGE)
+
+    def level(self, signal: str, arm: int = 0) -> int:
+        """A wire's level now."""
+        return int(self._report.levels[3 * SIGNALS.index(signal) + arm])
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the drivers are on: their wire is low."""
+        return self.level("enable") == 0
+
+    def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """When an arm's steps began, in cycles, and their directions, +1 or -1."""
+        edges = self.all_edges()
+        steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"].astype(np.int64)
+        turns = edges[edges["signal"] == 3 + arm]
+        # Low, that is backward, before its first change.
+        levels = np.concatenate([[0], turns["level"]])
+        forward = levels[np.searchsorted(turns["cycle"].astype(np.int64), steps, side="right")]
+        return steps, np.where(forward == 1, 1, -1)
+
+    def pulses(self) -> Steps:
+        """Steps on the pins since power came, forward minus backward."""
+        x, y, z = (int(self.steps(arm)[1].sum()) for arm in range(3))
+        return x, y, z
+
+    # --- the rest of the board
+
+    def reset(self) -> None:
+        """Press the button."""
+        self._c.bench_reset(self._board)
+
+    @property
+    def resets(self) -> int:
+        """Resets since power came, by button or watchdog."""
+        return int(self._report.resets)
+
+    @property
+    def eeprom(self) -> bytes:
+        """What the memory holds now."""
+        held = ctypes.create_string_buffer(EEPROM_SIZE)
+        self._c.bench_eeprom(self._board, held, EEPROM_SIZE)
+        return held.raw
+
+    def analogue(self, pin: int, millivolts: int) -> None:
+        """Put a voltage on A0 to A15; it stays through resets."""
+        self._c.bench_analogue(self._board, pin, millivolts)
+
+    def hang(self) -> int:
+        """Break the main loop: its next instruction becomes a jump to itself, interrupts go on. For `mend`."""
+        for _ in range(1000):
+            if self._c.bench_in_main(self._board):
+                return int(self._c.bench_hang(self._board))
+            self.run(20)
+        raise AssertionError("the main loop never runs")
+
+    def mend(self, broken: int) -> None:
+        """Put the instruction back."""
+        self._c.bench_mend(self._board, broken)
+
+    # --- what it costs
+
+    @property
+    def slept(self) -> int:
+        """Cycles in which the processor slept."""
+        return int(self._report.slept)
+
+    def work(self, vector: int) -> Work:
+        """What an interrupt has cost since power came; see VECTORS."""
+        row = self._report.work[vector]
+        return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
+
+    def _copy(self, address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
+        if not count or not address:
+            return np.empty(0, kind)
+        return np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+

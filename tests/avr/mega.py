@@ -1,0 +1,114 @@
+"""A Mega on the bench that can be talked to frame by frame, and what its pins may never do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from rig import ROOT, Rig, Steps
+
+from avr.bench import EEPROM_SIZE, SIGNALS, Avr
+from beatrix_zenoh.board.link import Decoder
+
+HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"
+"""What is flashed into real boards."""
+START_MS: Final = 30
+"""From reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
+PULSE_MIN: Final = 16
+"""Cycles: 1 us, high and low (A4988)."""
+SETUP_MIN: Final = 4
+"""Cycles: more than 200 ns from direction to step, and after it (A4988)."""
+
+
+class MegaCore:
+    """The Mega as a Core for Rig: what is received has been answered when `receive` returns."""
+
+    def __init__(self, avr: Avr) -> None:
+        self.avr = avr
+
+    def receive(self, data: bytes) -> None:
+        """Put bytes on the wire; wait for them to be dealt with and answered."""
+        self.avr.deliver(data)
+        self.avr.run_ms(4)
+
+    def transmit(self) -> bytes:
+        """All that was sent since the last call."""
+        return self.avr.receive()
+
+    def tick(self, ms: int) -> None:
+        """Let time pass."""
+        self.avr.run_ms(ms)
+
+    def steps(self) -> Steps:
+        """Steps on the pins."""
+        return self.avr.pulses()
+
+
+class Mega(Rig):
+    """Rig on the real firmware. Use it in `with`: its pins are looked at in the end."""
+
+    def __init__(self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
+        self.avr = Avr(firmware, eeprom, baud)
+        self.avr.run_ms(START_MS)
+        super().__init__(MegaCore(self.avr))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
+        try:
+            if kind is None:
+                assert pin_faults(self.avr) == []
+                assert self.avr.overruns == 0
+        finally:
+            self.avr.close()
+
+    def restart(self, after_cycles: int = 0) -> None:
+        """Press reset, so many cycles from now; returns when the board has said HELLO."""
+        self.avr.run(after_cycles)
+        self.avr.reset()
+        self.hear_again()
+        self.tick(START_MS)
+
+    def hear_again(self) -> None:
+        """Forget the frame that a reset has cut off."""
+        self.core.transmit()
+        self._decoder = Decoder()
+        self.others.clear()
+
+    def settle(self) -> None:
+        """Let the steps that are planned be made and reported."""
+        self.tick(20)
+
+
+def pin_faults(avr: Avr) -> list[str]:
+    """What the drivers would not have understood, and every step without power."""
+    edges = avr.all_edges()
+    found = []
+    for arm in range(3):
+        wire = edges[edges["signal"] == arm]["cycle"].astype(np.int64)
+        steps = wire[0::2]
+        if len(wire) and np.diff(wire).min(initial=PULSE_MIN) < PULSE_MIN:
+            found.append(f"arm {arm}: a pulse or pause of {np.diff(wire).min()} cycles")
+        turns = edges[edges["signal"] == 3 + arm]["cycle"].astype(np.int64)
+        if len(steps) and len(turns):
+            after = np.searchsorted(steps, turns)
+            ahead = steps[np.minimum(after, len(steps) - 1)] - turns
+            if ((ahead >= 0) & (ahead < SETUP_MIN)).any():
+                found.append(f"arm {arm}: {SIGNALS[1]} set less than 200 ns before a step")
+            behind = turns - steps[np.maximum(after - 1, 0)]
+            if ((behind >= 0) & (behind < SETUP_MIN)).any():
+                found.append(f"arm {arm}: {SIGNALS[1]} changed less than 200 ns after a step")
+        if (_levels_at(edges, 6, steps) == 1).any():
+            found.append(f"arm {arm}: a step while the drivers are off")
+    return found
+
+
+def _levels_at(edges: NDArray[np.void], signal: int, cycles: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """A wire's level at these times; high before its first change."""
+    changes = edges[edges["signal"] == signal]
+    at = np.searchsorted(changes["cycle"].astype(np.int64), cycles, side="right")
+    levels: NDArray[np.uint8] = np.concatenate([[1], changes["level"]])[at]
+    return levels

@@ -1,0 +1,148 @@
+"""What happens to a board: resets, hangs, silence, and what it remembers."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from avr.mega import START_MS, Mega, pin_faults
+
+from beatrix_zenoh._generated.serial import CONTRACT, Error, FrameType, HelloReply, SetName, State
+from beatrix_zenoh.board.link import encode
+
+WATCHDOG_MS = 256
+"""What WDTO_250MS is at 128 kHz."""
+
+
+def hello(mega: Mega) -> HelloReply:
+    """Ask the board who it is."""
+    (reply,) = mega.raw(encode(FrameType.HELLO, 1, b""))
+    return HelloReply.unpack(reply.payload)
+
+
+def test_a_new_board_says_hello_unasked() -> None:
+    with Mega() as mega:
+        (frame,) = mega.others
+        said = HelloReply.unpack(frame.payload)
+        assert (frame.seq, said.contract, said.boot, said.name) == (0, CONTRACT, 1, bytes(32))
+        assert not mega.avr.enabled
+
+
+def test_the_drivers_are_off_from_the_first_moment() -> None:
+    with Mega() as mega:
+        assert len(mega.avr.edges("enable")) == 0
+
+
+def test_every_start_has_a_number_of_its_own() -> None:
+    with Mega() as mega:
+        for boot in range(1, 200):
+            assert hello(mega).boot == boot
+            mega.restart()
+
+
+def test_a_start_cut_short_does_not_use_a_number_twice() -> None:
+    chance = random.Random(3)
+    told = [0]
+    with Mega() as mega:
+        for _ in range(150):
+            mega.avr.reset()
+            mega.hear_again()
+            mega.avr.run(chance.randint(0, 600_000))
+            told += [HelloReply.unpack(frame.payload).boot for frame in mega.raw(b"")]
+    assert len(told) > 30
+    assert told == sorted(set(told))
+
+
+def test_starts_wear_all_cells_alike() -> None:
+    with Mega() as mega:
+        before = mega.avr.eeprom
+        for _ in range(64):
+            mega.restart()
+        changed = [at for at, (a, b) in enumerate(zip(before, mega.avr.eeprom, strict=True)) if a != b]
+        assert 64 <= len(changed) <= 64 * 6
+        assert changed[0] > 0
+
+
+def test_a_name_survives_resets_and_power() -> None:
+    with Mega() as mega:
+        for name in (b"bea-1", b"bea-2", b"x" * 32):
+            assert mega.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK
+            mega.tick(200)
+            mega.restart()
+            assert hello(mega).name.rstrip(b"\0") == name
+        kept = mega.avr.eeprom
+    with Mega(eeprom=kept) as mega:
+        assert hello(mega).name == b"x" * 32
+
+
+def test_a_name_cut_short_is_the_old_one_or_the_new_one() -> None:
+    chance = random.Random(4)
+    seen = set()
+    with Mega() as mega:
+        assert mega.ask(FrameType.SET_NAME, SetName(b"old-name").pack()) == Error.OK
+        mega.tick(200)
+        kept = mega.avr.eeprom
+    for _ in range(40):
+        with Mega(eeprom=kept) as mega:
+            assert mega.ask(FrameType.SET_NAME, SetName(b"new-longer-name").pack()) == Error.OK
+            mega.restart(after_cycles=chance.randint(0, 2_500_000))
+            seen.add(hello(mega).name.rstrip(b"\0"))
+    assert seen == {b"old-name", b"new-longer-name"}
+
+
+def test_the_same_name_is_not_written_again() -> None:
+    with Mega() as mega:
+        mega.ask(FrameType.SET_NAME, SetName(b"bea").pack())
+        mega.tick(300)
+        before = mega.avr.eeprom
+        mega.ask(FrameType.SET_NAME, SetName(b"bea").pack())
+        mega.tick(300)
+        assert mega.avr.eeprom == before
+
+
+@pytest.mark.parametrize("cells", [b"\xff" * 4096, bytes(4096), random.Random(1).randbytes(4096)])
+def test_any_memory_gives_a_number_and_no_wild_name(cells: bytes) -> None:
+    with Mega(eeprom=cells) as mega:
+        first = hello(mega)
+        mega.restart()
+        assert hello(mega).boot == first.boot + 1
+        assert first.name == bytes(32)
+
+
+def test_a_main_loop_that_hangs_is_restarted_with_the_motors_off() -> None:
+    mega = Mega()
+    try:
+        mega.ready()
+        mega.move((1500, 1500, 1500), 4000)
+        mega.tick(100)
+        assert mega.avr.enabled
+        broken = mega.avr.hang()
+        mega.tick(WATCHDOG_MS - 10)
+        assert mega.avr.resets == 0
+        mega.tick(20)
+        assert mega.avr.resets == 1
+        assert not mega.avr.enabled
+        mega.avr.mend(broken)
+        mega.hear_again()
+        mega.tick(START_MS + 20)
+        assert hello(mega).boot == 2
+        assert mega.state == State(0)
+        assert pin_faults(mega.avr) == []
+        at = mega.steps
+        mega.tick(300)
+        assert (mega.steps, mega.avr.resets) == (at, 1)
+    finally:
+        mega.avr.close()
+
+
+def test_the_watchdog_is_fed_at_rest_in_motion_and_in_a_flood() -> None:
+    with Mega() as mega:
+        mega.tick(1000)
+        mega.ready()
+        mega.move((600, 600, 600), 2000)
+        mega.avr.send(encode(FrameType.PING, 1, b"") * 2000)
+        mega.tick(1000)
+        mega.run()
+        mega.settle()
+        assert mega.avr.resets == 0
+        assert mega.last.position == mega.steps == (600, 600, 600)

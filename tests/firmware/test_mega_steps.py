@@ -1,0 +1,122 @@
+"""The Mega's pins, edge by edge: every step that is reported is made, and the drivers understand it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from avr.mega import Mega
+from rig import SPEED_MAX, Steps
+
+from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
+
+
+@pytest.fixture
+def ready() -> Iterator[Mega]:
+    """A Mega enabled and calibrated; its pins are looked at in the end."""
+    with Mega() as mega:
+        mega.ready()
+        yield mega
+
+
+@pytest.mark.parametrize(
+    ("target", "speed", "straight"),
+    [
+        ((300, -100, 70), SPEED_MAX, True),
+        ((300, 300, 300), SPEED_MAX, False),
+        ((1, 0, -1), 1, False),
+        ((-400, -390, -380), (4000, 2000, 300), False),
+        ((700, 600, 800), 1400, True),
+    ],
+)
+def test_a_motion_ends_exactly_at_its_target(
+    ready: Mega, target: Steps, speed: Steps | int, straight: bool
+) -> None:
+    assert ready.move(target, speed, straight=straight) == Error.OK
+    ready.run()
+    ready.settle()
+    assert ready.last.position == ready.steps == target
+    assert ready.outcome == Outcome.DONE
+
+
+def test_whatever_is_asked_for_the_count_is_that_of_the_pins() -> None:
+    chance = random.Random(5)
+    with Mega() as mega:
+        mega.ready()
+        origin = (0, 0, 0)
+        for _ in range(60):
+            around = chance.randint(-300, 300)
+            target = tuple(around + chance.randint(-150, 150) for _ in range(3))
+            mega.move(target, chance.choice([SPEED_MAX, 1400]), straight=chance.random() < 0.5)  # type: ignore[arg-type]
+            mega.tick(chance.randint(0, 400))
+            match chance.randrange(8):
+                case 0:
+                    mega.ask(FrameType.STOP)
+                case 1:
+                    mega.ask(FrameType.EMERGENCY_STOP)
+                case 2:
+                    mega.enable(0)
+            if State.ENABLED not in mega.state:
+                mega.settle()
+                counted = tuple(p + o for p, o in zip(mega.last.position, origin, strict=True))
+                assert counted == mega.steps
+                mega.ready()
+                origin = mega.steps
+        mega.run()
+        mega.settle()
+        assert tuple(p + o for p, o in zip(mega.last.position, origin, strict=True)) == mega.steps
+
+
+def test_in_motion_the_count_is_at_most_two_milliseconds_ahead_of_the_pins(ready: Mega) -> None:
+    ready.move((600, 600, 600), 4000)
+    for _ in range(50):
+        ready.tick(13)
+        ahead = [t - p for t, p in zip(ready.last.position, ready.steps, strict=True)]
+        assert all(-13 <= steps <= 2 for steps in ahead)  # telemetry is up to 10 ms old, and 2 ms on the wire
+
+
+def test_steps_are_evenly_spaced(ready: Mega) -> None:
+    ready.move((600, 600, 600), 800)
+    ready.run()
+    for arm in range(3):
+        edges = ready.avr.edges("step", arm)
+        rises = edges[edges["level"] == 1]["cycle"].astype(np.int64)
+        periods = np.diff(rises)[200:400]
+        assert abs(periods.mean() - 80_000) < 2
+        assert periods.std() < 150
+
+
+def test_stop_takes_effect_within_three_milliseconds_and_ends_on_a_counted_step(ready: Mega) -> None:
+    ready.move((900, 900, 900), SPEED_MAX)
+    ready.tick(400)
+    asked = ready.avr.cycle
+    ready.ask(FrameType.STOP)
+    ready.run()
+    ready.settle()
+    assert ready.outcome == Outcome.STOPPED
+    assert ready.last.position == ready.steps
+    assert ready.avr.enabled
+    rises = ready.avr.edges("step", 0)
+    rises = rises[rises["level"] == 1]["cycle"].astype(np.int64)
+    assert rises[-1] - asked < 16_000 * 520
+
+
+def test_an_emergency_cuts_the_drivers_at_once(ready: Mega) -> None:
+    ready.move((900, 900, 900), SPEED_MAX)
+    ready.tick(400)
+    ready.ask(FrameType.EMERGENCY_STOP)
+    assert not ready.avr.enabled
+    at = ready.steps
+    ready.settle()
+    assert (ready.steps, ready.outcome) == (at, Outcome.EMERGENCY)
+    assert ready.last.position == at
+
+
+def test_without_a_heartbeat_the_arms_stop_and_the_motors_hold(ready: Mega) -> None:
+    ready.move((1500, 1500, 1500), 2000)
+    ready.tick(1000)
+    assert (ready.state, ready.outcome) == (State.ENABLED | State.CALIBRATED, Outcome.HOST_LOST)
+    assert ready.avr.enabled
+    assert ready.last.position == ready.steps

@@ -1,0 +1,78 @@
+"""The Mega and the virtual board are one firmware: the same steps at the same millisecond."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from avr.bench import CYCLES_PER_MS, TICK
+from avr.mega import Mega
+from numpy.typing import NDArray
+from rig import SPEED_MAX, Rig, Steps
+
+from beatrix_zenoh._generated.serial import FrameType, Move
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import Firmware
+
+QUIET = 6200
+"""Cycles after a tick was due: it is over, and there is time for a whole MOVE before the next."""
+AHEAD_MS = 2
+"""A tick plans the millisecond that begins one millisecond after it was due."""
+LENGTH_MS = 700
+
+
+def script(seed: int) -> dict[int, bytes]:
+    """Frames by the millisecond in which they are processed: moves, retargets, stops, heartbeats."""
+    chance = random.Random(seed)
+    frames, ms = {}, 5
+    while ms < LENGTH_MS - 200:
+        around = chance.randint(-300, 300)
+        target = (around, around + chance.randint(-200, 200), around + chance.randint(-200, 200))
+        speed = (SPEED_MAX, chance.randint(500, SPEED_MAX), chance.randint(500, SPEED_MAX))
+        move = encode(FrameType.MOVE, 1, Move(chance.randint(0, 1), ms, target, speed).pack())
+        frames[ms] = chance.choice([move, move, move, encode(FrameType.STOP, 2, b"")])
+        ms += chance.choice([chance.randint(5, 40), chance.randint(40, 300)])
+    return frames
+
+
+def last_tick(mega: Mega) -> int:
+    """The cycle at which the last tick was due; its interrupt may have come later."""
+    late = []
+    for _ in range(20):
+        mega.avr.run(CYCLES_PER_MS)
+        late.append(mega.avr.work(TICK).last % CYCLES_PER_MS)
+    return mega.avr.work(TICK).last - late[-1] + min(late)
+
+
+def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Steps on an arm's pins up to these cycles."""
+    steps, directions = mega.avr.steps(arm)
+    counts: NDArray[np.int64] = np.concatenate([[0], np.cumsum(directions)])
+    return counts[np.searchsorted(steps, times)]
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_mega_and_virtual_board_are_never_more_than_a_step_apart(seed: int) -> None:
+    frames = script(seed)
+    firmware = Firmware()
+    Rig(firmware).ready()
+    planned: list[Steps] = []
+    with Mega() as mega:
+        mega.ready()
+        begin = last_tick(mega)
+        for ms in range(1, LENGTH_MS):
+            firmware.tick(1)
+            planned.append(firmware.steps())
+            if ms in frames:
+                firmware.receive(frames[ms])
+                due = begin + ms * CYCLES_PER_MS + QUIET
+                mega.avr.run_until(due - len(frames[ms]) * mega.avr.byte_cycles)
+                mega.avr.deliver(frames[ms])
+        mega.avr.run_until(begin + (LENGTH_MS + AHEAD_MS) * CYCLES_PER_MS)
+        assert (mega.avr.work(TICK).last - begin) % CYCLES_PER_MS < 1000  # no tick was late by a millisecond
+        times = begin + (np.arange(1, LENGTH_MS) + AHEAD_MS) * CYCLES_PER_MS
+        for arm in range(3):
+            apart = np.array([steps[arm] for steps in planned]) - positions(mega, arm, times)
+            assert np.abs(apart).max() <= 1
+        assert planned[-1] == mega.steps
