@@ -61,6 +61,13 @@ def keys(contract: Contract) -> str:
     return out + table(["key", "kind", "payload", "reply", "Hz", "meaning"], lines)
 
 
+def quantity(field: dict[str, object]) -> str:
+    """How many of what."""
+    if field["type"] == "text":
+        return f"0 to {field['count']} bytes"
+    return f"{field.get('count', 1)} x {field['type']}"
+
+
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
     out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
@@ -75,7 +82,7 @@ def serial(contract: Contract) -> str:
             out += "\n" + table(
                 ["field", "type", "unit", "meaning"],
                 [
-                    [f["name"], f"{f.get('count', 1)} x {f['type']}", f.get("unit", ""), f["doc"]]
+                    [f["name"], quantity(f), f.get("unit", ""), f["doc"]]
                     for f in fields
                 ],
             )
@@ -84,6 +91,9 @@ def serial(contract: Contract) -> str:
             ["code", "name", "reason over Zenoh", "meaning"],
             [[r["code"], n, r["reason"], r["doc"]] for n, r in contract.serial[name].items()],
         )
+    out += "\n## Codes of warning\n\n" + table(
+        ["code", "name", "meaning"], [[r["code"], n, r["doc"]] for n, r in contract.serial["warning"].items()]
+    )
     out += "\n## State bits\n\n" + table(
         ["bit", "name", "meaning"], [[r["bit"], n, r["doc"]] for n, r in contract.serial["state"].items()]
     )

@@ -61,6 +61,12 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     """firmware: a degree of room for rounding to steps [deg]; open"""
     guard_yaw_max: float = 200.0
     """firmware: of the mean of the arms, which leaves the head's yaw by a few degrees when tilted [deg]; open"""
+    tilt_gap_min: float = 49.0
+    """text port: neighbouring arms this far apart at least, and tilt_gap_max at most, tilt the head by tilt_max at most. Found with the kinematics: of the hexagons inside the arms' positions that tilt by 35 deg or less, nearly the largest (88 % of them; in the least favoured direction 89 % of the way to the limit) [deg]; inferred"""
+    tilt_gap_max: float = 175.0
+    """text port: see tilt_gap_min [deg]; inferred"""
+    text_speed: float = 200.0
+    """of every motion of the text port, as in the firmware of 2023 [microstep/s]; known"""
     speed_default: float = 30.0
     """of an arm [deg/s]; open"""
     speed_max: float = 90.0
