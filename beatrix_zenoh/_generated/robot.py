@@ -61,8 +61,8 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     """firmware: a degree of room for rounding to steps [deg]; open"""
     guard_yaw_max: float = 200.0
     """firmware: of the mean of the arms, which leaves the head's yaw by a few degrees when tilted [deg]; open"""
-    tilt_gap_min: float = 49.0
-    """text port: neighbouring arms this far apart at least, and tilt_gap_max at most, tilt the head by tilt_max at most. Found with the kinematics: of the hexagons inside the arms' positions that tilt by 35 deg or less, nearly the largest (88 % of them; in the least favoured direction 89 % of the way to the limit) [deg]; inferred"""
+    tilt_gap_min: float = 48.5
+    """text port: with all neighbouring arms this far apart or more, and tilt_gap_max or less, the head tilts by tilt_max at most. Found with the kinematics: tilt depends on the differences of the arms only, and of the hexagons of differences inside the region that tilts by 35 deg this is nearly the largest; it holds 87 % of that region, and in every direction 89 % or more of the way to its border [deg]; inferred"""
     tilt_gap_max: float = 175.0
     """text port: see tilt_gap_min [deg]; inferred"""
     text_speed: float = 200.0

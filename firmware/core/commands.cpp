@@ -136,6 +136,7 @@ void Machine::read_steps(int32_t steps[ARMS]) const {
 
 bool Machine::arrived() const {
   TickHeld held;
+  if (!motion_.moving()) return motion_.outcome() == OUTCOME_DONE;
   for (uint8_t i = 0; i < ARMS; i++) {
     if (motion_.axis(i).steps() != motion_.axis(i).target()) return false;
   }

@@ -33,7 +33,7 @@ class Machine {
   bool emergency() const { return emergency_; }
   uint32_t now() const;  // in ticks
   void read_steps(int32_t steps[ARMS]) const;
-  bool arrived() const;      // all steps of the motion are made
+  bool arrived() const;      // all steps of the last motion are made, up to its target
   bool text_moving() const;  // in a motion of the text port
   Error enable(uint8_t value);
   Error calibrate();
