@@ -81,10 +81,7 @@ def serial(contract: Contract) -> str:
             fields: list[dict[str, object]] = list(row["fields"])  # type: ignore[call-overload]
             out += "\n" + table(
                 ["field", "type", "unit", "meaning"],
-                [
-                    [f["name"], quantity(f), f.get("unit", ""), f["doc"]]
-                    for f in fields
-                ],
+                [[f["name"], quantity(f), f.get("unit", ""), f["doc"]] for f in fields],
             )
     for name in ("error", "outcome"):
         out += f"\n## Codes of {name}\n\n" + table(

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from rig import Core, Steps
+from rig import Steps
 
 from beatrix_zenoh._generated.serial import (
-    TEXT_LINE_MAX,
     FrameType,
     Telemetry,
     Text,
@@ -29,7 +28,7 @@ class Program:
     `framed`: through a host that speaks frames all the time; then flags, warnings and telemetry are collected as well.
     """
 
-    def __init__(self, core: Core | None = None, *, framed: bool = False) -> None:
+    def __init__(self, core: Firmware | None = None, *, framed: bool = False) -> None:
         self.core = core or Firmware()
         self.framed = framed
         self.ms = 0
@@ -107,7 +106,6 @@ class Program:
         for frame in self._decoder.feed(sent):
             if frame.type == FrameType.TEXT:
                 text = Text.unpack(frame.payload)
-                assert len(text.text) <= TEXT_LINE_MAX
                 self.lines.append((self.ms, text.text.decode("ascii")))
                 self.flags.append(text.flags)
             elif frame.type == FrameType.TEXT_WARNING:

@@ -9,6 +9,8 @@ namespace beatrix {
 // What the longest answer without waiting takes in frames: that of @GETALLPOS, a line of three numbers between three
 // short ones.
 static const uint8_t ANSWER_ROOM = uint8_t(3 * NUMBER_SIZE + 3 + 4 + 1 + 4 + 4 * (1 + WIRE_OVERHEAD));
+// Ticks after which the steps of a tick are made surely: the body makes them in the millisecond that follows.
+static const uint8_t STEPS_BEHIND = 2;
 static const uint8_t WARNING_ROOM = uint8_t(TextWarning::SIZE + WIRE_OVERHEAD);
 
 void TextPort::open(Machine &machine) {
@@ -37,7 +39,9 @@ void TextPort::call_off() {
 
 void TextPort::give_way(const Machine &machine) {
   call_off();
-  if (phase_ == MOVING) phase_ = machine.arrived() ? DONE : LOST;
+  if (phase_ != MOVING) return;
+  phase_ = machine.arrived() ? ARRIVED : LOST;
+  begun_ = machine.now();
 }
 
 void TextPort::home_moved(const int32_t steps[ARMS]) {
@@ -86,11 +90,12 @@ bool TextPort::proceed(Machine &machine) {
     case MOVING:
       // At rest is who has made the last step: what is left of the motion is less than a step.
       if (machine.arrived()) {
-        end(machine, true);
+        phase_ = ARRIVED;
+        begun_ = machine.now();
       } else if (motion.moving()) {
         return false;
       } else {
-        end(machine, motion.outcome() == OUTCOME_DONE);
+        phase_ = LOST;
       }
       break;
     case PRETENDING:
@@ -102,7 +107,10 @@ bool TextPort::proceed(Machine &machine) {
       if (motion.braking()) return false;
       end(machine, true);
       break;
-    case DONE: end(machine, true); break;
+    case ARRIVED:
+      if (machine.now() - begun_ < STEPS_BEHIND) return false;
+      end(machine, true);
+      break;
     case LOST: end(machine, false); break;
   }
   return true;

@@ -32,10 +32,10 @@ class TextPort {
   enum Phase : uint8_t {
     IDLE,        // there is none
     SETTLING,    // the last steps of the move before, to begin its own
-    MOVING,      // the arms
+    MOVING,      // its last step
     PRETENDING,  // as long as the arms would have needed
     STOPPING,    // arms at rest
-    DONE,        // nothing any more
+    ARRIVED,     // the motors, which follow the tick
     LOST,        // nothing any more: somebody else has ended it
   };
 
@@ -56,7 +56,7 @@ class TextPort {
   bool calibrated_ = false;
   int32_t zero_[ARMS] = {0, 0, 0};    // where the port's zero is, in steps from home
   int32_t counted_[ARMS] = {0, 0, 0}; // pretending: what the move adds to the port's position
-  uint32_t begun_ = 0;                // pretending: since this tick
+  uint32_t begun_ = 0;                // pretending, arrived: since this tick
   uint32_t duration_ = 0;             // pretending: in ticks
   uint8_t warnings_ = 0;              // to be sent, a bit for each code
 };

@@ -70,9 +70,10 @@ void pass(uint8_t milliseconds) {
   const Report *report = report_buffer();
   for (uint8_t i = 0; i < milliseconds; i++) {
     int32_t before = report->pulses[0];
+    bool could_turn = report->drivers_on;
     tick(1);
     if (beatrix::guard_steps(report->steps) != beatrix::OUTCOME_NONE) __builtin_trap();
-    if (!report->drivers_on && report->pulses[0] != before) __builtin_trap();
+    if (!could_turn && report->pulses[0] != before) __builtin_trap();
   }
   drain();
 }

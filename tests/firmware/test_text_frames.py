@@ -14,7 +14,6 @@ from beatrix_zenoh._generated.serial import (
     Error,
     FrameType,
     Move,
-    Text,
     TextWarning,
     WarningCode,
 )
@@ -36,7 +35,10 @@ def test_who_opens_the_board_directly_sees_plain_replies_and_nothing_else() -> N
     firmware = Firmware()
     firmware.receive(b"@ENMOTORS ON\r@CALNOW\r@GETXPOS\r@GETALLPOS\r@MOVRX 200 200\r@FOO\r")
     firmware.tick(3000)
-    assert firmware.transmit() == b"ACK\nACK\n" * 2 + b"ACK\n0\r\nACK\n" + b"ACK\n\n0 0 0\nACK\n" + b"ACK\nACK\nNACK\n"
+    assert (
+        firmware.transmit()
+        == b"ACK\nACK\n" * 2 + b"ACK\n0\r\nACK\n" + b"ACK\n\n0 0 0\nACK\n" + b"ACK\nACK\nNACK\n"
+    )
 
 
 def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> None:
@@ -45,7 +47,9 @@ def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> No
     firmware.receive(PING)
     firmware.tick(5000)
     frames = Decoder().feed(firmware.transmit())
-    told = [int.from_bytes(frame.payload[:4], "little") for frame in frames if frame.type == FrameType.TELEMETRY]
+    told = [
+        int.from_bytes(frame.payload[:4], "little") for frame in frames if frame.type == FrameType.TELEMETRY
+    ]
     assert told[0] == 500
     assert 500 + HOST_GONE - 10 <= told[-1] < 500 + HOST_GONE
     firmware.receive(PING)
@@ -181,7 +185,9 @@ def test_whatever_comes_every_known_line_is_answered_and_frames_keep_working(see
                 b"@MOVRALL " + chance.randbytes(5) + b"\r",
                 encode(FrameType.STOP, 1, b""),
                 encode(FrameType.ENABLE, 1, Enable(chance.randint(0, 1)).pack()),
-                encode(FrameType.MOVE, 1, Move(1, 5, (chance.randint(-300, 300), 0, 0), (900, 900, 900)).pack()),
+                encode(
+                    FrameType.MOVE, 1, Move(1, 5, (chance.randint(-300, 300), 0, 0), (900, 900, 900)).pack()
+                ),
                 b"@MOVRX %d\r" % chance.randint(-300, 300),
                 b"@STOPALL\r",
                 b"@CALNOW\r",

@@ -114,7 +114,7 @@ def test_stopall_calls_off_the_moves_before_it_and_nothing_else(program: Program
     assert program.new() == [ACK]
     program.send(b"@STOPALL\r@MOVRX 7\r@GETXPOS\r")
     program.tick(1000)
-    ack, position, *rest = program.new()[3:]
+    _, position, *rest = program.new()[3:]
     assert 80 < int(position) < 120
     assert rest == [ACK, *UNKNOWN, *REFUSED, *DONE, *REFUSED, *DONE, *DONE, ACK, "7\r\n", ACK]
 

@@ -49,7 +49,9 @@ def test_half_a_line_is_forgotten_after_two_seconds_without_an_answer(program: P
     assert program.say("@COMSTATUS") == DONE
 
 
-@pytest.mark.parametrize("line", ["@FOO", "@", "@ ", "@enmotors ON", "@ENMOTOR", "@ENMOTORSS ON", "@@COMSTATUS"])
+@pytest.mark.parametrize(
+    "line", ["@FOO", "@", "@ ", "@enmotors ON", "@ENMOTOR", "@ENMOTORSS ON", "@@COMSTATUS"]
+)
 def test_an_unknown_word_is_answered_once(program: Program, line: str) -> None:
     assert program.say(line) == UNKNOWN
 
@@ -65,7 +67,17 @@ def test_noise_before_a_line_does_no_harm(program: Program) -> None:
     assert program.new() == DONE
 
 
-WHOLE = ["CALNOW", "CALSTATUS", "COMSTATUS", "MOVHOME", "STOPALL", "GETXPOS", "GETYPOS", "GETZPOS", "GETALLPOS"]
+WHOLE = [
+    "CALNOW",
+    "CALSTATUS",
+    "COMSTATUS",
+    "MOVHOME",
+    "STOPALL",
+    "GETXPOS",
+    "GETYPOS",
+    "GETZPOS",
+    "GETALLPOS",
+]
 RESERVED = ["CALSTART", "CALEND", "CALX", "CALY", "CALZ"]
 WITH_ARGUMENTS = ["ENMOTORS", "MOVRX", "MOVRY", "MOVRZ", "MOVAX", "MOVAY", "MOVAZ", "MOVRALL", "MOVAALL"]
 EXTENSIONS = ["MOVTORPOS", "MOVTOAPOS"]
@@ -105,14 +117,24 @@ def test_words_of_other_robots_are_unknown(program: Program, word: str) -> None:
         ("007", 7),
     ],
 )
-def test_numbers_are_read_up_to_the_first_other_character(program: Program, argument: str, steps: int) -> None:
+def test_numbers_are_read_up_to_the_first_other_character(
+    program: Program, argument: str, steps: int
+) -> None:
     assert program.run(f"@MOVRY {argument} 200") == DONE
     assert program.position == (0, steps, 0)
 
 
 @pytest.mark.parametrize("argument", ["32768", "-32768", "65537", "99999999999999999"])
 @pytest.mark.parametrize(
-    "form", ["@MOVRX {}", "@MOVAZ {} 200", "@MOVRALL 1 2 {}", "@MOVAALL {} 0 0", "@MOVTORPOS {} 0", "@MOVTOAPOS 0 {}"]
+    "form",
+    [
+        "@MOVRX {}",
+        "@MOVAZ {} 200",
+        "@MOVRALL 1 2 {}",
+        "@MOVAALL {} 0 0",
+        "@MOVTORPOS {} 0",
+        "@MOVTOAPOS 0 {}",
+    ],
 )
 def test_numbers_that_do_not_fit_are_refused_and_move_nothing(
     program: Program, form: str, argument: str

@@ -10,7 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rig import ROOT, Rig
 
-from beatrix_zenoh._generated.serial import CONTRACT, HOST_GONE, Ack, Error, FrameType, HelloReply, Move, State
+from beatrix_zenoh._generated.serial import (
+    CONTRACT,
+    HOST_GONE,
+    Ack,
+    Error,
+    FrameType,
+    HelloReply,
+    Move,
+    State,
+)
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 
