@@ -48,6 +48,8 @@ void TextPort::home_moved(const int32_t steps[ARMS]) {
   for (uint8_t i = 0; i < ARMS; i++) zero_[i] -= steps[i];
 }
 
+static_assert(ANSWER_ROOM + REPLY_ROOM <= 128, "hal.h promises no more room");
+
 // Replies to frames go first: room for one is always left.
 void TextPort::poll(Machine &machine) {
   if (warnings_) send_warnings(machine);
