@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from contract import Contract
 
 WIDTH = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "char": 1}
@@ -46,6 +48,9 @@ def frame(name: str, table: dict[str, object]) -> str:
     members, reads, writes, offset = "", "", "", 0
     for field in fields:
         kind, count, field_name = str(field["type"]), int(str(field.get("count", 1))), str(field["name"])
+        if kind == "text":  # of variable length, at the end: whoever writes the frame puts it there
+            members += f"  static const uint8_t {field_name.upper()}_MAX = {count};  // {field['doc']}\n"
+            continue
         suffix = f"[{count}]" if count > 1 else ""
         unit = f" [{field['unit']}]" if field.get("unit") else ""
         members += f"  {CTYPE[kind]} {field_name}{suffix};  // {field['doc']}{unit}\n"
@@ -68,13 +73,29 @@ def frame(name: str, table: dict[str, object]) -> str:
     )
 
 
+def number(table: dict[str, object], name: str) -> float:
+    """Value of a row of robot.toml."""
+    return float(table[name]["value"])  # type: ignore[index]
+
+
+def text_limits(bounds: dict[str, object], per_degree: float) -> dict[str, tuple[int, str]]:
+    """What holds for the text port, rounded to the safe side."""
+    return {
+        "TILT_GAP_MIN": (
+            math.ceil(number(bounds, "tilt_gap_min") * per_degree),
+            "microsteps between neighbours: with all gaps from this",
+        ),
+        "TILT_GAP_MAX": (
+            math.floor(number(bounds, "tilt_gap_max") * per_degree),
+            "to this the head tilts no further than it may",
+        ),
+        "TEXT_SPEED": (round(number(bounds, "text_speed") * QUARTERS), "quarter microsteps per second"),
+    }
+
+
 def limits(contract: Contract) -> str:
     """Limits in the units of the planner: microsteps and Q26 microsteps per tick."""
     drive, bounds = contract.robot["drive"], contract.robot["limits"]
-
-    def number(table: dict[str, object], name: str) -> float:
-        return float(table[name]["value"])  # type: ignore[index]
-
     turn = (
         number(drive, "full_steps")
         * number(drive, "microsteps")
@@ -94,6 +115,7 @@ def limits(contract: Contract) -> str:
             round(3 * number(bounds, "guard_yaw_max") * per_degree),
             "largest sum of the three arms, microsteps",
         ),
+        **text_limits(bounds, per_degree),
         "SPEED_DEFAULT": (
             round(number(bounds, "speed_default") * per_degree * QUARTERS),
             "quarter microsteps per second",
@@ -127,7 +149,7 @@ def header(contract: Contract) -> str:
         kind = "uint32_t" if name == "baud" else "uint16_t"
         out += f"static const {kind} {name.upper()} = {row['value']};  // {row['unit']}: {row['doc']}\n"
     out += "\n" + limits(contract) + "\n"
-    for title, key in (("Error", "error"), ("Outcome", "outcome")):
+    for title, key in (("Error", "error"), ("Outcome", "outcome"), ("Warning", "warning")):
         out += f"enum {title} : uint8_t {{\n"
         out += (
             "".join(f"  {title.upper()}_{n} = {r['code']},  // {r['doc']}\n" for n, r in table[key].items())
@@ -145,7 +167,10 @@ def header(contract: Contract) -> str:
         "".join(f"  FRAME_{n} = 0x{r['type']:02X},  // {r['doc']}\n" for n, r in table["frame"].items())
         + "};\n\n"
     )
-    out += "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t MOVE_STRAIGHT = 1;\n\n" + CODEC
+    out += (
+        "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t MOVE_STRAIGHT = 1;\nstatic const uint8_t TEXT_LAST = 1;\n\n"
+        + CODEC
+    )
     out += "".join(frame(name, row) for name, row in table["frame"].items() if "fields" in row)
     return out + "}  // namespace beatrix\n\n#endif\n"
 

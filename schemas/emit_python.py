@@ -109,7 +109,12 @@ def frame_class(name: str, table: dict[str, object]) -> str:
     layout = "<"
     lines = [f"class {name.title().replace('_', '')}(NamedTuple):", f'    """{table["doc"]}"""', ""]
     pack, unpack, at = [], [], 0
+    const, tail = f"_{name}", ""
     for field in fields:
+        if field["type"] == "text":
+            tail = str(field["name"])
+            lines += [f"    {tail}: bytes", f'    """{doc_of(field)}; at most {field["count"]} bytes"""']
+            continue
         count, kind = int(str(field.get("count", 1))), str(field["type"])
         layout += f"{count}s" if kind == "char" else (f"{count}" if count > 1 else "") + STRUCT[kind]
         if kind == "char":
@@ -125,21 +130,23 @@ def frame_class(name: str, table: dict[str, object]) -> str:
         pack.append(pack_one)
         unpack.append(unpack_one)
         at += used
-    const = f"_{name}"
     lines += [
         "",
         "    def pack(self) -> bytes:",
         '        """Payload bytes, without type, seq and checksum."""',
     ]
-    lines += [f"        return {const}.pack({', '.join(pack)})"]
+    lines += [f"        return {const}.pack({', '.join(pack)})" + (f" + self.{tail}" if tail else "")]
     lines += [
         "",
         "    @classmethod",
         f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:",
     ]
     lines += ['        """Raises struct.error if the length does not fit."""']
-    lines += [f"        values = {const}.unpack(payload)", f"        return cls({', '.join(unpack)})"]
-    size = f'{name}_SIZE: Final = {const}.size\n"""Payload bytes of {name}."""\n'
+    fixed = f"payload[: {const}.size]" if tail else "payload"
+    unpack += [f"payload[{const}.size :]"] if tail else []
+    lines += [f"        values = {const}.unpack({fixed})", f"        return cls({', '.join(unpack)})"]
+    before = f" before its {tail}" if tail else ""
+    size = f'{name}_SIZE: Final = {const}.size\n"""Payload bytes of {name}{before}."""\n'
     return f'{const}: Final = Struct("{layout}")\n{size}\n\n' + "\n".join(lines)
 
 
@@ -158,6 +165,10 @@ def serial(contract: Contract) -> str:
         out += "".join(f"    {title}.{n}: Reason.{r['reason']},\n" for n, r in table[key].items()) + "}\n"
         out += f"\n\n{title.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
         out += "".join(f"    {title}.{n}: {r['doc']!r},\n" for n, r in table[key].items()) + "}\n"
+    out += '\n\nclass WarningCode(IntEnum):\n    """Codes of `warning`."""\n\n'
+    out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table["warning"].items())
+    out += "\n\nWARNING_TEXT: Final[dict[WarningCode, str]] = {\n"
+    out += "".join(f"    WarningCode.{n}: {r['doc']!r},\n" for n, r in table["warning"].items()) + "}\n"
     out += '\n\nclass State(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
     out += "".join(
         f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()

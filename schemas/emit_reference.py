@@ -61,9 +61,17 @@ def keys(contract: Contract) -> str:
     return out + table(["key", "kind", "payload", "reply", "Hz", "meaning"], lines)
 
 
+def quantity(field: dict[str, object]) -> str:
+    """How many of what."""
+    if field["type"] == "text":
+        return f"0 to {field['count']} bytes"
+    return f"{field.get('count', 1)} x {field['type']}"
+
+
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
     out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
+    out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0012-text-lives-in-the-firmware.md)). The board sends nothing unasked before a valid frame, and nothing but plain answers to text when none came for host_gone.\n\n"
     out += table(
         ["name", "value", "unit", "meaning"],
         [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()],
@@ -74,16 +82,16 @@ def serial(contract: Contract) -> str:
             fields: list[dict[str, object]] = list(row["fields"])  # type: ignore[call-overload]
             out += "\n" + table(
                 ["field", "type", "unit", "meaning"],
-                [
-                    [f["name"], f"{f.get('count', 1)} x {f['type']}", f.get("unit", ""), f["doc"]]
-                    for f in fields
-                ],
+                [[f["name"], quantity(f), f.get("unit", ""), f["doc"]] for f in fields],
             )
     for name in ("error", "outcome"):
         out += f"\n## Codes of {name}\n\n" + table(
             ["code", "name", "reason over Zenoh", "meaning"],
             [[r["code"], n, r["reason"], r["doc"]] for n, r in contract.serial[name].items()],
         )
+    out += "\n## Codes of warning\n\n" + table(
+        ["code", "name", "meaning"], [[r["code"], n, r["doc"]] for n, r in contract.serial["warning"].items()]
+    )
     out += "\n## State bits\n\n" + table(
         ["bit", "name", "meaning"], [[r["bit"], n, r["doc"]] for n, r in contract.serial["state"].items()]
     )

@@ -62,6 +62,7 @@ FRAMES: list[tuple[str, int, dict[str, object]]] = [
     ("ENABLE", 5, {"value": 1}),
     ("CALIBRATE", 6, {}),
     ("SET_NAME", 9, {"name": "bea1"}),
+    ("TEXT_OPEN", 10, {}),
 ]
 
 

@@ -83,7 +83,7 @@ class HostFirmware:
 
 
 class Rig:
-    """Talks to a firmware frame by frame; every reply and telemetry is looked at."""
+    """The host of a firmware: talks to it frame by frame; every reply and telemetry is looked at."""
 
     def __init__(self, core: Core | None = None) -> None:
         self.core = core or Firmware()
@@ -92,7 +92,7 @@ class Rig:
         self._decoder = Decoder()
         self._seq = 0
         self.motion = 0
-        self._look()
+        self.raw(encode(FrameType.HELLO, 0, b""))
 
     def ask(self, kind: int, payload: bytes = b"") -> Error:
         """Send a request; its acknowledgement must be there when this returns."""

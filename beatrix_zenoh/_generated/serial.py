@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x767DD74A
+CONTRACT: Final = 0x31863E2B
 """Hash of the serial contract, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -31,6 +31,14 @@ TRIES: Final = 3
 """before the host calls the board lost"""
 TEXT_START: Final = 64
 """'@'"""
+TEXT_LINE_MAX: Final = 127
+"""longest line of text, without its end [byte]"""
+TEXT_LINE_TIMEOUT: Final = 2000
+"""without a byte for this long a line (or frame) that has begun is forgotten [ms]"""
+TEXT_MOTION: Final = 0
+"""number of every motion of the text port, in TELEMETRY"""
+HOST_GONE: Final = 2000
+"""without any valid frame for this long there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
 
 class Error(IntEnum):
@@ -131,6 +139,36 @@ OUTCOME_TEXT: Final[dict[Outcome, str]] = {
 }
 
 
+class WarningCode(IntEnum):
+    """Codes of `warning`."""
+
+    GAP = 1
+    """the text motion was shortened: neighbouring arms would come too close"""
+    YAW = 2
+    """the text motion was shortened: the arms would turn too far"""
+    TILT = 3
+    """the text motion was shortened: the head would tilt too far"""
+    MOTORS_OFF = 4
+    """the text motion was only counted: motors are off"""
+    BUSY = 5
+    """a line of text was refused: too many are waiting"""
+    HOME_UNKNOWN = 6
+    """the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again"""
+    EMERGENCY = 7
+    """text was refused: after an emergency stop only the frame ENABLE switches the motors on"""
+
+
+WARNING_TEXT: Final[dict[WarningCode, str]] = {
+    WarningCode.GAP: "the text motion was shortened: neighbouring arms would come too close",
+    WarningCode.YAW: "the text motion was shortened: the arms would turn too far",
+    WarningCode.TILT: "the text motion was shortened: the head would tilt too far",
+    WarningCode.MOTORS_OFF: "the text motion was only counted: motors are off",
+    WarningCode.BUSY: "a line of text was refused: too many are waiting",
+    WarningCode.HOME_UNKNOWN: "the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again",
+    WarningCode.EMERGENCY: "text was refused: after an emergency stop only the frame ENABLE switches the motors on",
+}
+
+
 class State(IntFlag):
     """State bits of TELEMETRY."""
 
@@ -165,12 +203,18 @@ class FrameType(IntEnum):
     """The present position becomes home. Answered with ACK."""
     SET_NAME = 0x08
     """Keep this robot name in non-volatile memory. Answered with ACK."""
+    TEXT_OPEN = 0x09
+    """A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK."""
     HELLO_REPLY = 0x81
-    """Answer to HELLO; also sent unasked (seq 0) after a reset."""
+    """Answer to HELLO."""
     ACK = 0x80
     """Answer to everything else; its type on the wire is the request's type | 0x80."""
     TELEMETRY = 0xC0
-    """Unasked, every telemetry_period and at once on a change. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. seq counts them."""
+    TEXT = 0xC1
+    """One line of the answer to a line of text. seq counts them, together with TEXT_WARNING."""
+    TEXT_WARNING = 0xC2
+    """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
 
 
 _MOVE: Final = Struct("<BH3i3H")
@@ -251,7 +295,7 @@ HELLO_REPLY_SIZE: Final = _HELLO_REPLY.size
 
 
 class HelloReply(NamedTuple):
-    """Answer to HELLO; also sent unasked (seq 0) after a reset."""
+    """Answer to HELLO."""
 
     contract: int
     """hash of this file"""
@@ -301,7 +345,7 @@ TELEMETRY_SIZE: Final = _TELEMETRY.size
 
 
 class Telemetry(NamedTuple):
-    """Unasked, every telemetry_period and at once on a change. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. seq counts them."""
 
     tick: int
     """since start [ms]"""
@@ -312,7 +356,7 @@ class Telemetry(NamedTuple):
     outcome: int
     """how the last motion ended"""
     motion: int
-    """number of the running or last motion"""
+    """number of the running or last motion; text_motion: the text port's"""
     position: tuple[int, int, int]
     """steps made [microstep]"""
     velocity: tuple[int, int, int]
@@ -347,3 +391,49 @@ class Telemetry(NamedTuple):
             (values[8], values[9], values[10]),
             values[11],
         )
+
+
+_TEXT: Final = Struct("<B")
+TEXT_SIZE: Final = _TEXT.size
+"""Payload bytes of TEXT before its text."""
+
+
+class Text(NamedTuple):
+    """One line of the answer to a line of text. seq counts them, together with TEXT_WARNING."""
+
+    flags: int
+    """bit 0 LAST: this line ends the answer to its command"""
+    text: bytes
+    """the line with its end, as a program has to see it; at most 54 bytes"""
+
+    def pack(self) -> bytes:
+        """Payload bytes, without type, seq and checksum."""
+        return _TEXT.pack(self.flags) + self.text
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Text:
+        """Raises struct.error if the length does not fit."""
+        values = _TEXT.unpack(payload[: _TEXT.size])
+        return cls(values[0], payload[_TEXT.size :])
+
+
+_TEXT_WARNING: Final = Struct("<B")
+TEXT_WARNING_SIZE: Final = _TEXT_WARNING.size
+"""Payload bytes of TEXT_WARNING."""
+
+
+class TextWarning(NamedTuple):
+    """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
+
+    code: int
+    """a warning code"""
+
+    def pack(self) -> bytes:
+        """Payload bytes, without type, seq and checksum."""
+        return _TEXT_WARNING.pack(self.code)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> TextWarning:
+        """Raises struct.error if the length does not fit."""
+        values = _TEXT_WARNING.unpack(payload)
+        return cls(values[0])

@@ -25,7 +25,6 @@ from beatrix_zenoh._generated.serial import (
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
-REPLY_BIT = 0x80
 STRAIGHT = 1
 READ_S = 0.05
 REOPEN_S = 0.3
@@ -254,7 +253,7 @@ class Board:
             self._on_telemetry(telemetry)
         elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
             self._hello = HelloReply.unpack(frame.payload)
-        elif frame.type & REPLY_BIT and frame.payload:
+        elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # beyond: unasked
             slot = self._pending.get(frame.seq)
             if slot is not None:
                 slot.put(frame.payload[0])

@@ -319,12 +319,14 @@ void Axis::set_next(const Fine &speed, const Fine &rest) {
 
 // --- core/machine.h
 // The board's behaviour: states, commands, telemetry, heartbeat.
+//
+// It speaks as it is spoken to: frames to a host whose frames come, and otherwise nothing but the answers to text.
 #ifndef BEATRIX_MACHINE_H
 #define BEATRIX_MACHINE_H
 
 
 // --- core/frame.h
-// Frames of the serial link: 0x00, COBS(type, seq, payload, CRC-16), 0x00.
+// Frames of the serial link: 0x00, COBS(type, seq, payload, CRC-16), 0x00; and lines of text between them.
 #ifndef BEATRIX_FRAME_H
 #define BEATRIX_FRAME_H
 
@@ -339,7 +341,7 @@ void Axis::set_next(const Fine &speed, const Fine &rest) {
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x767DD74AUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0x31863E2BUL;  // hash of serial.toml
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -353,11 +355,18 @@ static const uint16_t HEARTBEAT_PERIOD = 200;  // ms: the host sends something a
 static const uint16_t REPLY_TIMEOUT = 100;  // ms: then the host asks again
 static const uint16_t TRIES = 3;  // : before the host calls the board lost
 static const uint16_t TEXT_START = 64;  // : '@'
+static const uint16_t TEXT_LINE_MAX = 127;  // byte: longest line of text, without its end
+static const uint16_t TEXT_LINE_TIMEOUT = 2000;  // ms: without a byte for this long a line (or frame) that has begun is forgotten
+static const uint16_t TEXT_MOTION = 0;  // : number of every motion of the text port, in TELEMETRY
+static const uint16_t HOST_GONE = 2000;  // ms: without any valid frame for this long there is no host: no telemetry, text replies without frames, text motions without heartbeat
 
 static const int32_t ARM_SPACING = 1395;  // microsteps between neighbouring arms at home
 static const int32_t ARM_TURN = 4185;  // microsteps of a whole turn of an arm
 static const int32_t GAP_MIN = 337;  // microsteps that must stay between neighbours
 static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, microsteps
+static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
+static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
+static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
 static const int32_t SPEED_DEFAULT = 1395;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
@@ -386,6 +395,16 @@ enum Outcome : uint8_t {
   OUTCOME_EMERGENCY = 7,  // by EMERGENCY_STOP
 };
 
+enum Warning : uint8_t {
+  WARNING_GAP = 1,  // the text motion was shortened: neighbouring arms would come too close
+  WARNING_YAW = 2,  // the text motion was shortened: the arms would turn too far
+  WARNING_TILT = 3,  // the text motion was shortened: the head would tilt too far
+  WARNING_MOTORS_OFF = 4,  // the text motion was only counted: motors are off
+  WARNING_BUSY = 5,  // a line of text was refused: too many are waiting
+  WARNING_HOME_UNKNOWN = 6,  // the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again
+  WARNING_EMERGENCY = 7,  // text was refused: after an emergency stop only the frame ENABLE switches the motors on
+};
+
 enum StateBit : uint8_t {
   STATE_ENABLED = 1,  // motors on
   STATE_CALIBRATED = 2,  // home known
@@ -403,13 +422,17 @@ enum FrameType : uint8_t {
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // The present position becomes home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Keep this robot name in non-volatile memory. Answered with ACK.
-  FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO; also sent unasked (seq 0) after a reset.
+  FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
+  FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Unasked, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
+  FRAME_TEXT_WARNING = 0xC2,  // What the old protocol has no words for. Sent once for several of a kind in quick succession.
 };
 
 static const uint8_t REPLY_BIT = 0x80;
 static const uint8_t MOVE_STRAIGHT = 1;
+static const uint8_t TEXT_LAST = 1;
 
 // Little-endian access, the same on every processor.
 inline uint16_t get_u16(const uint8_t *p) { return uint16_t(p[0] | uint16_t(uint16_t(p[1]) << 8)); }
@@ -462,7 +485,7 @@ struct SetName {
   }
 };
 
-// Answer to HELLO; also sent unasked (seq 0) after a reset.
+// Answer to HELLO.
 struct HelloReply {
   static const uint8_t SIZE = 43;
   uint32_t contract;  // hash of this file
@@ -495,14 +518,14 @@ struct Ack {
   }
 };
 
-// Unasked, every telemetry_period and at once on a change. seq counts them.
+// Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
 struct Telemetry {
   static const uint8_t SIZE = 38;
   uint32_t tick;  // since start [ms]
   uint32_t boot;  // as in HELLO_REPLY: a change means the board was reset
   uint8_t state;  // state bits
   uint8_t outcome;  // how the last motion ended
-  uint16_t motion;  // number of the running or last motion
+  uint16_t motion;  // number of the running or last motion; text_motion: the text port's
   int32_t position[3];  // steps made [microstep]
   int32_t velocity[3];  // of the set points [0.25 microstep/s]
   uint16_t rejected;  // frames thrown away since start
@@ -528,6 +551,31 @@ struct Telemetry {
   }
 };
 
+// One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
+struct Text {
+  static const uint8_t SIZE = 1;
+  uint8_t flags;  // bit 0 LAST: this line ends the answer to its command
+  static const uint8_t TEXT_MAX = 54;  // the line with its end, as a program has to see it
+  void read(const uint8_t *p) {
+    flags = uint8_t(p[0]);
+  }
+  void write(uint8_t *p) const {
+    p[0] = uint8_t(flags);
+  }
+};
+
+// What the old protocol has no words for. Sent once for several of a kind in quick succession.
+struct TextWarning {
+  static const uint8_t SIZE = 1;
+  uint8_t code;  // a warning code
+  void read(const uint8_t *p) {
+    code = uint8_t(p[0]);
+  }
+  void write(uint8_t *p) const {
+    p[0] = uint8_t(code);
+  }
+};
+
 }  // namespace beatrix
 
 #endif
@@ -543,12 +591,16 @@ static const uint8_t WIRE_OVERHEAD = uint8_t(2 + 2 + 1 + 2);    // type and seq,
 // Writes a frame to `out` (MAX_WIRE bytes); returns its length. size <= MAX_PAYLOAD.
 uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, uint8_t *out);
 
-// Takes frames apart, byte by byte. Everything that is no whole and correct frame is thrown away and counted;
-// lines of text (first byte '@' where a frame could begin) are passed over and not counted.
+enum Got : uint8_t { GOT_NOTHING, GOT_FRAME, GOT_LINE };
+
+// Takes frames and lines of text apart, byte by byte. Everything between delimiters that is no whole and correct frame
+// is thrown away and counted. A line of text begins with '@' where a frame could begin and ends with CR, LF or both.
 class Receiver {
  public:
-  // True: a frame is complete; type() to size() describe it until the next byte.
-  bool take(uint8_t byte);
+  // GOT_FRAME: type() to size(), GOT_LINE: line() and line_size() describe it until the next byte.
+  Got take(uint8_t byte);
+  // Nothing came for so long that what has begun will not end.
+  void give_up();
 
   uint8_t type() const { return body_[0]; }
   uint8_t seq() const { return body_[1]; }
@@ -556,20 +608,26 @@ class Receiver {
   uint8_t size() const { return uint8_t(length_ - 4); }
   uint16_t rejected() const { return rejected_; }
 
+  // Of a line that is too long only the begin is kept, and its size is more than TEXT_LINE_MAX.
+  const uint8_t *line() const { return body_; }
+  uint8_t line_size() const { return length_; }
+
  private:
-  enum Mode : uint8_t { START, BLOCK, BROKEN, TEXT, AFTER_TEXT };
+  // BETWEEN lines of text, and before the first delimiter, a frame has to begin with one.
+  enum Mode : uint8_t { BETWEEN, START, BLANK, BLOCK, BROKEN, TEXT };
 
   void begin(uint8_t byte);
+  void begin_text();
   void unstuff(uint8_t byte);
   void put(uint8_t byte);
-  bool end();
+  Got end();
   bool correct() const;
-  void take_text(uint8_t byte);
+  Got take_text(uint8_t byte);
 
-  uint8_t body_[MAX_BODY] = {};
+  uint8_t body_[TEXT_LINE_MAX] = {};
   uint8_t length_ = 0;
   uint8_t run_ = 0;  // bytes until the next COBS code
-  Mode mode_ = START;
+  Mode mode_ = BETWEEN;
   uint16_t rejected_ = 0;
 };
 
@@ -609,7 +667,7 @@ static const uint8_t NAME_SIZE = 32;
 
 namespace hal {
 
-// Bytes that fit into the transmit buffer now.
+// Bytes that fit into the transmit buffer now; at least 128 when it is empty, for an answer in text and a reply beside it.
 uint16_t room();
 // Queue bytes; the core has looked at room().
 void send(const uint8_t *bytes, uint8_t count);
@@ -666,6 +724,13 @@ class TickHeld {
 namespace beatrix {
 
 static const uint8_t ARMS = 3;
+
+inline uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
+
+// Difference to the next arm at which there is this gap between them (the last one's next is the first, a turn further).
+inline int32_t difference_at(uint8_t arm, int32_t gap) {
+  return gap - (arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING);
+}
 
 // GAP, YAW, or NONE if arms at these steps are within the limits.
 Outcome guard_steps(const int32_t steps[ARMS]);
@@ -738,6 +803,229 @@ class Motion {
 
 // --- core/machine.h, continued
 
+// --- core/text.h
+// The old text protocol of 2023, as programs of that time see it: two lines for every command, one command at a time.
+//
+// Its positions count from a zero of its own: a program's @CALNOW does not move the limits, which belong to home.
+#ifndef BEATRIX_TEXT_H
+#define BEATRIX_TEXT_H
+
+
+// --- core/reach.h
+// How far along a straight line the arms may go for a program that knows no limits.
+#ifndef BEATRIX_REACH_H
+#define BEATRIX_REACH_H
+
+
+namespace beatrix {
+
+static const Warning WITHIN_REACH = Warning(0);
+
+// Moves `target` back on the line from `start` as far as the limits ask for, and says which did; WITHIN_REACH: none.
+// Where `start` lies beyond a limit, all ways that lead no further beyond it are open.
+Warning shorten(const int32_t start[ARMS], int32_t target[ARMS]);
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/text.h, continued
+
+// --- core/text_queue.h
+// Lines of text that wait for their turn. Nothing is lost and nothing changes places: answers come in the order of
+// the lines, those of lines that found no room as well.
+#ifndef BEATRIX_TEXT_QUEUE_H
+#define BEATRIX_TEXT_QUEUE_H
+
+
+// --- core/text_order.h
+// One line of the old text protocol, understood.
+#ifndef BEATRIX_TEXT_ORDER_H
+#define BEATRIX_TEXT_ORDER_H
+
+
+namespace beatrix {
+
+enum Verb : uint8_t {
+  // Answers without a deed: of many such lines in a row only the number is kept.
+  VERB_UNKNOWN,  // NACK
+  VERB_REFUSED,  // ACK NACK: reserved words, bad arguments, moves called off, no room to wait
+  VERB_STOP,     // ACK ACK: has acted already when the line came
+  VERB_LAST_LIGHT = VERB_STOP,
+
+  VERB_MOVE_BY,
+  VERB_MOVE_TO,
+  VERB_MOVE_X_TO,  // and for Y and Z the next two: the other arms stay
+  VERB_MOVE_Y_TO,
+  VERB_MOVE_Z_TO,
+  VERB_LAST_MOVE = VERB_MOVE_Z_TO,
+
+  VERB_MOTORS_ON,
+  VERB_MOTORS_OFF,
+  VERB_CALIBRATE,
+  VERB_ASK_CALIBRATED,
+  VERB_ASK_ALIVE,
+  VERB_ASK_X,  // and for Y and Z the next two
+  VERB_ASK_Y,
+  VERB_ASK_Z,
+  VERB_ASK_ALL,
+};
+
+struct Order {
+  Verb verb;
+  uint16_t more;        // light verbs: as many further ones follow
+  int16_t steps[ARMS];  // moves: by or to; 0 where the line says nothing
+
+  bool light() const { return verb <= VERB_LAST_LIGHT; }
+  bool moves() const { return verb >= VERB_MOVE_BY && verb <= VERB_LAST_MOVE; }
+};
+
+constexpr Order plain_order(Verb verb) { return {verb, 0, {0, 0, 0}}; }
+
+// A line without its end; of one longer than TEXT_LINE_MAX only the size counts.
+Order read_order(const uint8_t *line, uint8_t size);
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/text_queue.h, continued
+
+namespace beatrix {
+
+class TextQueue {
+ public:
+  bool empty() const { return used_ == 0; }
+  void clear() { used_ = 0; }
+
+  // False: no room, and the order is answered ACK NACK in its turn.
+  bool put(const Order &order) {
+    if (order.light()) {
+      put_light(order);
+      return true;
+    }
+    if (used_ >= ORDERS) {
+      put_light(plain_order(VERB_REFUSED));
+      return false;
+    }
+    append(order);
+    return true;
+  }
+
+  // Only while not empty.
+  Order take() {
+    Order &first = slots_[first_];
+    Order order = first;
+    order.more = 0;
+    if (first.more) {
+      first.more--;
+    } else {
+      first_ = uint8_t((first_ + 1) % SLOTS);
+      used_--;
+    }
+    return order;
+  }
+
+  // Moves that wait will not be made.
+  void call_off() {
+    for (uint8_t i = 0; i < used_; i++) {
+      Order &order = slots_[(first_ + i) % SLOTS];
+      if (order.moves()) order.verb = VERB_REFUSED;
+    }
+  }
+
+ private:
+  static const uint8_t SLOTS = 64;
+  static const uint8_t ORDERS = 32;  // the other slots are for light ones that come when these are full
+  static const uint16_t MORE_MAX = 0xFFFF;
+
+  // If after dozens of changes between kinds of light ones no slot is left either, it is answered like the last one.
+  void put_light(const Order &order) {
+    Order &last = slots_[(first_ + used_ + SLOTS - 1) % SLOTS];
+    bool same = used_ && last.verb == order.verb && last.more < MORE_MAX;
+    if (!same && used_ < SLOTS) {
+      append(order);
+    } else if (last.more < MORE_MAX) {
+      last.more++;
+    }
+  }
+
+  void append(const Order &order) {
+    slots_[(first_ + used_) % SLOTS] = order;
+    used_++;
+  }
+
+  Order slots_[SLOTS] = {};
+  uint8_t first_ = 0;
+  uint8_t used_ = 0;
+};
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/text.h, continued
+
+namespace beatrix {
+
+class Machine;
+
+class TextPort {
+ public:
+  // As after a reset: nothing waits, not calibrated, the present position is 0.
+  void open(Machine &machine);
+  // A line of text has come: it is answered when those before it are. STOP acts here.
+  void take(Machine &machine, const uint8_t *line, uint8_t size);
+  // Answers what can be answered now; to be called at least every millisecond.
+  void poll(Machine &machine);
+
+  // Somebody has stopped the arms: no move that waits is made.
+  void call_off();
+  // A motion of the host takes the place of ours.
+  void give_way(const Machine &machine);
+  // The machine counts from another home, which was at `steps`.
+  void home_moved(const int32_t steps[ARMS]);
+
+ private:
+  // What the command whose turn it is waits for before its second reply.
+  enum Phase : uint8_t {
+    IDLE,        // there is none
+    SETTLING,    // the last steps of the move before, to begin its own
+    MOVING,      // its last step
+    PRETENDING,  // as long as the arms would have needed
+    STOPPING,    // arms at rest
+    ARRIVED,     // the motors, which follow the tick
+    LOST,        // nothing any more: somebody else has ended it
+  };
+
+  bool proceed(Machine &machine);
+  void begin(Machine &machine, const Order &order);
+  void answer(Machine &machine, Verb verb);
+  void begin_move(Machine &machine);
+  void pretend(Machine &machine, const int32_t from[ARMS], const int32_t target[ARMS]);
+  void end(Machine &machine, bool done);
+  void tell_position(Machine &machine, uint8_t arm) const;
+  void tell_positions(Machine &machine) const;
+  void warn(Warning warning) { warnings_ = uint8_t(warnings_ | 1 << warning); }
+  void send_warnings(Machine &machine);
+
+  TextQueue queue_;
+  Order order_ = plain_order(VERB_UNKNOWN);  // whose turn it is, unless idle
+  Phase phase_ = IDLE;
+  bool calibrated_ = false;
+  int32_t zero_[ARMS] = {0, 0, 0};    // where the port's zero is, in steps from home
+  int32_t counted_[ARMS] = {0, 0, 0}; // pretending: what the move adds to the port's position
+  uint32_t begun_ = 0;                // pretending, arrived: since this tick
+  uint32_t duration_ = 0;             // pretending: in ticks
+  uint8_t warnings_ = 0;              // to be sent, a bit for each code
+};
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/machine.h, continued
+
 namespace beatrix {
 
 // Types from here on are no requests. They are passed over: a line that echoes must neither be answered nor be taken for
@@ -756,15 +1044,32 @@ class Machine {
   const Motion &motion() const { return motion_; }
   Limits &limits() { return motion_.limits; }
 
+  // What the text port sees and does.
+  bool enabled() const { return enabled_; }
+  bool calibrated() const { return calibrated_; }
+  bool emergency() const { return emergency_; }
+  uint32_t now() const;  // in ticks
+  void read_steps(int32_t steps[ARMS]) const;
+  bool arrived() const;      // all steps of the last motion are made, up to its target
+  bool text_moving() const;  // in a motion of the text port
+  Error enable(uint8_t value);
+  Error calibrate();
+  // Whoever calls this has checked the move.
+  void go(const Move &move);
+  void stop();
+  void say(const char *line, bool last);
+  void warn(uint8_t code);
+
  private:
   void answer();
+  bool has_host() const;
+  void look_for_silence();
+  void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(const uint8_t *payload) const;
   Error check(const Move &move) const;
   void move(const uint8_t *payload);
   bool repeated(const uint8_t *payload) const;
-  Error enable(uint8_t value);
-  Error calibrate();
   Error set_name(const uint8_t *payload);
   void emergency_stop();
   void switch_off(Outcome why);
@@ -778,13 +1083,17 @@ class Machine {
 
   Receiver receiver_;
   Motion motion_;
+  TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
   Telemetry reported_ = Telemetry();
   uint32_t tick_ = 0;
   uint16_t motion_number_ = 0;
-  uint16_t silence_ = 0;  // ms since the last valid frame
+  uint16_t silence_ = HOST_GONE;  // ms since the last valid frame, as far as it matters
+  uint16_t byte_tick_ = 0;        // when poll() last saw that bytes had come
+  bool byte_came_ = false;        // since then
   uint8_t telemetry_seq_ = 0;
+  uint8_t text_seq_ = 0;
   bool has_moved_ = false;  // last_move_ holds a move made since home is known
   bool enabled_ = false;
   bool calibrated_ = false;
@@ -839,19 +1148,24 @@ static bool fits(uint8_t type, uint8_t size) {
 }
 
 Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
-  if (type < FRAME_HELLO || type > FRAME_SET_NAME) return ERROR_UNKNOWN;
+  if (type < FRAME_HELLO || type > FRAME_TEXT_OPEN) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
     case FRAME_MOVE: return check_move(payload);
-    case FRAME_STOP: {
-      TickHeld held;
-      motion_.brake(OUTCOME_STOPPED);
+    case FRAME_STOP:
+      text_.call_off();
+      stop();
       return ERROR_OK;
-    }
-    case FRAME_EMERGENCY_STOP: emergency_stop(); return ERROR_OK;
-    case FRAME_ENABLE: return enable(payload[0]);
+    case FRAME_EMERGENCY_STOP:
+      text_.call_off();
+      emergency_stop();
+      return ERROR_OK;
+    case FRAME_ENABLE:
+      if (payload[0] == 0) text_.call_off();
+      return enable(payload[0]);
     case FRAME_CALIBRATE: return calibrate();
     case FRAME_SET_NAME: return set_name(payload);
+    case FRAME_TEXT_OPEN: text_.open(*this); return ERROR_OK;
     default: return ERROR_OK;  // PING
   }
 }
@@ -867,18 +1181,28 @@ void Machine::move(const uint8_t *payload) {
   if (repeated(payload)) return;
   Move wanted;
   wanted.read(payload);
+  text_.give_way(*this);
+  go(wanted);
+  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
+  has_moved_ = true;
+}
+
+void Machine::go(const Move &move) {
   uint32_t todo[ARMS];
   bool resting;
   {
     TickHeld held;
-    motion_.survey(wanted.target, todo, &resting);
+    motion_.survey(move.target, todo, &resting);
   }
-  Plan plan = motion_.plan(wanted, todo, resting);
+  Plan plan = motion_.plan(move, todo, resting);
   TickHeld held;
   motion_.start(plan);
-  motion_number_ = wanted.motion;
-  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
-  has_moved_ = true;
+  motion_number_ = move.motion;
+}
+
+void Machine::stop() {
+  TickHeld held;
+  motion_.brake(OUTCOME_STOPPED);
 }
 
 Error Machine::check(const Move &move) const {
@@ -926,11 +1250,37 @@ Error Machine::calibrate() {
   if (!enabled_) return ERROR_NOT_ENABLED;
   TickHeld held;
   if (motion_.moving()) return ERROR_NOT_AT_REST;
+  int32_t home[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) home[i] = motion_.axis(i).steps();
+  text_.home_moved(home);
   motion_.zero();
   forget_home();
   calibrated_ = true;
   reported_ = Telemetry();  // the position has changed without a motion: tell at once
   return ERROR_OK;
+}
+
+uint32_t Machine::now() const {
+  TickHeld held;
+  return tick_;
+}
+
+void Machine::read_steps(int32_t steps[ARMS]) const {
+  TickHeld held;
+  for (uint8_t i = 0; i < ARMS; i++) steps[i] = motion_.axis(i).steps();
+}
+
+bool Machine::arrived() const {
+  TickHeld held;
+  if (!motion_.moving()) return motion_.outcome() == OUTCOME_DONE;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (motion_.axis(i).steps() != motion_.axis(i).target()) return false;
+  }
+  return !motion_.braking();
+}
+
+bool Machine::text_moving() const {
+  return motion_.moving() && motion_number_ == TEXT_MOTION;
 }
 
 Error Machine::set_name(const uint8_t *payload) {
@@ -1043,22 +1393,43 @@ uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, 
   return uint8_t(length + 2);
 }
 
-bool Receiver::take(uint8_t byte) {
+static bool ends_line(uint8_t byte) { return byte == '\r' || byte == '\n'; }
+
+Got Receiver::take(uint8_t byte) {
   if (byte == 0) return end();
   switch (mode_) {
+    case TEXT: return take_text(byte);
+    case BETWEEN:
+      if (byte == TEXT_START) begin_text();
+      break;
     case START: begin(byte); break;
+    case BLANK:
+      if (byte == TEXT_START) {
+        begin_text();
+        break;
+      }
+      if (!ends_line(byte)) mode_ = BLOCK;
+      unstuff(byte);
+      break;
     case BLOCK: unstuff(byte); break;
-    case BROKEN: break;
-    case TEXT:
-    case AFTER_TEXT: take_text(byte); break;
+    case BROKEN:
+      // No frame is that long: the delimiter was noise before text.
+      if (ends_line(byte)) give_up();
+      break;
   }
-  return false;
+  return GOT_NOTHING;
+}
+
+void Receiver::give_up() {
+  if (mode_ == BLANK || mode_ == BLOCK || mode_ == BROKEN) rejected_++;
+  mode_ = BETWEEN;
 }
 
 void Receiver::begin(uint8_t byte) {
+  if (byte == TEXT_START) return begin_text();
   length_ = 0;
   run_ = uint8_t(byte - 1);
-  mode_ = byte == TEXT_START ? TEXT : BLOCK;
+  mode_ = ends_line(byte) ? BLANK : BLOCK;
 }
 
 void Receiver::unstuff(uint8_t byte) {
@@ -1079,12 +1450,13 @@ void Receiver::put(uint8_t byte) {
   }
 }
 
-bool Receiver::end() {
+// A line of text that has no end is no line: what follows is somebody else's.
+Got Receiver::end() {
   Mode ended = mode_;
   mode_ = START;
-  if (ended == BLOCK && run_ == 0 && correct()) return true;
-  if (ended == BLOCK || ended == BROKEN) rejected_++;
-  return false;
+  if (ended == BLOCK && run_ == 0 && correct()) return GOT_FRAME;
+  if (ended == BLANK || ended == BLOCK || ended == BROKEN) rejected_++;
+  return GOT_NOTHING;
 }
 
 bool Receiver::correct() const {
@@ -1094,14 +1466,20 @@ bool Receiver::correct() const {
   return crc == get_u16(body_ + length_ - 2);
 }
 
-// The old text protocol has its place here. A line ends with CR or LF; after it only another line or a delimiter
-// counts, so that CR LF is one end and no byte of text is taken for the begin of a frame.
-void Receiver::take_text(uint8_t byte) {
-  if (byte == '\r' || byte == '\n') {
-    mode_ = AFTER_TEXT;
-  } else if (mode_ == AFTER_TEXT && byte == TEXT_START) {
-    mode_ = TEXT;
+void Receiver::begin_text() {
+  body_[0] = TEXT_START;
+  length_ = 1;
+  mode_ = TEXT;
+}
+
+Got Receiver::take_text(uint8_t byte) {
+  if (ends_line(byte)) {
+    mode_ = BETWEEN;
+    return GOT_LINE;
   }
+  if (length_ < TEXT_LINE_MAX) body_[length_] = byte;
+  if (length_ <= TEXT_LINE_MAX) length_++;
+  return GOT_NOTHING;
 }
 
 }  // namespace beatrix
@@ -1116,13 +1494,7 @@ void Receiver::take_text(uint8_t byte) {
 
 namespace beatrix {
 
-// Least difference to the next arm (the last one's next is the first, a turn further).
-static int32_t least_difference(uint8_t arm) {
-  int32_t spacing = arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING;
-  return GAP_MIN - spacing;
-}
-
-static uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
+static int32_t least_difference(uint8_t arm) { return difference_at(arm, GAP_MIN); }
 
 static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
 static int32_t smaller(int32_t a, int32_t b) { return a < b ? a : b; }
@@ -1176,11 +1548,13 @@ void Machine::start() {
   hal::drivers(false);
   hal::load_name(name_);
   if (!valid_name(name_)) name_[0] = 0;
-  send_hello(0);
 }
 
 void Machine::receive(uint8_t byte) {
-  if (!receiver_.take(byte) || receiver_.type() >= REQUEST_END) return;
+  byte_came_ = true;
+  Got got = receiver_.take(byte);
+  if (got == GOT_LINE) text_.take(*this, receiver_.line(), receiver_.line_size());
+  if (got != GOT_FRAME || receiver_.type() >= REQUEST_END) return;
   {
     TickHeld held;
     silence_ = 0;
@@ -1201,16 +1575,48 @@ void Machine::answer() {
   if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
 }
 
+// Without a host there is no heartbeat: a program that opens the board itself only speaks when it wants something.
 void Machine::tick() {
   tick_++;
-  if (silence_ < HEARTBEAT_TIMEOUT) silence_++;
-  if (silence_ == HEARTBEAT_TIMEOUT) motion_.brake(OUTCOME_HOST_LOST);
+  if (silence_ < HOST_GONE) silence_++;
+  if (silence_ >= HEARTBEAT_TIMEOUT && (silence_ < HOST_GONE || motion_number_ != TEXT_MOTION)) {
+    motion_.brake(OUTCOME_HOST_LOST);
+  }
   motion_.tick();
 }
 
-// Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
 void Machine::poll() {
   hal::kick_watchdog();
+  look_for_silence();
+  text_.poll(*this);
+  if (has_host()) report();
+}
+
+void Machine::look_for_silence() {
+  uint16_t tick = uint16_t(now());
+  if (byte_came_) {
+    byte_came_ = false;
+    byte_tick_ = tick;
+  } else if (uint16_t(tick - byte_tick_) >= TEXT_LINE_TIMEOUT) {
+    byte_tick_ = tick;
+    receiver_.give_up();
+  }
+  uint16_t silence;
+  {
+    TickHeld held;
+    silence = silence_;
+  }
+  // The host that passed lines on is gone, and with it whoever could have stopped what they ask for.
+  if (silence >= HEARTBEAT_TIMEOUT && silence < HOST_GONE) text_.call_off();
+}
+
+bool Machine::has_host() const {
+  TickHeld held;
+  return silence_ < HOST_GONE;
+}
+
+// Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
+void Machine::report() {
   if (!has_news() || hal::room() < Telemetry::SIZE + WIRE_OVERHEAD + REPLY_ROOM) return;
   reported_ = observe();
   uint8_t payload[Telemetry::SIZE];
@@ -1249,6 +1655,27 @@ uint8_t Machine::state() const {
 void Machine::send(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size) {
   uint8_t wire[MAX_WIRE];
   hal::send(wire, encode(type, seq, payload, size, wire));
+}
+
+void Machine::say(const char *line, bool last) {
+  uint8_t payload[MAX_PAYLOAD];
+  uint8_t size = Text::SIZE;
+  payload[0] = last ? TEXT_LAST : 0;
+  while (*line) payload[size++] = uint8_t(*line++);
+  if (has_host()) {
+    send(FRAME_TEXT, text_seq_++, payload, size);
+  } else {
+    hal::send(payload + Text::SIZE, uint8_t(size - Text::SIZE));
+  }
+}
+
+// Who opens the board directly knows no warnings.
+void Machine::warn(uint8_t code) {
+  TextWarning warning;
+  warning.code = code;
+  uint8_t payload[TextWarning::SIZE];
+  warning.write(payload);
+  if (has_host()) send(FRAME_TEXT_WARNING, text_seq_++, payload, TextWarning::SIZE);
 }
 
 void Machine::send_hello(uint8_t seq) {
@@ -1391,6 +1818,510 @@ void Motion::finish() {
     moving_ = false;
     outcome_ = why_;
   }
+}
+
+}  // namespace beatrix
+
+// --- core/reach.cpp
+// How far along a straight line the arms may go.
+//
+// Every limit here is a plane: the gaps between neighbours from below (guard, tilt) and from above (tilt), and the sum
+// of the arms. Beyond a plane a line stays beyond it, so the nearest plane on the way decides.
+//
+// The tilt of the head depends on the differences of the arms only, and the firmware knows no kinematics: with all gaps
+// between TILT_GAP_MIN and TILT_GAP_MAX the head surely tilts no further than it may (see robot.toml).
+
+namespace beatrix {
+
+// The guard counts an arm that comes back as not yet back: so many steps two of them need to stop from TEXT_SPEED, and
+// one more each because steps lead.
+static const int32_t YAW_ROOM = 16;
+
+namespace {
+
+// A part of the way, as a fraction: divided at the end only, once for each arm.
+struct Part {
+  int32_t go, of;
+  Warning why;
+};
+
+// `from` and `to`: what the limit is about, at both ends of the way.
+void limit(Part &part, int32_t from, int32_t to, int32_t most, Warning why) {
+  if (from > most) most = from;
+  if (to <= most) return;
+  int32_t go = most - from, of = to - from;
+  if (int64_t(go) * part.of >= int64_t(part.go) * of) return;
+  part.go = go;
+  part.of = of;
+  part.why = why;
+}
+
+}  // namespace
+
+Warning shorten(const int32_t start[ARMS], int32_t target[ARMS]) {
+  Part part = {1, 1, WITHIN_REACH};
+  int32_t from_sum = 0, to_sum = 0;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    uint8_t next = next_arm(i);
+    int32_t from = start[next] - start[i], to = target[next] - target[i];
+    limit(part, -from, -to, -difference_at(i, GAP_MIN), WARNING_GAP);
+    limit(part, -from, -to, -difference_at(i, TILT_GAP_MIN), WARNING_TILT);
+    limit(part, from, to, difference_at(i, TILT_GAP_MAX), WARNING_TILT);
+    from_sum += start[i];
+    to_sum += target[i];
+  }
+  limit(part, from_sum, to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
+  limit(part, -from_sum, -to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
+  if (part.why != WITHIN_REACH) {
+    for (uint8_t i = 0; i < ARMS; i++) {
+      target[i] = start[i] + int32_t(int64_t(target[i] - start[i]) * part.go / part.of);
+    }
+  }
+  return part.why;
+}
+
+}  // namespace beatrix
+
+// --- core/text.cpp
+// The old text protocol: what each command does, and its answers.
+
+
+// --- core/text_number.h
+// Numbers as text.
+#ifndef BEATRIX_TEXT_NUMBER_H
+#define BEATRIX_TEXT_NUMBER_H
+
+#include <stdint.h>
+
+namespace beatrix {
+
+static const uint8_t NUMBER_SIZE = 11;  // sign and ten digits
+
+// Writes a decimal; returns its end.
+inline char *write_number(int32_t value, char *out) {
+  char digits[NUMBER_SIZE];
+  uint8_t count = 0;
+  uint32_t left = value < 0 ? -uint32_t(value) : uint32_t(value);
+  do {
+    digits[count++] = char('0' + left % 10);
+    left /= 10;
+  } while (left);
+  if (value < 0) *out++ = '-';
+  while (count) *out++ = digits[--count];
+  return out;
+}
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/text.cpp, continued
+
+namespace beatrix {
+
+// What the longest answer without waiting takes in frames: that of @GETALLPOS, a line of three numbers between three
+// short ones.
+static const uint8_t ANSWER_ROOM = uint8_t(3 * NUMBER_SIZE + 3 + 4 + 1 + 4 + 4 * (1 + WIRE_OVERHEAD));
+// Ticks after which the steps of a tick are made surely: the body makes them in the millisecond that follows.
+static const uint8_t STEPS_BEHIND = 2;
+static const uint8_t WARNING_ROOM = uint8_t(TextWarning::SIZE + WIRE_OVERHEAD);
+
+void TextPort::open(Machine &machine) {
+  if (phase_ == MOVING) machine.stop();
+  queue_.clear();
+  phase_ = IDLE;
+  calibrated_ = false;
+  warnings_ = 0;
+  machine.read_steps(zero_);
+}
+
+void TextPort::take(Machine &machine, const uint8_t *line, uint8_t size) {
+  Order order = read_order(line, size);
+  if (order.verb == VERB_STOP) {
+    machine.stop();
+    call_off();
+  }
+  if (!queue_.put(order)) warn(WARNING_BUSY);
+  poll(machine);
+}
+
+void TextPort::call_off() {
+  queue_.call_off();
+  if (phase_ == SETTLING || phase_ == PRETENDING) phase_ = LOST;
+}
+
+void TextPort::give_way(const Machine &machine) {
+  call_off();
+  if (phase_ != MOVING) return;
+  phase_ = machine.arrived() ? ARRIVED : LOST;
+  begun_ = machine.now();
+}
+
+void TextPort::home_moved(const int32_t steps[ARMS]) {
+  for (uint8_t i = 0; i < ARMS; i++) zero_[i] -= steps[i];
+}
+
+static_assert(ANSWER_ROOM + REPLY_ROOM <= 128, "hal.h promises no more room");
+
+// Replies to frames go first: room for one is always left.
+void TextPort::poll(Machine &machine) {
+  if (warnings_) send_warnings(machine);
+  while (hal::room() >= ANSWER_ROOM + REPLY_ROOM) {
+    if (phase_ != IDLE) {
+      if (!proceed(machine)) return;
+    } else if (queue_.empty()) {
+      return;
+    } else {
+      begin(machine, queue_.take());
+    }
+  }
+}
+
+void TextPort::begin(Machine &machine, const Order &order) {
+  if (order.verb == VERB_UNKNOWN) {
+    machine.say("NACK\n", true);
+    return;
+  }
+  machine.say("ACK\n", false);
+  order_ = order;
+  if (order.verb == VERB_STOP) {
+    phase_ = STOPPING;
+  } else if (order.moves() && calibrated_) {
+    phase_ = SETTLING;
+  } else {
+    answer(machine, order.verb);
+  }
+}
+
+// False: the time for the second reply has not come.
+bool TextPort::proceed(Machine &machine) {
+  const Motion &motion = machine.motion();
+  switch (phase_) {
+    case IDLE: break;
+    case SETTLING:
+      if (machine.text_moving()) return false;
+      begin_move(machine);
+      break;
+    case MOVING:
+      // At rest is who has made the last step: what is left of the motion is less than a step.
+      if (machine.arrived()) {
+        phase_ = ARRIVED;
+        begun_ = machine.now();
+      } else if (motion.moving()) {
+        return false;
+      } else {
+        phase_ = LOST;
+      }
+      break;
+    case PRETENDING:
+      if (machine.now() - begun_ < duration_) return false;
+      for (uint8_t i = 0; i < ARMS; i++) zero_[i] -= counted_[i];
+      end(machine, true);
+      break;
+    case STOPPING:
+      if (motion.braking()) return false;
+      end(machine, true);
+      break;
+    case ARRIVED:
+      if (machine.now() - begun_ < STEPS_BEHIND) return false;
+      end(machine, true);
+      break;
+    case LOST: end(machine, false); break;
+  }
+  return true;
+}
+
+void TextPort::end(Machine &machine, bool done) {
+  phase_ = IDLE;
+  machine.say(done ? "ACK\n" : "NACK\n", true);
+}
+
+void TextPort::answer(Machine &machine, Verb verb) {
+  bool done = true;
+  switch (verb) {
+    case VERB_MOTORS_ON:
+      calibrated_ = false;
+      // An emergency is ended by those who see the robot, not by a program that begins.
+      done = !machine.emergency();
+      if (done) {
+        machine.enable(1);
+      } else {
+        warn(WARNING_EMERGENCY);
+      }
+      break;
+    case VERB_MOTORS_OFF:
+      calibrated_ = false;
+      machine.enable(0);
+      break;
+    case VERB_CALIBRATE:
+      if (machine.enabled() && !machine.calibrated()) machine.calibrate();
+      machine.read_steps(zero_);
+      calibrated_ = true;
+      break;
+    case VERB_ASK_CALIBRATED: done = calibrated_; break;
+    case VERB_ASK_ALIVE: break;
+    case VERB_ASK_X:
+    case VERB_ASK_Y:
+    case VERB_ASK_Z: tell_position(machine, uint8_t(verb - VERB_ASK_X)); break;
+    case VERB_ASK_ALL: tell_positions(machine); break;
+    default: done = false; break;  // a refusal, or a move before @CALNOW
+  }
+  end(machine, done);
+}
+
+// The port's calibration has allowed the move, as in 2023. What comes of it is the machine's matter: with motors off
+// it is counted only, as then. Not so after an emergency, or if home was lost without the program's doing: then steps
+// would be reported, or made, that nobody can answer for.
+void TextPort::begin_move(Machine &machine) {
+  if (machine.emergency() || (machine.enabled() && !machine.calibrated())) {
+    warn(machine.emergency() ? WARNING_EMERGENCY : WARNING_HOME_UNKNOWN);
+    return end(machine, false);
+  }
+  int32_t from[ARMS];
+  machine.read_steps(from);
+  Move move = Move();
+  for (uint8_t i = 0; i < ARMS; i++) {
+    bool stays = order_.verb >= VERB_MOVE_X_TO && order_.verb != VERB_MOVE_X_TO + i;
+    int32_t base = stays || order_.verb == VERB_MOVE_BY ? from[i] : zero_[i];
+    move.target[i] = base + order_.steps[i];
+  }
+  if (!machine.enabled()) return pretend(machine, from, move.target);
+  Warning limit = shorten(from, move.target);
+  if (limit != WITHIN_REACH) warn(limit);
+  move.flags = MOVE_STRAIGHT;
+  move.motion = TEXT_MOTION;
+  move.speed[0] = uint16_t(TEXT_SPEED);
+  machine.go(move);
+  phase_ = MOVING;
+}
+
+// How long a straight motion from rest takes: half of it up the ramp and along, the other half the same backwards.
+static uint32_t ticks_for(uint32_t steps, const Fine &top, const Fine &acceleration) {
+  Fine there = half(to_fine(int32_t(steps))), way, speed;
+  uint32_t ticks = 0;
+  while (way < there && speed < top) {
+    speed = speed + acceleration;
+    way = way + speed;
+    ticks++;
+  }
+  if (way < there) ticks += uint32_t((there - way).whole() / top.whole());
+  return 2 * ticks;
+}
+
+void TextPort::pretend(Machine &machine, const int32_t from[ARMS], const int32_t target[ARMS]) {
+  warn(WARNING_MOTORS_OFF);
+  uint32_t most = 0;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    counted_[i] = target[i] - from[i];
+    uint32_t way = uint32_t(counted_[i] < 0 ? -counted_[i] : counted_[i]);
+    if (way > most) most = way;
+  }
+  duration_ = ticks_for(most, from_quarters(uint16_t(TEXT_SPEED)), from_q26(machine.motion().limits.acceleration));
+  begun_ = machine.now();
+  phase_ = PRETENDING;
+}
+
+void TextPort::tell_position(Machine &machine, uint8_t arm) const {
+  int32_t steps[ARMS];
+  machine.read_steps(steps);
+  char line[NUMBER_SIZE + 3];
+  char *at = write_number(steps[arm] - zero_[arm], line);
+  *at++ = '\r';
+  *at++ = '\n';
+  *at = 0;
+  machine.say(line, false);
+}
+
+void TextPort::tell_positions(Machine &machine) const {
+  int32_t steps[ARMS];
+  machine.read_steps(steps);
+  char line[ARMS * (NUMBER_SIZE + 1) + 1];
+  char *at = line;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    at = write_number(steps[i] - zero_[i], at);
+    *at++ = i < ARMS - 1 ? ' ' : '\n';
+  }
+  *at = 0;
+  machine.say("\n", false);
+  machine.say(line, false);
+}
+
+void TextPort::send_warnings(Machine &machine) {
+  for (uint8_t code = 0; code < 8; code++) {
+    if (!(warnings_ & 1 << code)) continue;
+    if (hal::room() < WARNING_ROOM + REPLY_ROOM) return;
+    machine.warn(code);
+    warnings_ = uint8_t(warnings_ & ~(1 << code));
+  }
+}
+
+}  // namespace beatrix
+
+// --- core/text_order.cpp
+// The words of the old text protocol, and how their arguments are read.
+
+namespace beatrix {
+
+static const uint8_t WORDS_MAX = 20;
+static const uint8_t WORD_MAX = 19;
+static const int32_t STEPS_MAX = 32767;
+static const int32_t BEYOND = 100000;  // where reading a number ends: too large anyway
+
+namespace {
+
+struct Word {
+  const uint8_t *text;
+  uint8_t size;
+
+  bool is(const char *other) const {
+    uint8_t i = 0;
+    while (i < size && other[i] == text[i]) i++;  // `other` ends with 0, which no word contains
+    return i == size && other[i] == 0;
+  }
+};
+
+// Words are one space apart: two spaces have an empty word between them.
+class Words {
+ public:
+  Words(const uint8_t *line, uint8_t size) : at_(line), left_(size) {}
+
+  // Past the end: an empty one.
+  Word next() {
+    Word word = {at_, 0};
+    while (left_ && *at_ != ' ') {
+      word.size++;
+      step();
+    }
+    if (left_) step();
+    return word;
+  }
+
+ private:
+  void step() {
+    at_++;
+    left_--;
+  }
+
+  const uint8_t *at_;
+  uint8_t left_;
+};
+
+enum Arguments : uint8_t { STEPS_OF_X, STEPS_OF_Y, STEPS_OF_Z, STEPS_OF_ALL, TURN_AND_TILT, SWITCH, NONE };
+
+struct Known {
+  char word[11];
+  Verb verb;
+  Arguments arguments;
+};
+
+const Known KNOWN[] = {
+    {"@ENMOTORS", VERB_MOTORS_ON, SWITCH},
+    {"@CALNOW", VERB_CALIBRATE, NONE},
+    {"@CALSTATUS", VERB_ASK_CALIBRATED, NONE},
+    {"@COMSTATUS", VERB_ASK_ALIVE, NONE},
+    {"@MOVHOME", VERB_MOVE_TO, NONE},
+    {"@MOVRX", VERB_MOVE_BY, STEPS_OF_X},
+    {"@MOVRY", VERB_MOVE_BY, STEPS_OF_Y},
+    {"@MOVRZ", VERB_MOVE_BY, STEPS_OF_Z},
+    {"@MOVAX", VERB_MOVE_X_TO, STEPS_OF_X},
+    {"@MOVAY", VERB_MOVE_Y_TO, STEPS_OF_Y},
+    {"@MOVAZ", VERB_MOVE_Z_TO, STEPS_OF_Z},
+    {"@MOVRALL", VERB_MOVE_BY, STEPS_OF_ALL},
+    {"@MOVAALL", VERB_MOVE_TO, STEPS_OF_ALL},
+    {"@MOVTORPOS", VERB_MOVE_BY, TURN_AND_TILT},
+    {"@MOVTOAPOS", VERB_MOVE_TO, TURN_AND_TILT},
+    {"@STOPALL", VERB_STOP, NONE},
+    {"@GETXPOS", VERB_ASK_X, NONE},
+    {"@GETYPOS", VERB_ASK_Y, NONE},
+    {"@GETZPOS", VERB_ASK_Z, NONE},
+    {"@GETALLPOS", VERB_ASK_ALL, NONE},
+    {"@CALSTART", VERB_REFUSED, NONE},
+    {"@CALEND", VERB_REFUSED, NONE},
+    {"@CALX", VERB_REFUSED, NONE},
+    {"@CALY", VERB_REFUSED, NONE},
+    {"@CALZ", VERB_REFUSED, NONE},
+};
+
+bool within_limits(const uint8_t *line, uint8_t size) {
+  if (size > TEXT_LINE_MAX) return false;
+  uint8_t words = 1, length = 0;
+  for (uint8_t i = 0; i < size; i++) {
+    if (line[i] != ' ') {
+      if (++length > WORD_MAX) return false;
+    } else {
+      length = 0;
+      if (i + 1 < size && ++words > WORDS_MAX) return false;
+    }
+  }
+  return true;
+}
+
+// Words without arguments are known when the line ends with them, the others when a space follows.
+const Known *find(const Word &word, uint8_t line_size) {
+  bool alone = word.size == line_size;
+  for (uint8_t i = 0; i < sizeof KNOWN / sizeof KNOWN[0]; i++) {
+    if (word.is(KNOWN[i].word)) return (KNOWN[i].arguments == NONE) == alone ? &KNOWN[i] : 0;
+  }
+  return 0;
+}
+
+// As C's atoi: a sign, digits, up to the first other character; nothing there is 0.
+int32_t number(const Word &word) {
+  uint8_t at = 0;
+  bool negative = word.size && word.text[0] == '-';
+  if (word.size && (word.text[0] == '-' || word.text[0] == '+')) at = 1;
+  int32_t value = 0;
+  for (; at < word.size && word.text[at] >= '0' && word.text[at] <= '9'; at++) {
+    if (value < BEYOND) value = value * 10 + (word.text[at] - '0');
+  }
+  return negative ? -value : value;
+}
+
+bool fits(int32_t steps) { return steps <= STEPS_MAX && steps >= -STEPS_MAX; }
+
+// The extension of one laboratory: a common turn and a tilt over the short arm. False: out of range.
+bool turn_and_tilt(Words &words, int32_t steps[ARMS]) {
+  int32_t turn = number(words.next()), tilt = number(words.next());
+  steps[0] = turn + tilt;
+  steps[1] = turn - 2 * tilt / 3;
+  steps[2] = turn - tilt / 3;
+  return fits(turn) && fits(tilt);
+}
+
+bool read_steps(Words &words, Arguments arguments, int32_t steps[ARMS]) {
+  if (arguments == TURN_AND_TILT) return turn_and_tilt(words, steps);
+  if (arguments <= STEPS_OF_Z) {
+    steps[arguments] = number(words.next());
+  } else if (arguments == STEPS_OF_ALL) {
+    for (uint8_t i = 0; i < ARMS; i++) steps[i] = number(words.next());
+  }
+  return true;
+}
+
+Verb read_switch(const Word &word) {
+  return word.is("ON") ? VERB_MOTORS_ON : word.is("OFF") ? VERB_MOTORS_OFF : VERB_REFUSED;
+}
+
+}  // namespace
+
+Order read_order(const uint8_t *line, uint8_t size) {
+  Order order = plain_order(VERB_UNKNOWN);
+  if (!within_limits(line, size)) return order;
+  Words words(line, size);
+  const Known *known = find(words.next(), size);
+  if (!known) return order;
+  order.verb = known->verb;
+  if (known->arguments == SWITCH) {
+    order.verb = read_switch(words.next());
+    return order;
+  }
+  int32_t steps[ARMS] = {0, 0, 0};
+  bool good = read_steps(words, known->arguments, steps);
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (!fits(steps[i])) good = false;
+    order.steps[i] = int16_t(steps[i]);
+  }
+  return good ? order : plain_order(VERB_REFUSED);
 }
 
 }  // namespace beatrix

@@ -17,7 +17,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x767DD74AUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0x31863E2BUL;  // hash of serial.toml
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -31,11 +31,18 @@ static const uint16_t HEARTBEAT_PERIOD = 200;  // ms: the host sends something a
 static const uint16_t REPLY_TIMEOUT = 100;  // ms: then the host asks again
 static const uint16_t TRIES = 3;  // : before the host calls the board lost
 static const uint16_t TEXT_START = 64;  // : '@'
+static const uint16_t TEXT_LINE_MAX = 127;  // byte: longest line of text, without its end
+static const uint16_t TEXT_LINE_TIMEOUT = 2000;  // ms: without a byte for this long a line (or frame) that has begun is forgotten
+static const uint16_t TEXT_MOTION = 0;  // : number of every motion of the text port, in TELEMETRY
+static const uint16_t HOST_GONE = 2000;  // ms: without any valid frame for this long there is no host: no telemetry, text replies without frames, text motions without heartbeat
 
 static const int32_t ARM_SPACING = 1395;  // microsteps between neighbouring arms at home
 static const int32_t ARM_TURN = 4185;  // microsteps of a whole turn of an arm
 static const int32_t GAP_MIN = 337;  // microsteps that must stay between neighbours
 static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, microsteps
+static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
+static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
+static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
 static const int32_t SPEED_DEFAULT = 1395;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
@@ -64,6 +71,16 @@ enum Outcome : uint8_t {
   OUTCOME_EMERGENCY = 7,  // by EMERGENCY_STOP
 };
 
+enum Warning : uint8_t {
+  WARNING_GAP = 1,  // the text motion was shortened: neighbouring arms would come too close
+  WARNING_YAW = 2,  // the text motion was shortened: the arms would turn too far
+  WARNING_TILT = 3,  // the text motion was shortened: the head would tilt too far
+  WARNING_MOTORS_OFF = 4,  // the text motion was only counted: motors are off
+  WARNING_BUSY = 5,  // a line of text was refused: too many are waiting
+  WARNING_HOME_UNKNOWN = 6,  // the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again
+  WARNING_EMERGENCY = 7,  // text was refused: after an emergency stop only the frame ENABLE switches the motors on
+};
+
 enum StateBit : uint8_t {
   STATE_ENABLED = 1,  // motors on
   STATE_CALIBRATED = 2,  // home known
@@ -81,13 +98,17 @@ enum FrameType : uint8_t {
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // The present position becomes home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Keep this robot name in non-volatile memory. Answered with ACK.
-  FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO; also sent unasked (seq 0) after a reset.
+  FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
+  FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Unasked, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
+  FRAME_TEXT_WARNING = 0xC2,  // What the old protocol has no words for. Sent once for several of a kind in quick succession.
 };
 
 static const uint8_t REPLY_BIT = 0x80;
 static const uint8_t MOVE_STRAIGHT = 1;
+static const uint8_t TEXT_LAST = 1;
 
 // Little-endian access, the same on every processor.
 inline uint16_t get_u16(const uint8_t *p) { return uint16_t(p[0] | uint16_t(uint16_t(p[1]) << 8)); }
@@ -140,7 +161,7 @@ struct SetName {
   }
 };
 
-// Answer to HELLO; also sent unasked (seq 0) after a reset.
+// Answer to HELLO.
 struct HelloReply {
   static const uint8_t SIZE = 43;
   uint32_t contract;  // hash of this file
@@ -173,14 +194,14 @@ struct Ack {
   }
 };
 
-// Unasked, every telemetry_period and at once on a change. seq counts them.
+// Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
 struct Telemetry {
   static const uint8_t SIZE = 38;
   uint32_t tick;  // since start [ms]
   uint32_t boot;  // as in HELLO_REPLY: a change means the board was reset
   uint8_t state;  // state bits
   uint8_t outcome;  // how the last motion ended
-  uint16_t motion;  // number of the running or last motion
+  uint16_t motion;  // number of the running or last motion; text_motion: the text port's
   int32_t position[3];  // steps made [microstep]
   int32_t velocity[3];  // of the set points [0.25 microstep/s]
   uint16_t rejected;  // frames thrown away since start
@@ -203,6 +224,31 @@ struct Telemetry {
     for (uint8_t i = 0; i < 3; i++) put_u32(p + 12 + 4 * i, uint32_t(position[i]));
     for (uint8_t i = 0; i < 3; i++) put_u32(p + 24 + 4 * i, uint32_t(velocity[i]));
     put_u16(p + 36, rejected);
+  }
+};
+
+// One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
+struct Text {
+  static const uint8_t SIZE = 1;
+  uint8_t flags;  // bit 0 LAST: this line ends the answer to its command
+  static const uint8_t TEXT_MAX = 54;  // the line with its end, as a program has to see it
+  void read(const uint8_t *p) {
+    flags = uint8_t(p[0]);
+  }
+  void write(uint8_t *p) const {
+    p[0] = uint8_t(flags);
+  }
+};
+
+// What the old protocol has no words for. Sent once for several of a kind in quick succession.
+struct TextWarning {
+  static const uint8_t SIZE = 1;
+  uint8_t code;  // a warning code
+  void read(const uint8_t *p) {
+    code = uint8_t(p[0]);
+  }
+  void write(uint8_t *p) const {
+    p[0] = uint8_t(code);
   }
 };
 

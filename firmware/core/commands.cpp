@@ -17,19 +17,24 @@ static bool fits(uint8_t type, uint8_t size) {
 }
 
 Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
-  if (type < FRAME_HELLO || type > FRAME_SET_NAME) return ERROR_UNKNOWN;
+  if (type < FRAME_HELLO || type > FRAME_TEXT_OPEN) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
     case FRAME_MOVE: return check_move(payload);
-    case FRAME_STOP: {
-      TickHeld held;
-      motion_.brake(OUTCOME_STOPPED);
+    case FRAME_STOP:
+      text_.call_off();
+      stop();
       return ERROR_OK;
-    }
-    case FRAME_EMERGENCY_STOP: emergency_stop(); return ERROR_OK;
-    case FRAME_ENABLE: return enable(payload[0]);
+    case FRAME_EMERGENCY_STOP:
+      text_.call_off();
+      emergency_stop();
+      return ERROR_OK;
+    case FRAME_ENABLE:
+      if (payload[0] == 0) text_.call_off();
+      return enable(payload[0]);
     case FRAME_CALIBRATE: return calibrate();
     case FRAME_SET_NAME: return set_name(payload);
+    case FRAME_TEXT_OPEN: text_.open(*this); return ERROR_OK;
     default: return ERROR_OK;  // PING
   }
 }
@@ -45,18 +50,28 @@ void Machine::move(const uint8_t *payload) {
   if (repeated(payload)) return;
   Move wanted;
   wanted.read(payload);
+  text_.give_way(*this);
+  go(wanted);
+  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
+  has_moved_ = true;
+}
+
+void Machine::go(const Move &move) {
   uint32_t todo[ARMS];
   bool resting;
   {
     TickHeld held;
-    motion_.survey(wanted.target, todo, &resting);
+    motion_.survey(move.target, todo, &resting);
   }
-  Plan plan = motion_.plan(wanted, todo, resting);
+  Plan plan = motion_.plan(move, todo, resting);
   TickHeld held;
   motion_.start(plan);
-  motion_number_ = wanted.motion;
-  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
-  has_moved_ = true;
+  motion_number_ = move.motion;
+}
+
+void Machine::stop() {
+  TickHeld held;
+  motion_.brake(OUTCOME_STOPPED);
 }
 
 Error Machine::check(const Move &move) const {
@@ -104,11 +119,37 @@ Error Machine::calibrate() {
   if (!enabled_) return ERROR_NOT_ENABLED;
   TickHeld held;
   if (motion_.moving()) return ERROR_NOT_AT_REST;
+  int32_t home[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) home[i] = motion_.axis(i).steps();
+  text_.home_moved(home);
   motion_.zero();
   forget_home();
   calibrated_ = true;
   reported_ = Telemetry();  // the position has changed without a motion: tell at once
   return ERROR_OK;
+}
+
+uint32_t Machine::now() const {
+  TickHeld held;
+  return tick_;
+}
+
+void Machine::read_steps(int32_t steps[ARMS]) const {
+  TickHeld held;
+  for (uint8_t i = 0; i < ARMS; i++) steps[i] = motion_.axis(i).steps();
+}
+
+bool Machine::arrived() const {
+  TickHeld held;
+  if (!motion_.moving()) return motion_.outcome() == OUTCOME_DONE;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    if (motion_.axis(i).steps() != motion_.axis(i).target()) return false;
+  }
+  return !motion_.braking();
+}
+
+bool Machine::text_moving() const {
+  return motion_.moving() && motion_number_ == TEXT_MOTION;
 }
 
 Error Machine::set_name(const uint8_t *payload) {

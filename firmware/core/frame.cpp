@@ -53,22 +53,43 @@ uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, 
   return uint8_t(length + 2);
 }
 
-bool Receiver::take(uint8_t byte) {
+static bool ends_line(uint8_t byte) { return byte == '\r' || byte == '\n'; }
+
+Got Receiver::take(uint8_t byte) {
   if (byte == 0) return end();
   switch (mode_) {
+    case TEXT: return take_text(byte);
+    case BETWEEN:
+      if (byte == TEXT_START) begin_text();
+      break;
     case START: begin(byte); break;
+    case BLANK:
+      if (byte == TEXT_START) {
+        begin_text();
+        break;
+      }
+      if (!ends_line(byte)) mode_ = BLOCK;
+      unstuff(byte);
+      break;
     case BLOCK: unstuff(byte); break;
-    case BROKEN: break;
-    case TEXT:
-    case AFTER_TEXT: take_text(byte); break;
+    case BROKEN:
+      // No frame is that long: the delimiter was noise before text.
+      if (ends_line(byte)) give_up();
+      break;
   }
-  return false;
+  return GOT_NOTHING;
+}
+
+void Receiver::give_up() {
+  if (mode_ == BLANK || mode_ == BLOCK || mode_ == BROKEN) rejected_++;
+  mode_ = BETWEEN;
 }
 
 void Receiver::begin(uint8_t byte) {
+  if (byte == TEXT_START) return begin_text();
   length_ = 0;
   run_ = uint8_t(byte - 1);
-  mode_ = byte == TEXT_START ? TEXT : BLOCK;
+  mode_ = ends_line(byte) ? BLANK : BLOCK;
 }
 
 void Receiver::unstuff(uint8_t byte) {
@@ -89,12 +110,13 @@ void Receiver::put(uint8_t byte) {
   }
 }
 
-bool Receiver::end() {
+// A line of text that has no end is no line: what follows is somebody else's.
+Got Receiver::end() {
   Mode ended = mode_;
   mode_ = START;
-  if (ended == BLOCK && run_ == 0 && correct()) return true;
-  if (ended == BLOCK || ended == BROKEN) rejected_++;
-  return false;
+  if (ended == BLOCK && run_ == 0 && correct()) return GOT_FRAME;
+  if (ended == BLANK || ended == BLOCK || ended == BROKEN) rejected_++;
+  return GOT_NOTHING;
 }
 
 bool Receiver::correct() const {
@@ -104,14 +126,20 @@ bool Receiver::correct() const {
   return crc == get_u16(body_ + length_ - 2);
 }
 
-// The old text protocol has its place here. A line ends with CR or LF; after it only another line or a delimiter
-// counts, so that CR LF is one end and no byte of text is taken for the begin of a frame.
-void Receiver::take_text(uint8_t byte) {
-  if (byte == '\r' || byte == '\n') {
-    mode_ = AFTER_TEXT;
-  } else if (mode_ == AFTER_TEXT && byte == TEXT_START) {
-    mode_ = TEXT;
+void Receiver::begin_text() {
+  body_[0] = TEXT_START;
+  length_ = 1;
+  mode_ = TEXT;
+}
+
+Got Receiver::take_text(uint8_t byte) {
+  if (ends_line(byte)) {
+    mode_ = BETWEEN;
+    return GOT_LINE;
   }
+  if (length_ < TEXT_LINE_MAX) body_[length_] = byte;
+  if (length_ <= TEXT_LINE_MAX) length_++;
+  return GOT_NOTHING;
 }
 
 }  // namespace beatrix

@@ -8,13 +8,7 @@
 
 namespace beatrix {
 
-// Least difference to the next arm (the last one's next is the first, a turn further).
-static int32_t least_difference(uint8_t arm) {
-  int32_t spacing = arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING;
-  return GAP_MIN - spacing;
-}
-
-static uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
+static int32_t least_difference(uint8_t arm) { return difference_at(arm, GAP_MIN); }
 
 static int32_t larger(int32_t a, int32_t b) { return a > b ? a : b; }
 static int32_t smaller(int32_t a, int32_t b) { return a < b ? a : b; }

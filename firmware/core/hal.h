@@ -27,7 +27,7 @@ static const uint8_t NAME_SIZE = 32;
 
 namespace hal {
 
-// Bytes that fit into the transmit buffer now.
+// Bytes that fit into the transmit buffer now; at least 128 when it is empty, for an answer in text and a reply beside it.
 uint16_t room();
 // Queue bytes; the core has looked at room().
 void send(const uint8_t *bytes, uint8_t count);

@@ -9,11 +9,13 @@ void Machine::start() {
   hal::drivers(false);
   hal::load_name(name_);
   if (!valid_name(name_)) name_[0] = 0;
-  send_hello(0);
 }
 
 void Machine::receive(uint8_t byte) {
-  if (!receiver_.take(byte) || receiver_.type() >= REQUEST_END) return;
+  byte_came_ = true;
+  Got got = receiver_.take(byte);
+  if (got == GOT_LINE) text_.take(*this, receiver_.line(), receiver_.line_size());
+  if (got != GOT_FRAME || receiver_.type() >= REQUEST_END) return;
   {
     TickHeld held;
     silence_ = 0;
@@ -34,16 +36,48 @@ void Machine::answer() {
   if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
 }
 
+// Without a host there is no heartbeat: a program that opens the board itself only speaks when it wants something.
 void Machine::tick() {
   tick_++;
-  if (silence_ < HEARTBEAT_TIMEOUT) silence_++;
-  if (silence_ == HEARTBEAT_TIMEOUT) motion_.brake(OUTCOME_HOST_LOST);
+  if (silence_ < HOST_GONE) silence_++;
+  if (silence_ >= HEARTBEAT_TIMEOUT && (silence_ < HOST_GONE || motion_number_ != TEXT_MOTION)) {
+    motion_.brake(OUTCOME_HOST_LOST);
+  }
   motion_.tick();
 }
 
-// Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
 void Machine::poll() {
   hal::kick_watchdog();
+  look_for_silence();
+  text_.poll(*this);
+  if (has_host()) report();
+}
+
+void Machine::look_for_silence() {
+  uint16_t tick = uint16_t(now());
+  if (byte_came_) {
+    byte_came_ = false;
+    byte_tick_ = tick;
+  } else if (uint16_t(tick - byte_tick_) >= TEXT_LINE_TIMEOUT) {
+    byte_tick_ = tick;
+    receiver_.give_up();
+  }
+  uint16_t silence;
+  {
+    TickHeld held;
+    silence = silence_;
+  }
+  // The host that passed lines on is gone, and with it whoever could have stopped what they ask for.
+  if (silence >= HEARTBEAT_TIMEOUT && silence < HOST_GONE) text_.call_off();
+}
+
+bool Machine::has_host() const {
+  TickHeld held;
+  return silence_ < HOST_GONE;
+}
+
+// Telemetry falls behind replies: it is only sent while a reply would still fit, and again later if it was not.
+void Machine::report() {
   if (!has_news() || hal::room() < Telemetry::SIZE + WIRE_OVERHEAD + REPLY_ROOM) return;
   reported_ = observe();
   uint8_t payload[Telemetry::SIZE];
@@ -82,6 +116,27 @@ uint8_t Machine::state() const {
 void Machine::send(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size) {
   uint8_t wire[MAX_WIRE];
   hal::send(wire, encode(type, seq, payload, size, wire));
+}
+
+void Machine::say(const char *line, bool last) {
+  uint8_t payload[MAX_PAYLOAD];
+  uint8_t size = Text::SIZE;
+  payload[0] = last ? TEXT_LAST : 0;
+  while (*line) payload[size++] = uint8_t(*line++);
+  if (has_host()) {
+    send(FRAME_TEXT, text_seq_++, payload, size);
+  } else {
+    hal::send(payload + Text::SIZE, uint8_t(size - Text::SIZE));
+  }
+}
+
+// Who opens the board directly knows no warnings.
+void Machine::warn(uint8_t code) {
+  TextWarning warning;
+  warning.code = code;
+  uint8_t payload[TextWarning::SIZE];
+  warning.write(payload);
+  if (has_host()) send(FRAME_TEXT_WARNING, text_seq_++, payload, TextWarning::SIZE);
 }
 
 void Machine::send_hello(uint8_t seq) {

@@ -1,10 +1,13 @@
 // The board's behaviour: states, commands, telemetry, heartbeat.
+//
+// It speaks as it is spoken to: frames to a host whose frames come, and otherwise nothing but the answers to text.
 #ifndef BEATRIX_MACHINE_H
 #define BEATRIX_MACHINE_H
 
 #include "frame.h"
 #include "hal.h"
 #include "motion.h"
+#include "text.h"
 
 namespace beatrix {
 
@@ -24,15 +27,32 @@ class Machine {
   const Motion &motion() const { return motion_; }
   Limits &limits() { return motion_.limits; }
 
+  // What the text port sees and does.
+  bool enabled() const { return enabled_; }
+  bool calibrated() const { return calibrated_; }
+  bool emergency() const { return emergency_; }
+  uint32_t now() const;  // in ticks
+  void read_steps(int32_t steps[ARMS]) const;
+  bool arrived() const;      // all steps of the last motion are made, up to its target
+  bool text_moving() const;  // in a motion of the text port
+  Error enable(uint8_t value);
+  Error calibrate();
+  // Whoever calls this has checked the move.
+  void go(const Move &move);
+  void stop();
+  void say(const char *line, bool last);
+  void warn(uint8_t code);
+
  private:
   void answer();
+  bool has_host() const;
+  void look_for_silence();
+  void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(const uint8_t *payload) const;
   Error check(const Move &move) const;
   void move(const uint8_t *payload);
   bool repeated(const uint8_t *payload) const;
-  Error enable(uint8_t value);
-  Error calibrate();
   Error set_name(const uint8_t *payload);
   void emergency_stop();
   void switch_off(Outcome why);
@@ -46,13 +66,17 @@ class Machine {
 
   Receiver receiver_;
   Motion motion_;
+  TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
   Telemetry reported_ = Telemetry();
   uint32_t tick_ = 0;
   uint16_t motion_number_ = 0;
-  uint16_t silence_ = 0;  // ms since the last valid frame
+  uint16_t silence_ = HOST_GONE;  // ms since the last valid frame, as far as it matters
+  uint16_t byte_tick_ = 0;        // when poll() last saw that bytes had come
+  bool byte_came_ = false;        // since then
   uint8_t telemetry_seq_ = 0;
+  uint8_t text_seq_ = 0;
   bool has_moved_ = false;  // last_move_ holds a move made since home is known
   bool enabled_ = false;
   bool calibrated_ = false;

@@ -48,7 +48,7 @@ void give_any_frame(Input &input, uint8_t how) {
   uint8_t payload[beatrix::MAX_PAYLOAD];
   uint8_t size = uint8_t(input.next() % (beatrix::MAX_PAYLOAD + 1));
   for (uint8_t i = 0; i < size; i++) payload[i] = input.next();
-  give_frame(uint8_t(how % 10), payload, size);
+  give_frame(uint8_t(how % 11), payload, size);
 }
 
 // A move whose fields are mostly allowed.
@@ -70,17 +70,50 @@ void pass(uint8_t milliseconds) {
   const Report *report = report_buffer();
   for (uint8_t i = 0; i < milliseconds; i++) {
     int32_t before = report->pulses[0];
+    bool could_turn = report->drivers_on;
     tick(1);
     if (beatrix::guard_steps(report->steps) != beatrix::OUTCOME_NONE) __builtin_trap();
-    if (!report->drivers_on && report->pulses[0] != before) __builtin_trap();
+    if (!could_turn && report->pulses[0] != before) __builtin_trap();
   }
   drain();
+}
+
+// A line of text, known or not, with arguments of any bytes.
+void give_line(Input &input, uint8_t how) {
+  static const char *const WORDS[] = {"@ENMOTORS ON", "@ENMOTORS OFF", "@CALNOW", "@STOPALL", "@GETALLPOS", "@GETXPOS",
+                                      "@MOVHOME", "@MOVRALL ", "@MOVAALL ", "@MOVRX ", "@MOVAY ", "@MOVTOAPOS ", "@"};
+  uint8_t line[192];
+  uint8_t size = 0;
+  for (const char *at = WORDS[how % (sizeof WORDS / sizeof WORDS[0])]; *at; at++) line[size++] = uint8_t(*at);
+  for (uint8_t left = how & 0x80 ? input.next() % 150 : how / 13; left; left--) line[size++] = input.next();
+  line[size++] = how & 1 ? '\r' : '\n';
+  give(line, size);
+}
+
+// Three numbers that are mostly allowed.
+void give_text_move(Input &input, uint8_t how) {
+  uint8_t line[32] = "@MOVRALL +000 +000 +000\r";
+  if (how & 1) line[4] = 'A';
+  for (uint8_t i = 0; i < beatrix::ARMS; i++) {
+    uint8_t *number = line + 9 + 5 * i;
+    uint8_t digits = input.next();
+    number[0] = digits & 1 ? '-' : '+';
+    number[1] = uint8_t('0' + digits % 10);
+    number[2] = uint8_t('0' + digits / 10 % 10);
+    number[3] = uint8_t('0' + digits / 26);
+  }
+  give(line, 24);
 }
 
 void get_ready() {
   const uint8_t on = 1;
   give_frame(beatrix::FRAME_ENABLE, &on, 1);
   give_frame(beatrix::FRAME_CALIBRATE, &on, 0);
+}
+
+void get_ready_in_text() {
+  const uint8_t lines[] = "@ENMOTORS ON\r@CALNOW\r";
+  give(lines, sizeof lines - 1);
 }
 
 }  // namespace
@@ -90,12 +123,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   Input input(data, size);
   while (!input.empty()) {
     uint8_t what = input.next(), how = input.next();
-    switch (what % 5) {
+    switch (what % 8) {
       case 0: give_noise(input, how); break;
       case 1: give_any_frame(input, how); break;
       case 2: give_move(input, how); break;
       case 3: get_ready(); break;
       case 4: pass(how); break;
+      case 5: give_line(input, how); break;
+      case 6: give_text_move(input, how); break;
+      case 7: get_ready_in_text(); break;
     }
   }
   return 0;

@@ -20,12 +20,18 @@ def hello(mega: Mega) -> HelloReply:
     return HelloReply.unpack(reply.payload)
 
 
-def test_a_new_board_says_hello_unasked() -> None:
+def test_a_new_board_has_no_name_and_its_first_start() -> None:
     with Mega() as mega:
-        (frame,) = mega.others
-        said = HelloReply.unpack(frame.payload)
-        assert (frame.seq, said.contract, said.boot, said.name) == (0, CONTRACT, 1, bytes(32))
+        said = hello(mega)
+        assert (said.contract, said.boot, said.name) == (CONTRACT, 1, bytes(32))
         assert not mega.avr.enabled
+
+
+def test_a_board_that_is_not_spoken_to_says_nothing() -> None:
+    with Mega() as mega:
+        mega.restart()
+        mega.avr.run_ms(5000)
+        assert mega.avr.receive() == b""
 
 
 def test_the_drivers_are_off_from_the_first_moment() -> None:
@@ -48,7 +54,8 @@ def test_a_start_cut_short_does_not_use_a_number_twice() -> None:
             mega.avr.reset()
             mega.hear_again()
             mega.avr.run(chance.randint(0, 600_000))
-            told += [HelloReply.unpack(frame.payload).boot for frame in mega.raw(b"")]
+            heard = mega.raw(encode(FrameType.HELLO, 1, b""))
+            told += [HelloReply.unpack(frame.payload).boot for frame in heard]
     assert len(told) > 30
     assert told == sorted(set(told))
 

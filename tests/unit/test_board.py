@@ -9,7 +9,7 @@ import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Telemetry
+from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Telemetry, Text, TextWarning
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
@@ -25,6 +25,8 @@ class LossyPort:
         self.lose: list[int] = []
         self.gone = False
         self.forged = b""
+        self.instead = b""
+        """Comes in the place of every frame that is lost."""
         self._decoder = Decoder()
 
     def write(self, data: bytes) -> None:
@@ -39,6 +41,7 @@ class LossyPort:
         for frame in self._decoder.feed(self.board.read(timeout_s)):
             if frame.type in self.lose:
                 self.lose.remove(frame.type)
+                out += self.instead
             else:
                 out += encode(frame.type, frame.seq, frame.payload)
         return out
@@ -149,6 +152,19 @@ def test_an_unknown_error_code_is_a_refusal_not_a_crash(rig: Rig) -> None:
         rig.port.forged += encode(FrameType.STOP | 0x80, seq, bytes([max(Error) + 40]))
     thread.join()
     assert "unknown error" in errors[0].message
+
+
+def test_what_the_board_says_unasked_answers_no_request(rig: Rig) -> None:
+    rig.port.lose = [FrameType.STOP | 0x80] * 10
+    unasked = [
+        (FrameType.TEXT, Text(1, b"ACK\n").pack()),
+        (FrameType.TEXT_WARNING, TextWarning(5).pack()),
+        (0xFF, b"0"),
+    ]
+    rig.port.instead = b"".join(encode(kind, seq, data) for kind, data in unasked for seq in range(1, 256))
+    with pytest.raises(NoAnswer, match="does not answer"):
+        rig.board.request(FrameType.STOP)
+    assert rig.board.link.connected
 
 
 def test_a_port_that_goes_and_comes_is_found_again(rig: Rig) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from beatrix_zenoh._generated import serial as wire
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import Enable, FrameType, HelloReply, Move, Telemetry
 from beatrix_zenoh.board import virtual
@@ -17,11 +18,13 @@ from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.errors import BeatrixError
 
 SPEED = (4189, 4189, 4189)
+HELLO, PING = encode(FrameType.HELLO, 3, b""), encode(FrameType.PING, 3, b"")
 
 
 @pytest.fixture
 def board() -> Iterator[VirtualBoard]:
     board = VirtualBoard(Firmware(boot=7, name="bea1"))
+    board.write(HELLO)
     yield board
     board.close()
 
@@ -40,10 +43,17 @@ def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1)
     firmware.receive(encode(FrameType.MOVE, 3, Move(0, motion, target, SPEED).pack()))
 
 
-def test_a_board_greets_after_its_start(board: VirtualBoard) -> None:
+def test_a_board_says_nothing_before_it_is_spoken_to() -> None:
+    board = VirtualBoard(Firmware(boot=7, name="bea1"))
+    board.advance(5000)
+    assert board.read(0) == b""
+    board.close()
+
+
+def test_a_board_greets_back(board: VirtualBoard) -> None:
     greeting = frames(board.read(0))[0]
     hello = HelloReply.unpack(greeting.payload)
-    assert (greeting.type, greeting.seq) == (FrameType.HELLO_REPLY, 0)
+    assert (greeting.type, greeting.seq) == (FrameType.HELLO_REPLY, 3)
     assert (hello.boot, hello.name.rstrip(b"\0")) == (7, b"bea1")
 
 
@@ -89,15 +99,17 @@ def test_closing_wakes_a_reader_and_refuses_a_writer(board: VirtualBoard) -> Non
 
 
 def test_nobody_reading_takes_no_memory(board: VirtualBoard) -> None:
-    board.advance(60_000)
+    for _ in range(60):
+        board.advance(1000)
+        board.write(PING)
     assert len(board.read(0)) == virtual._UNREAD_MAX
 
 
 def test_a_long_stretch_of_time_loses_no_telemetry() -> None:
     firmware = Firmware()
-    firmware.transmit()
-    firmware.tick(12_345)
-    assert [t.tick for t in telemetry(firmware.transmit())] == list(range(10, 12_345, 10))
+    firmware.receive(PING)
+    firmware.tick(wire.HOST_GONE)
+    assert [t.tick for t in telemetry(firmware.transmit())] == list(range(10, wire.HOST_GONE, 10))
 
 
 def test_two_boards_do_not_know_each_other() -> None:

@@ -1,0 +1,110 @@
+"""The reference dialogues of firmware 1.0, word for word, and never later than it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from program import BYTE_MS, LAST, Program
+
+DIALOGUES = sorted(Path(__file__).with_name("dialogues").glob("*.txt"))
+
+
+class Said(NamedTuple):
+    """One line of a dialogue."""
+
+    to_robot: bool
+    ms: int
+    text: str
+
+
+def read(path: Path) -> list[Said]:
+    """A dialogue with its escapes resolved."""
+    said = []
+    for line in path.read_text(encoding="ascii").splitlines():
+        if not line.startswith("#"):
+            direction, ms, text = line.split(" ", 2)
+            said.append(Said(direction == ">", int(ms), text.replace("\\r", "\r").replace("\\n", "\n")))
+    return said
+
+
+def wanted(dialogue: list[Said]) -> list[Said]:
+    """The replies; to @STOPALL as ours are."""
+    replies, asked, count = [], "", 0
+    for said in dialogue:
+        if said.to_robot:
+            asked, count = said.text, 0
+        else:
+            count += 1
+            stop = asked == "@STOPALL\r" and count == 2
+            replies.append(said._replace(text="ACK\n") if stop else said)
+    return replies
+
+
+def played(dialogue: list[Said], program: Program) -> list[Said]:
+    """Our side: bytes come and go at 9600 baud."""
+    for said in dialogue:
+        if said.to_robot:
+            program.tick(said.ms - program.ms)
+            for sent, byte in enumerate(said.text.encode("ascii")):
+                program.tick(int(said.ms + (sent + 1) * BYTE_MS) + 1 - program.ms)
+                program.send(bytes([byte]))
+    program.tick(5000)
+    free, replies = 0.0, []
+    for ms, line in program.lines:
+        free = max(free, ms) + len(line) * BYTE_MS
+        replies.append(Said(to_robot=False, ms=int(free), text=line))
+    return replies
+
+
+def test_both_dialogues_are_there() -> None:
+    assert [(path.stem, len(read(path))) for path in DIALOGUES] == [("every-move", 47), ("every-reply", 57)]
+
+
+@pytest.mark.parametrize("framed", [False, True], ids=["direct", "framed"])
+@pytest.mark.parametrize("path", DIALOGUES, ids=lambda path: path.stem)
+def test_a_dialogue_is_spoken_word_for_word_and_in_time(path: Path, framed: bool) -> None:
+    dialogue = read(path)
+    program = Program(framed=framed)
+    theirs, ours = wanted(dialogue), played(dialogue, program)
+    assert [said.text for said in ours] == [said.text for said in theirs]
+    late = [(own, old.ms) for own, old in zip(ours, theirs, strict=True) if own.ms > old.ms]
+    assert late == []
+
+
+def test_flags_tell_where_answers_end() -> None:
+    program = Program(framed=True).ready()
+    program.flags.clear()
+    program.say("@GETALLPOS", "@GETXPOS", "@COMSTATUS", "@FOO")
+    assert program.flags == [0, 0, 0, LAST, 0, 0, LAST, 0, LAST, LAST]
+
+
+@pytest.mark.parametrize(
+    ("steps", "seconds"),
+    [
+        *[(1, 0.005), (2, 0.068), (3, 0.108), (5, 0.180), (7, 0.239)],
+        *[(10, 0.266), (20, 0.446), (100, 1.219), (200, 1.81), (300, 2.38)],
+    ],
+)
+@pytest.mark.parametrize("command", ["@MOVRX", "@MOVAX"])
+def test_a_move_of_one_arm_is_no_slower_than_in_1_0(command: str, steps: int, seconds: float) -> None:
+    program = Program().ready()
+    begin = program.ms
+    assert program.run(f"{command} {steps} 200") == ["ACK\n", "ACK\n"]
+    assert (program.ms - begin) / 1000 <= seconds
+    assert program.position == (steps, 0, 0)
+
+
+@pytest.mark.parametrize("steps", [0, 1, 5, 40, 200, 600])
+@pytest.mark.parametrize("command", ["@MOVRALL", "@MOVAALL"])
+@pytest.mark.parametrize("motors", ["ON", "OFF"])
+def test_a_move_of_all_arms_takes_n_over_200_s_and_two_ramps(command: str, steps: int, motors: str) -> None:
+    program = Program()
+    program.say(f"@ENMOTORS {motors}", "@CALNOW")
+    begin = program.ms
+    assert program.run(f"{command} {steps} {steps // 2} {steps // 3}") == ["ACK\n", "ACK\n"]
+    took = (program.ms - begin) / 1000
+    assert took <= steps / 200 + 1.0
+    assert took <= max(1, steps) / 200 + 0.1
+    assert took >= steps / 200 - 0.005

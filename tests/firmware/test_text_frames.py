@@ -1,0 +1,222 @@
+"""Who hears what: frames for those who speak frames, and silence unless spoken to."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from program import Program
+from rig import Rig
+
+from beatrix_zenoh._generated.serial import (
+    HOST_GONE,
+    Enable,
+    Error,
+    FrameType,
+    Move,
+    TextWarning,
+    WarningCode,
+)
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.virtual import Firmware
+
+ACK, NACK = "ACK\n", "NACK\n"
+DONE, REFUSED = [ACK, ACK], [ACK, NACK]
+PING = encode(FrameType.PING, 1, b"")
+
+
+def test_a_board_nobody_speaks_to_is_silent() -> None:
+    firmware = Firmware()
+    firmware.tick(10_000)
+    assert firmware.transmit() == b""
+
+
+def test_who_opens_the_board_directly_sees_plain_replies_and_nothing_else() -> None:
+    firmware = Firmware()
+    firmware.receive(b"@ENMOTORS ON\r@CALNOW\r@GETXPOS\r@GETALLPOS\r@MOVRX 200 200\r@FOO\r")
+    firmware.tick(3000)
+    assert (
+        firmware.transmit()
+        == b"ACK\nACK\n" * 2 + b"ACK\n0\r\nACK\n" + b"ACK\n\n0 0 0\nACK\n" + b"ACK\nACK\nNACK\n"
+    )
+
+
+def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> None:
+    firmware = Firmware()
+    firmware.tick(500)
+    firmware.receive(PING)
+    firmware.tick(5000)
+    frames = Decoder().feed(firmware.transmit())
+    told = [
+        int.from_bytes(frame.payload[:4], "little") for frame in frames if frame.type == FrameType.TELEMETRY
+    ]
+    assert told[0] == 500
+    assert 500 + HOST_GONE - 10 <= told[-1] < 500 + HOST_GONE
+    firmware.receive(PING)
+    assert len(Decoder().feed(firmware.transmit())) == 2
+
+
+@pytest.mark.parametrize(
+    "data", [b"\0\x05\x02\xff\x70\xcd\0", encode(FrameType.TELEMETRY, 1, bytes(38)), b"@PING\r", b"\0\0\0"]
+)
+def test_only_valid_requests_make_a_host(data: bytes) -> None:
+    firmware = Firmware()
+    firmware.receive(data)
+    firmware.tick(100)
+    assert firmware.transmit() in (b"", b"NACK\n")
+
+
+def test_when_the_host_has_gone_replies_are_plain_again() -> None:
+    firmware = Firmware()
+    firmware.receive(PING)
+    firmware.tick(HOST_GONE - 1)
+    firmware.transmit()
+    firmware.receive(b"@COMSTATUS\r")
+    assert b"\0" in firmware.transmit()
+    firmware.tick(1)
+    firmware.receive(b"@COMSTATUS\r")
+    assert firmware.transmit() == b"ACK\nACK\n"
+
+
+def test_a_host_that_goes_stops_the_text_motion_and_those_that_wait() -> None:
+    program = Program(framed=True).ready()
+    program.send(b"@MOVRALL 600 600 600\r@MOVRX 50\r@CALNOW\r@MOVRX 50\r")
+    program.framed = False
+    program.core.tick(450)
+    assert program.core.steps()[0] > 50
+    program.core.tick(HOST_GONE)
+    at = program.core.steps()
+    assert at[0] < 150
+    program.core.tick(5000)
+    assert program.core.steps() == at
+    assert program.core.transmit()[-20:].count(b"\0") > 0  # the last that was said was said in frames
+
+
+def test_without_a_host_a_text_motion_needs_no_heartbeat() -> None:
+    program = Program().ready()
+    assert program.run("@MOVRALL 1000 1000 1000") == DONE
+    assert program.core.steps() == (1000, 1000, 1000)
+
+
+def test_text_between_frames_and_frames_between_lines() -> None:
+    program = Program(framed=True)
+    program.send(PING + b"@ENMOTORS ON\r" + PING + b"@CALNOW\r\n" + PING + b"\r\n@GETXPOS\n\n" + PING)
+    program.tick(3)
+    assert program.new() == [*DONE, *DONE, ACK, "0\r\n", ACK]
+    assert len(program.others) == 5
+
+
+@pytest.mark.parametrize("cut", range(1, 14))
+def test_a_frame_in_the_middle_of_a_line_ends_the_line_and_is_obeyed(cut: int) -> None:
+    program = Program(framed=True)
+    line = b"@COMSTATUS   \r"
+    program.send(line[:cut] + encode(FrameType.PING, 9, b""))
+    assert (program.others[-1].type, program.others[-1].seq) == (FrameType.PING | 0x80, 9)
+    assert program.new() == []
+    assert program.say("@COMSTATUS") == DONE
+
+
+def test_lines_inside_of_frames_are_no_lines() -> None:
+    rig = Rig()
+    for text in (b"\r@STOPALL\r", b"@STOPALL\r\n@CALNOW\r"):
+        (reply,) = rig.raw(encode(FrameType.SET_NAME, 1, text.ljust(32, b"\r")))
+        assert reply.payload == bytes([Error.BAD_VALUE])
+    assert rig.raw(encode(0x3E, 1, b"\n@COMSTATUS\r" * 4))[0].payload == bytes([Error.UNKNOWN])
+
+
+def test_noise_that_looked_like_a_frame_does_not_keep_the_text_port_deaf() -> None:
+    program = Program()
+    program.send(b"\0" + b"\x05noise")
+    for _ in range(20):
+        program.send(b"@COMSTATUS\r")
+        program.tick(100)
+    assert len(program.new()) >= 2 * 13  # until it is too long for a frame
+    program.send(b"\0" + b"\x05noise")
+    program.tick(2001)
+    assert program.say("@COMSTATUS") == DONE
+
+
+def test_an_abandoned_frame_is_counted_once() -> None:
+    rig = Rig()
+    rig.raw(b"\0\x05\x02")
+    rig.tick(2500)
+    rig.raw(PING)
+    rig.tick(10)
+    assert rig.last.rejected == 1
+
+
+def test_texts_and_warnings_are_numbered_and_leave_replies_alone() -> None:
+    firmware = Firmware()
+    firmware.receive(PING + b"@CALNOW\r@MOVRX 1\r")
+    firmware.tick(100)
+    frames = [frame for frame in Decoder().feed(firmware.transmit()) if frame.type > FrameType.TELEMETRY]
+    assert [frame.seq for frame in frames] == list(range(5))
+    warnings = [frame for frame in frames if frame.type == FrameType.TEXT_WARNING]
+    assert [TextWarning.unpack(frame.payload).code for frame in warnings] == [WarningCode.MOTORS_OFF]
+
+
+def test_text_leaves_room_for_a_reply_and_goes_on_when_there_is_more() -> None:
+    firmware = Firmware()
+    line = b"@GETALLPOS\r" * 20
+    firmware._memory.write(firmware._store, line, firmware._receive_at)
+    for _ in range(100):  # nobody empties the transmit buffer meanwhile
+        assert firmware._call("receive", len(line)) == len(line)
+    hello = encode(FrameType.HELLO, 1, b"")
+    firmware._memory.write(firmware._store, hello, firmware._receive_at)
+    assert firmware._call("receive", len(hello)) == len(hello)
+    said = firmware.transmit()
+    assert Decoder().feed(said)[-1].type == FrameType.HELLO_REPLY
+    answer = b"ACK\n\n0 0 0\nACK\n"
+    assert said.startswith(answer * 900)
+    firmware.tick(1)
+    assert b"0 0 0\n" in firmware.transmit()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_whatever_comes_every_known_line_is_answered_and_frames_keep_working(seed: int) -> None:
+    """Noise, frames and lines in any order; a line is whole where it begins after a delimiter."""
+    chance = random.Random(seed)
+    program = Program(framed=True).ready()
+    for _ in range(150):
+        noise = chance.choice(
+            [
+                chance.randbytes(chance.randint(0, 90)),
+                b"@" + chance.randbytes(20),
+                b"@MOVRALL " + chance.randbytes(5) + b"\r",
+                encode(FrameType.STOP, 1, b""),
+                encode(FrameType.ENABLE, 1, Enable(chance.randint(0, 1)).pack()),
+                encode(
+                    FrameType.MOVE, 1, Move(1, 5, (chance.randint(-300, 300), 0, 0), (900, 900, 900)).pack()
+                ),
+                b"@MOVRX %d\r" % chance.randint(-300, 300),
+                b"@STOPALL\r",
+                b"@CALNOW\r",
+                b"",
+            ]
+        )
+        program.send(noise + b"\0")
+        program.tick(chance.choice([0, 1, 50, 300]))
+    program.send(b"\0@STOPALL\r")
+    program.tick(2000)
+    program.new()
+    for word in ("@COMSTATUS", "@CALNOW", "@STOPALL", "@GETXPOS"):
+        answer = program.say(word)
+        assert (answer[0], answer[-1]) == (ACK, ACK)
+        assert len(answer) == (3 if word == "@GETXPOS" else 2)
+    program.others.clear()
+    program.send(PING)
+    assert [(reply.type, reply.payload) for reply in program.others] == [(FrameType.PING | 0x80, b"\0")]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_every_line_of_a_random_program_is_answered(seed: int) -> None:
+    chance = random.Random(seed)
+    program = Program(framed=bool(seed % 2))
+    words = ["@COMSTATUS", "@CALX", "@STOPALL", "@CALNOW", "@ENMOTORS ON", "@MOVHOME", "@FOO"]
+    words += ["@MOVRX 20", "@MOVRALL 5 -60 7", "@MOVAY -40"] * 3
+    lines = [chance.choice(words) for _ in range(400)]
+    for line in lines:
+        program.send(line.encode("ascii") + chance.choice([b"\r", b"\n", b"\r\n"]))
+        program.tick(chance.choice([0, 0, 3, 200]))
+    program.tick(20_000)
+    assert len(program.lines) == 2 * len(lines) - lines.count("@FOO")

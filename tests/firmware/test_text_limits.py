@@ -1,0 +1,188 @@
+"""Programs of 2023 know no limits: their motions are shortened on their line, told as done, and warned of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from program import Program
+from rig import ARM_SPACING, ARM_TURN, GAP_MIN, YAW_SUM_MAX, Steps, least_gap
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import FrameType, Move, Outcome, WarningCode
+from beatrix_zenoh.drive import Gear
+from beatrix_zenoh.kinematics import Neck
+
+DONE = ["ACK\n", "ACK\n"]
+NECK, GEAR = Neck(), Gear()
+TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
+TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
+YAW_ROOM = 16
+"""Microsteps of the sum, for arms that turn back: see firmware/core/reach.cpp."""
+
+
+def gaps(steps: Steps) -> list[int]:
+    """Between neighbouring arms, microsteps."""
+    x, y, z = steps
+    return [ARM_SPACING + y - x, ARM_SPACING + z - y, ARM_TURN - 2 * ARM_SPACING + x - z]
+
+
+def tilt(steps: Steps) -> float:
+    """Of the head, deg."""
+    return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
+
+
+def allowed(steps: Steps) -> bool:
+    """As the text port may go."""
+    return (
+        TILT_GAP_MIN <= min(gaps(steps)) <= max(gaps(steps)) <= TILT_GAP_MAX
+        and abs(sum(steps)) <= YAW_SUM_MAX
+    )
+
+
+@pytest.fixture
+def framed() -> Program:
+    return Program(framed=True).ready()
+
+
+def border() -> list[Steps]:
+    """All differences of the arms at which the text port ends; the short arm stays at 0."""
+    low, high = TILT_GAP_MIN - ARM_SPACING, TILT_GAP_MAX - ARM_SPACING
+    poses: list[Steps] = []
+    for first in range(low, high + 1):
+        seconds = range(max(low, -high - first), min(high, -low - first) + 1)
+        ends = seconds if first in (low, high) else (seconds[0], seconds[-1])
+        poses.extend((0, first, first + second) for second in ends)
+    return poses
+
+
+def test_on_the_whole_border_the_head_tilts_no_further_than_it_may() -> None:
+    poses = border()
+    assert len(poses) > 4000
+    assert all(allowed(pose) for pose in poses)
+    tilts = [tilt(pose) for pose in poses]
+    assert max(tilts) <= ROBOT.limits.tilt_max
+    assert max(tilts) > ROBOT.limits.tilt_max - 0.1
+
+
+def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, float]) -> float:
+    """Way from home, microsteps."""
+    low, high = 0.0, 1000.0
+    for _ in range(30):
+        middle = (low + high) / 2
+        x, y, z = (round(middle * part) for part in direction)
+        low, high = (middle, high) if holds((x, y, z)) else (low, middle)
+    return low
+
+
+def test_the_border_gives_little_away() -> None:
+    """Share of the way to the tilt limit that is allowed, in every direction, and share of the area."""
+    ways, areas = [], []
+    for degrees in range(0, 360, 2):
+        angle = math.radians(degrees)
+        u, v = math.cos(angle) / math.sqrt(2), math.sin(angle) / math.sqrt(6)
+        direction = (u + v, -u + v, -2 * v)
+
+        here = furthest(allowed, direction)
+        most = furthest(lambda steps: tilt(steps) <= ROBOT.limits.tilt_max, direction)
+        ways.append(here / most)
+        areas.append((here**2, most**2))
+    assert max(ways) <= 1.0
+    assert min(ways) > 0.88  # 0.89, but for rounding to steps
+    assert sum(here for here, _ in areas) / sum(most for _, most in areas) > 0.87
+
+
+@pytest.mark.parametrize(
+    ("target", "warning"),
+    [
+        ((300, 0, -300), None),  # the limit of the course of 2023
+        ((-300, 0, 300), None),
+        ((300, 0, 300), None),
+        ((2100, 2100, 2100), None),  # what sound followers ask for
+        ((-2100, -2100, -2100), None),
+        ((700, 0, 0), WarningCode.TILT),
+        ((0, 900, -900), WarningCode.TILT),
+        ((-1000, 0, 1000), WarningCode.TILT),
+        ((2400, 2400, 2400), WarningCode.YAW),
+        ((-9000, -9000, -9000), WarningCode.YAW),
+        ((32767, 0, 0), WarningCode.TILT),
+        ((2600, 2300, 2300), WarningCode.YAW),
+    ],
+)
+def test_a_motion_is_shortened_on_its_line_and_the_limit_is_named(
+    framed: Program, target: Steps, warning: WarningCode | None
+) -> None:
+    x, y, z = target
+    assert framed.run(f"@MOVAALL {x} {y} {z}") == DONE
+    assert framed.warnings == ([] if warning is None else [warning])
+    end = framed.position
+    assert end == framed.core.steps()
+    assert allowed(end)
+    part = max(map(abs, end)) / max(map(abs, target))
+    assert all(abs(a - part * b) < 1.01 for a, b in zip(end, target, strict=True))
+    beyond = tuple(a + (b > a) - (b < a) for a, b in zip(end, target, strict=True))
+    assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX - YAW_ROOM  # type: ignore[arg-type]
+
+
+def test_at_the_limit_there_is_no_further_but_along_it_and_back(framed: Program) -> None:
+    framed.run("@MOVRX 2000")
+    edge = framed.position
+    assert framed.run("@MOVRX 50") == DONE
+    assert framed.position == edge
+    assert framed.run("@MOVRALL 100 100 100") == DONE
+    assert framed.position == tuple(at + 100 for at in edge)
+    assert framed.warnings == [WarningCode.TILT] * 2
+    assert framed.run("@MOVRX -300") == DONE
+    assert framed.position[0] == edge[0] - 200
+    assert framed.warnings == [WarningCode.TILT] * 2
+
+
+@pytest.mark.parametrize("way", [(200, -100, -100), (-200, 100, 100), (-100, 200, -100), (100, -50, -50)])
+def test_along_the_limit_of_the_turn_the_guard_is_not_met(framed: Program, way: Steps) -> None:
+    framed.run("@MOVAALL 9000 9000 9000")
+    x, y, z = way
+    before = framed.position
+    assert framed.run(f"@MOVRALL {x} {y} {z}", 5000) == DONE
+    framed.tick(200)
+    assert framed.telemetry[-1].outcome == Outcome.DONE
+    assert framed.position == tuple(a + b for a, b in zip(before, way, strict=True))
+
+
+TOO_FAR_OUT = Move(1, 5, (400, -600, 400), (2000, 2000, 2000)).pack()
+
+
+def test_from_beyond_the_limit_only_ways_back_are_open(framed: Program) -> None:
+    framed.frame(FrameType.MOVE, TOO_FAR_OUT)
+    framed.tick(3000)
+    assert framed.core.steps() == (400, -600, 400)
+    assert not allowed(framed.core.steps())
+    assert framed.run("@MOVRY -10") == DONE
+    assert framed.core.steps() == (400, -600, 400)
+    assert framed.run("@MOVRY 10") == DONE
+    assert framed.core.steps() == (400, -590, 400)
+    assert framed.run("@MOVHOME") == DONE
+    assert framed.core.steps() == (0, 0, 0)
+    assert framed.warnings == [WarningCode.TILT]
+
+
+ANYWHERE = st.integers(-3000, 3000)
+MOVES = st.tuples(st.sampled_from(["@MOVAALL", "@MOVRALL"]), st.tuples(ANYWHERE, ANYWHERE, ANYWHERE))
+
+
+@settings(max_examples=15)
+@given(st.lists(MOVES, min_size=1, max_size=5))
+def test_wherever_programs_want_to_go_they_stay_within_the_limits(script: list[tuple[str, Steps]]) -> None:
+    program = Program(framed=True).ready()
+    for word, (x, y, z) in script:
+        program.send(f"{word} {x} {y} {z}\r".encode("ascii"))
+        for _ in range(3000):
+            if len(program.lines) % 2 == 0:
+                break
+            program.tick(20)
+            assert least_gap(program.core.steps()) >= GAP_MIN
+            assert abs(sum(program.core.steps())) <= YAW_SUM_MAX
+        assert program.new() == DONE
+        assert allowed(program.core.steps())

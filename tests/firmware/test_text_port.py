@@ -1,0 +1,217 @@
+"""The port's own zero and permission, beside the machine's home."""
+
+from __future__ import annotations
+
+import pytest
+from program import Program
+
+from beatrix_zenoh._generated.serial import Enable, FrameType, Move, Outcome, State, WarningCode
+
+ACK, NACK = "ACK\n", "NACK\n"
+DONE, REFUSED = [ACK, ACK], [ACK, NACK]
+TO_ORIGIN = Move(1, 7, (0, 0, 0), (4000, 4000, 4000)).pack()
+
+
+@pytest.fixture
+def program() -> Program:
+    return Program().ready()
+
+
+@pytest.fixture
+def framed() -> Program:
+    return Program(framed=True)
+
+
+def state(program: Program) -> State:
+    program.tick(11)
+    return State(program.telemetry[-1].state)
+
+
+def test_at_power_up_motors_are_off_and_nothing_is_calibrated() -> None:
+    program = Program()
+    assert program.say("@CALSTATUS", "@MOVRX 1 1", "@MOVHOME") == REFUSED * 3
+    assert program.position == (0, 0, 0)
+
+
+@pytest.mark.parametrize("switch", ["ON", "OFF"])
+def test_switching_the_motors_takes_the_permission_and_keeps_the_positions(
+    program: Program, switch: str
+) -> None:
+    assert program.run("@MOVRALL 10 20 30") == DONE
+    assert program.say(f"@ENMOTORS {switch}", "@CALSTATUS", "@MOVRX 1") == DONE + REFUSED * 2
+    assert program.position == (10, 20, 30)
+
+
+def test_calnow_makes_the_present_position_0_without_motion(program: Program) -> None:
+    program.run("@MOVRALL 10 20 30")
+    assert program.say("@CALNOW", "@CALSTATUS") == DONE * 2
+    assert program.position == (0, 0, 0)
+    assert program.core.steps() == (10, 20, 30)
+    assert program.run("@MOVAX -4") == DONE
+    assert program.core.steps() == (6, 20, 30)
+    assert program.run("@MOVHOME") == DONE
+    assert program.core.steps() == (10, 20, 30)
+
+
+def test_calnow_tells_the_machine_its_home_if_it_has_none(framed: Program) -> None:
+    framed.say("@ENMOTORS ON")
+    assert state(framed) == State.ENABLED
+    framed.say("@CALNOW")
+    assert state(framed) == State.ENABLED | State.CALIBRATED
+
+
+def test_calnow_leaves_a_known_home_alone(framed: Program) -> None:
+    framed.ready().run("@MOVRALL 100 100 100")
+    framed.say("@ENMOTORS ON", "@CALNOW")
+    framed.frame(FrameType.MOVE, TO_ORIGIN)
+    framed.tick(2000)
+    assert framed.core.steps() == (0, 0, 0)
+    assert framed.position == (-100, -100, -100)
+
+
+def test_calnow_with_motors_off_tells_the_machine_nothing(framed: Program) -> None:
+    assert framed.say("@CALNOW", "@CALSTATUS") == DONE * 2
+    assert state(framed) == State(0)
+
+
+def test_the_hosts_calibration_does_not_move_the_ports_positions(framed: Program) -> None:
+    framed.ready().run("@MOVRALL 10 20 30")
+    framed.tick(60)
+    framed.frame(FrameType.CALIBRATE)
+    assert framed.core.steps() == (0, 0, 0)
+    assert framed.position == (10, 20, 30)
+    assert framed.run("@MOVAALL 11 20 30") == DONE
+    assert framed.core.steps() == (1, 0, 0)
+
+
+def test_with_motors_off_moves_are_counted_and_not_made(framed: Program) -> None:
+    framed.say("@CALNOW")
+    begin = framed.ms
+    assert framed.run("@MOVRX 100 200") == DONE
+    assert 0.5 <= (framed.ms - begin) / 1000 <= 0.62
+    assert framed.run("@MOVAALL 50 -7 3") == DONE
+    assert framed.run("@MOVAZ 4") == DONE
+    assert framed.position == (50, -7, 4)
+    assert framed.core.steps() == (0, 0, 0)
+    assert framed.core.pulses() == (0, 0, 0)
+    assert set(framed.warnings) == {WarningCode.MOTORS_OFF}
+
+
+def test_a_counted_move_can_be_stopped_and_then_does_not_count(program: Program) -> None:
+    program.say("@ENMOTORS OFF", "@CALNOW")
+    program.send(b"@MOVRX 1000\r")
+    program.tick(100)
+    assert program.say("@STOPALL") == [ACK, NACK, *DONE]
+    assert program.position == (0, 0, 0)
+
+
+def test_a_home_lost_behind_the_ports_back_refuses_moves_until_calnow(framed: Program) -> None:
+    framed.ready()
+    for on in (0, 1):
+        framed.frame(FrameType.ENABLE, Enable(on).pack())
+    assert framed.say("@CALSTATUS", "@MOVRX 10") == DONE + REFUSED
+    assert framed.warnings == [WarningCode.HOME_UNKNOWN]
+    assert framed.say("@CALNOW") == DONE
+    assert framed.run("@MOVRX 10") == DONE
+    assert framed.core.steps() == (10, 0, 0)
+
+
+def test_an_emergency_is_not_ended_by_text(framed: Program) -> None:
+    framed.ready()
+    framed.frame(FrameType.EMERGENCY_STOP)
+    assert framed.say("@MOVRX 10", "@ENMOTORS ON", "@CALNOW", "@MOVRX 10") == REFUSED * 2 + DONE + REFUSED
+    assert set(framed.warnings) == {WarningCode.EMERGENCY}
+    assert state(framed) == State.EMERGENCY
+    framed.frame(FrameType.ENABLE, Enable(1).pack())
+    assert framed.say("@ENMOTORS ON", "@CALNOW") == DONE * 2
+    assert framed.run("@MOVRX 10") == DONE
+
+
+MOVE_ELSEWHERE = (FrameType.MOVE, TO_ORIGIN)
+STOP = (FrameType.STOP, b"")
+EMERGENCY = (FrameType.EMERGENCY_STOP, b"")
+OFF = (FrameType.ENABLE, b"\0")
+
+
+@pytest.mark.parametrize("frame", [MOVE_ELSEWHERE, STOP, EMERGENCY, OFF], ids=lambda frame: frame[0].name)
+@pytest.mark.parametrize("motors", ["ON", "OFF"])
+def test_a_frame_that_ends_a_text_move_makes_it_refused_and_calls_off_those_behind(
+    frame: tuple[FrameType, bytes], motors: str
+) -> None:
+    framed = Program(framed=True)
+    framed.say("@ENMOTORS ON", "@CALNOW", f"@ENMOTORS {motors}", "@CALNOW")
+    framed.send(b"@MOVRALL 300 300 300\r@MOVRX 5\r@CALSTATUS\r")
+    framed.tick(500)
+    assert framed.new() == [ACK]
+    framed.frame(*frame)
+    framed.tick(3000)
+    if motors == "OFF" and frame == MOVE_ELSEWHERE:
+        assert framed.new() == [ACK, *DONE, *DONE]  # refused: motors are off; nobody was disturbed
+        return
+    assert framed.new() == [NACK, *REFUSED, *DONE]
+    if frame == MOVE_ELSEWHERE:
+        assert framed.core.steps() == (0, 0, 0)
+        assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.DONE)
+
+
+def test_a_move_that_has_arrived_is_done_though_the_host_moves_on_at_once(framed: Program) -> None:
+    framed.ready()
+    framed.send(b"@MOVRX 1\r")
+    framed.core.tick(1)
+    framed.frame(FrameType.MOVE, TO_ORIGIN)
+    framed.tick(200)
+    assert framed.new() == DONE
+    assert framed.core.steps() == (0, 0, 0)
+
+
+def test_a_text_move_replaces_the_hosts_and_says_so_by_its_number(framed: Program) -> None:
+    framed.ready()
+    framed.frame(FrameType.MOVE, Move(1, 7, (500, 500, 500), (2000, 2000, 2000)).pack())
+    framed.tick(300)
+    assert framed.telemetry[-1].motion == 7
+    assert framed.run("@MOVHOME") == DONE
+    assert framed.core.steps() == (0, 0, 0)
+    framed.tick(200)
+    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (0, Outcome.DONE)
+
+
+def test_stopall_stops_the_hosts_motion_too(framed: Program) -> None:
+    framed.ready()
+    framed.frame(FrameType.MOVE, Move(1, 7, (500, 500, 500), (800, 800, 800)).pack())
+    framed.tick(500)
+    assert framed.say("@STOPALL") == [ACK]
+    framed.tick(150)
+    assert framed.new() == [ACK]
+    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.STOPPED)
+
+
+def test_opening_the_port_forgets_everything_but_the_machines_home(framed: Program) -> None:
+    framed.ready().run("@MOVRALL 100 100 100")
+    framed.send(b"@MOVRALL 300 300 300\r@MOVRX 5\r@GETXPOS\r")
+    framed.tick(500)
+    framed.send(b"@CALST")
+    framed.frame(FrameType.TEXT_OPEN)
+    assert [frame.payload for frame in framed.others if frame.type == FrameType.TEXT_OPEN | 0x80] == [b"\0"]
+    framed.new()
+    framed.tick(500)
+    assert framed.new() == []
+    assert state(framed) == State.ENABLED | State.CALIBRATED
+    assert framed.telemetry[-1].outcome == Outcome.STOPPED
+    assert framed.say("@CALSTATUS", "@MOVRX 1") == REFUSED * 2
+    assert max(framed.position) < 15
+    assert framed.core.steps()[0] > 150
+
+
+def test_opening_the_port_makes_the_present_position_0(framed: Program) -> None:
+    framed.ready().run("@MOVRALL 10 20 30")
+    framed.tick(100)
+    framed.frame(FrameType.TEXT_OPEN)
+    assert framed.position == (0, 0, 0)
+
+
+def test_opening_the_port_leaves_the_hosts_motion_alone(framed: Program) -> None:
+    framed.ready()
+    framed.frame(FrameType.MOVE, Move(1, 7, (200, 200, 200), (2000, 2000, 2000)).pack())
+    framed.frame(FrameType.TEXT_OPEN)
+    framed.tick(1000)
+    assert framed.core.steps() == (200, 200, 200)

@@ -1,0 +1,185 @@
+"""Lines that wait: none is lost, cut or answered out of its turn; STOPALL does not wait."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from program import Program
+
+from beatrix_zenoh._generated.serial import Outcome, State, WarningCode
+
+ACK, NACK = "ACK\n", "NACK\n"
+DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
+LONGEST = "@MOVRALL " + "0000000000000000002 " * 5 + "0000000000000020 1"
+"""127 bytes."""
+
+
+@pytest.fixture
+def program() -> Program:
+    return Program().ready()
+
+
+@pytest.fixture
+def framed() -> Program:
+    return Program(framed=True).ready()
+
+
+def test_an_idle_board_answers_at_once(program: Program) -> None:
+    program.send(b"@COMSTATUS\r")
+    assert program.new() == DONE
+    program.send(b"@MOVRX 100 200\r")
+    assert program.new() == [ACK]
+
+
+def test_32_longest_lines_wait_for_their_turn(program: Program) -> None:
+    assert len(LONGEST) == 127
+    program.send(b"@MOVRALL 100 100 100\r")
+    program.send(b"".join(LONGEST.encode("ascii") + b"\r" for _ in range(32)))
+    assert program.new() == [ACK]
+    program.tick(33 * 600)
+    assert program.new() == [ACK] + DONE * 32
+    assert program.position == (164, 164, 164)
+
+
+def test_commands_are_executed_and_answered_in_order(program: Program) -> None:
+    script = ["@MOVRX 20", "@GETXPOS", "@FOO", "@MOVAX 5", "@CALX", "@GETALLPOS", "@CALNOW", "@GETXPOS"]
+    program.send("\r".join([*script, ""]).encode("ascii"))
+    program.tick(1000)
+    assert program.new() == [
+        *DONE,
+        *(ACK, "20\r\n", ACK),
+        *UNKNOWN,
+        *DONE,
+        *REFUSED,
+        *(ACK, "\n", "5 0 0\n", ACK),
+        *DONE,
+        *(ACK, "0\r\n", ACK),
+    ]
+
+
+def test_nothing_is_answered_while_the_arms_move(program: Program) -> None:
+    program.send(b"@MOVRX 100\r@COMSTATUS\r")
+    program.tick(400)
+    assert program.new() == [ACK]
+    program.tick(300)
+    assert program.new() == [ACK, *DONE]
+
+
+def test_a_line_that_finds_no_room_is_refused_in_its_turn(framed: Program) -> None:
+    framed.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32 + b"@MOVRX 500\r@FOO\r@GETXPOS\r@CALX\r")
+    assert framed.new() == [ACK]
+    assert set(framed.warnings) == {WarningCode.BUSY}
+    framed.tick(5000)
+    assert framed.new() == [ACK] + DONE * 32 + REFUSED + UNKNOWN + REFUSED + REFUSED
+    assert framed.position == (132, 0, 0)
+
+
+def test_a_flood_on_a_full_queue_is_answered_line_by_line(program: Program) -> None:
+    program.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32)
+    for _ in range(50):
+        program.send(b"@GETXPOS\r" * 200)
+    program.send(b"@FOO\r" * 200)
+    program.tick(10_000)
+    assert program.new() == DONE * 33 + REFUSED * 10_000 + UNKNOWN * 200
+
+
+def test_stopall_stops_at_once(framed: Program) -> None:
+    framed.send(b"@MOVRX 1000\r")
+    framed.tick(1000)
+    assert framed.new() == [ACK]
+    at = framed.core.steps()[0]
+    framed.send(b"@STOPALL\r")
+    framed.tick(1)
+    assert State(framed.telemetry[-1].state) & State.STOPPING
+    framed.tick(150)
+    assert framed.new() == [NACK, *DONE]
+    assert framed.core.steps()[0] - at <= 12
+    assert framed.telemetry[-1].outcome == Outcome.STOPPED
+
+
+def test_stopall_answers_when_the_arms_rest(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r")
+    program.tick(1000)
+    program.send(b"@STOPALL\r")
+    program.tick(50)
+    assert program.new() == [ACK]
+    program.tick(60)
+    assert program.new() == [NACK, *DONE]
+
+
+def test_stopall_calls_off_the_moves_before_it_and_nothing_else(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r@MOVRX 1\r@GETXPOS\r@FOO\r@MOVHOME\r@CALNOW\r@MOVAALL 5 5 5\r")
+    program.tick(500)
+    assert program.new() == [ACK]
+    program.send(b"@STOPALL\r@MOVRX 7\r@GETXPOS\r")
+    program.tick(1000)
+    _, position, *rest = program.new()[3:]
+    assert 80 < int(position) < 120
+    assert rest == [ACK, *UNKNOWN, *REFUSED, *DONE, *REFUSED, *DONE, *DONE, ACK, "7\r\n", ACK]
+
+
+def test_stopall_acts_when_the_queue_is_full(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 40)
+    program.tick(500)
+    program.send(b"@STOPALL\r")
+    program.tick(110)
+    assert program.new() == [ACK, NACK] + REFUSED * 40 + DONE
+    at = program.position
+    program.tick(1000)
+    assert program.position == at
+
+
+def test_stopall_on_a_queue_full_of_changes_still_stops(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 32 + b"@FOO\r@CALX\r" * 40)
+    program.tick(500)
+    program.send(b"@STOPALL\r")
+    program.tick(110)
+    answers = program.new()
+    assert answers[: 2 + 32 * 2] == REFUSED * 33
+    assert len(answers) >= 33 * 2 + 40 * 3 - 40
+    assert program.say("@COMSTATUS") == DONE
+
+
+def test_stopall_at_rest_is_done_at_once(program: Program) -> None:
+    assert program.say("@STOPALL") == DONE
+
+
+@pytest.mark.parametrize("ms", [0, 1, 30, 100, 250, 480])
+def test_stopall_after_any_time_leaves_two_lines_for_each(program: Program, ms: int) -> None:
+    program.send(b"@MOVRALL 40 -20 9\r")
+    program.tick(ms)
+    program.send(b"@STOPALL\r@STOPALL\r")
+    program.tick(200)
+    answers = program.new()
+    assert answers in (REFUSED + DONE * 2, DONE * 3)
+    assert answers == REFUSED + DONE * 2 or program.position == (40, -20, 9)
+
+
+@pytest.mark.parametrize("framed", [False, True])
+def test_a_move_every_second_for_minutes_loses_nothing(framed: bool) -> None:
+    """Firmware 1.0 did 7 of 20 and then restarted."""
+    program = Program(framed=framed).ready()
+    for sign in itertools.islice(itertools.cycle((1, -1)), 200):
+        program.send(f"@MOVRALL {90 * sign} {45 * sign} {60 * sign} 200 200 200\r".encode("ascii"))
+        program.tick(1000)
+    program.tick(1000)
+    assert program.new() == DONE * 200
+    assert program.position == (0, 0, 0)
+
+
+@pytest.mark.parametrize("framed", [False, True])
+def test_a_move_every_150_ms_for_a_minute_loses_no_line(framed: bool) -> None:
+    """Firmware 1.0 did 5 of 30 and then ran wild."""
+    program = Program(framed=framed).ready()
+    sent = [100, -100, 60, 150, -50] * 80
+    for x in sent:
+        program.send(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode("ascii"))
+        program.tick(150)
+    program.tick(60_000)
+    answers = program.new()
+    assert len(answers) == 2 * len(sent)
+    assert set(answers[::2]) == {ACK}
+    assert answers.count(NACK) < 320  # found no room and were told so; there is time for some 90 such moves
+    x, y, z = program.position
+    assert (y, z) == (0, -x)

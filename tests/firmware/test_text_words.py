@@ -1,0 +1,232 @@
+"""What a line means: ends of lines, words, arguments, limits."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from program import Program
+from rig import Steps
+
+ACK, NACK = "ACK\n", "NACK\n"
+DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
+LONG = 400
+"""ms: enough for every motion here."""
+
+
+@pytest.fixture
+def program() -> Program:
+    return Program().ready()
+
+
+@pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n", b"\n\r", b"\r\r\n\n"])
+def test_every_usual_end_of_line_is_one_end(program: Program, end: bytes) -> None:
+    program.send(b"@COMSTATUS" + end + b"@CALSTATUS" + end)
+    assert program.new() == DONE * 2
+
+
+@pytest.mark.parametrize("empty", [b"\r", b"\n", b"\r\n\r\n", b"\n" * 300])
+def test_empty_lines_are_not_answered(empty: bytes) -> None:
+    program = Program()
+    program.send(empty)
+    assert program.new() == []
+    assert program.say("@COMSTATUS") == DONE
+
+
+def test_a_line_may_come_in_pieces(program: Program) -> None:
+    for piece in (b"@ENMO", b"TORS O", b"N\r"):
+        assert program.new() == []
+        program.tick(1900)
+        program.send(piece)
+    assert program.new() == DONE
+
+
+def test_half_a_line_is_forgotten_after_two_seconds_without_an_answer(program: Program) -> None:
+    program.send(b"@ENMO")
+    program.tick(2001)
+    program.send(b"TORS ON\r")
+    assert program.new() == []
+    assert program.say("@COMSTATUS") == DONE
+
+
+@pytest.mark.parametrize(
+    "line", ["@FOO", "@", "@ ", "@enmotors ON", "@ENMOTOR", "@ENMOTORSS ON", "@@COMSTATUS"]
+)
+def test_an_unknown_word_is_answered_once(program: Program, line: str) -> None:
+    assert program.say(line) == UNKNOWN
+
+
+@pytest.mark.parametrize("line", ["COMSTATUS", "hello", "0 COMSTATUS"])
+def test_what_does_not_begin_with_an_at_is_not_answered(program: Program, line: str) -> None:
+    assert program.say(line) == []
+    assert program.say("@COMSTATUS") == DONE
+
+
+def test_noise_before_a_line_does_no_harm(program: Program) -> None:
+    program.send(b"\xff\xf8x@COMSTATUS\r")
+    assert program.new() == DONE
+
+
+WHOLE = [
+    "CALNOW",
+    "CALSTATUS",
+    "COMSTATUS",
+    "MOVHOME",
+    "STOPALL",
+    "GETXPOS",
+    "GETYPOS",
+    "GETZPOS",
+    "GETALLPOS",
+]
+RESERVED = ["CALSTART", "CALEND", "CALX", "CALY", "CALZ"]
+WITH_ARGUMENTS = ["ENMOTORS", "MOVRX", "MOVRY", "MOVRZ", "MOVAX", "MOVAY", "MOVAZ", "MOVRALL", "MOVAALL"]
+EXTENSIONS = ["MOVTORPOS", "MOVTOAPOS"]
+
+
+@pytest.mark.parametrize("word", WHOLE + RESERVED)
+def test_words_without_arguments_are_known_alone_only(program: Program, word: str) -> None:
+    assert program.say(f"@{word} ", f"@{word} 5") == UNKNOWN * 2
+    answer = program.say(f"@{word}")
+    assert (answer[0], answer[-1]) == (ACK, NACK if word in RESERVED else ACK)
+
+
+@pytest.mark.parametrize("word", WITH_ARGUMENTS + EXTENSIONS)
+def test_words_with_arguments_are_known_before_a_space_only(program: Program, word: str) -> None:
+    assert program.say(f"@{word}") == UNKNOWN
+    assert program.say(f"@{word} ") == (REFUSED if word == "ENMOTORS" else DONE)
+    assert program.position == (0, 0, 0)
+
+
+@pytest.mark.parametrize("word", ["@GETMICS", "@CALXS", "@CALT", "@MOVRT 1 1", "@MOVAT 1 1"])
+def test_words_of_other_robots_are_unknown(program: Program, word: str) -> None:
+    assert program.say(word) == UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("argument", "steps"),
+    [
+        ("7", 7),
+        ("-7", -7),
+        ("+5", 5),
+        ("3.9", 3),
+        ("abc", 0),
+        ("1O0", 1),
+        ("-", 0),
+        ("--5", 0),
+        ("", 0),
+        ("007", 7),
+    ],
+)
+def test_numbers_are_read_up_to_the_first_other_character(
+    program: Program, argument: str, steps: int
+) -> None:
+    assert program.run(f"@MOVRY {argument} 200") == DONE
+    assert program.position == (0, steps, 0)
+
+
+@pytest.mark.parametrize("argument", ["32768", "-32768", "65537", "99999999999999999"])
+@pytest.mark.parametrize(
+    "form",
+    [
+        "@MOVRX {}",
+        "@MOVAZ {} 200",
+        "@MOVRALL 1 2 {}",
+        "@MOVAALL {} 0 0",
+        "@MOVTORPOS {} 0",
+        "@MOVTOAPOS 0 {}",
+    ],
+)
+def test_numbers_that_do_not_fit_are_refused_and_move_nothing(
+    program: Program, form: str, argument: str
+) -> None:
+    assert program.say(form.format(argument)) == REFUSED
+    program.tick(LONG)
+    assert program.position == (0, 0, 0)
+
+
+def test_the_largest_numbers_fit() -> None:
+    program = Program()
+    assert program.say("@CALNOW") == DONE
+    assert program.run("@MOVRALL 32767 -32767 0", limit_ms=170_000) == DONE
+    assert program.position == (32767, -32767, 0)
+    assert program.run("@MOVRALL 32767 -32767 0", limit_ms=170_000) == DONE
+    assert program.position == (65534, -65534, 0)
+    assert program.say("@GETYPOS") == [ACK, "-65534\r\n", ACK]
+
+
+@pytest.mark.parametrize(
+    ("line", "moved"),
+    [
+        ("@MOVRX  7 200", (0, 0, 0)),
+        ("@MOVRX 7", (7, 0, 0)),
+        ("@MOVRX 7 200 ", (7, 0, 0)),
+        ("@MOVRZ -7 99999", (0, 0, -7)),
+        ("@MOVRX 7 abc def", (7, 0, 0)),
+        ("@MOVRALL 1 2 3", (1, 2, 3)),
+        ("@MOVRALL 1 2 3 200", (1, 2, 3)),
+        ("@MOVRALL 1 2 3 200 200 200", (1, 2, 3)),
+        ("@MOVRALL 1 2 3 0 200 200 200 0", (1, 2, 3)),
+        ("@MOVRALL 1 2 3 99999 99999 99999 99999", (1, 2, 3)),
+        ("@MOVRALL 1", (1, 0, 0)),
+        ("@MOVRALL 1  3", (1, 0, 3)),
+        ("@MOVAALL 4 5 6 7 8 9", (4, 5, 6)),
+        ("@MOVAY 9 1", (0, 9, 0)),
+        ("@MOVTORPOS 10 30 200", (40, -10, 0)),
+        ("@MOVTOAPOS 10 -4 200", (6, 12, 11)),
+    ],
+)
+def test_forms_of_arguments(program: Program, line: str, moved: Steps) -> None:
+    assert program.run(line) == DONE
+    assert program.position == moved
+
+
+def test_relative_and_absolute_arguments(program: Program) -> None:
+    for line in ("@MOVRALL 10 20 30", "@MOVRX 5", "@MOVAY 3", "@MOVRALL -1 -1 -1"):
+        assert program.run(line) == DONE
+    assert program.position == (14, 2, 29)
+    assert program.run("@MOVHOME") == DONE
+    assert program.position == (0, 0, 0)
+
+
+@pytest.mark.parametrize(("argument", "answer"), [("ON", DONE), ("OFF", DONE), ("ON now", DONE)])
+@pytest.mark.parametrize("before", ["ON", "OFF"])
+def test_motors_are_switched(argument: str, answer: list[str], before: str) -> None:
+    program = Program()
+    program.say(f"@ENMOTORS {before}")
+    assert program.say(f"@ENMOTORS {argument}") == answer
+
+
+@pytest.mark.parametrize("argument", ["on", "1", "", " ON", "ONN", "O"])
+def test_a_wrong_switch_changes_nothing(program: Program, argument: str) -> None:
+    assert program.say(f"@ENMOTORS {argument}", "@CALSTATUS") == REFUSED + DONE
+
+
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("@MOVRX 0 " + "1 " * 17 + "1", DONE),  # 20 words
+        ("@MOVRX 0 " + "1 " * 17 + "1 ", DONE),  # a space after the last is no word
+        ("@MOVRX 0 " + "1 " * 18 + "1", UNKNOWN),
+        ("@MOVRX 0 " + " " * 18 + "1", UNKNOWN),
+        ("@MOVRX 0 " + "1" * 19, DONE),
+        ("@MOVRX 0 " + "1" * 20, UNKNOWN),
+        ("@MOVRX 0 " + ("1" * 18 + " ") * 6 + "1234", DONE),  # 127 bytes
+        ("@MOVRX 0 " + ("1" * 18 + " ") * 6 + "12345", UNKNOWN),
+        ("@MOVRX " + "1" * 30, UNKNOWN),
+        ("@" + "A" * 5000, UNKNOWN),
+        ("@" * 300, UNKNOWN),
+    ],
+)
+def test_long_lines_and_words_are_refused_whole(program: Program, line: str, answer: list[str]) -> None:
+    assert program.say(line) == answer
+    assert program.say("@COMSTATUS") == DONE
+    assert program.position == (0, 0, 0)
+
+
+@given(st.binary(max_size=200).map(lambda data: data.translate(None, b"\0\r\n")))
+def test_any_line_is_answered_by_one_or_two_lines_or_more_where_it_asks(line: bytes) -> None:
+    program = Program()
+    program.send(b"@" + line + b"\r")
+    program.tick(5)
+    assert len(program.new()) >= 1
+    assert program.say("@COMSTATUS")[-2:] == DONE

@@ -1,0 +1,117 @@
+"""A program of 2023 at the text port, in virtual time: it opens the board itself, or a node passes its lines on."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rig import Steps
+
+from beatrix_zenoh._generated.serial import (
+    FrameType,
+    Telemetry,
+    Text,
+    TextWarning,
+    WarningCode,
+)
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware
+
+BYTE_MS: Final = 10 / 9.6
+"""On the wire at 9600 baud."""
+BEAT_MS: Final = 100
+LAST: Final = 1
+
+
+class Program:
+    """Sends lines and collects the lines that come back, with their times in ms.
+
+    `framed`: through a host that speaks frames all the time; then flags, warnings and telemetry are collected as well.
+    """
+
+    def __init__(self, core: Firmware | None = None, *, framed: bool = False) -> None:
+        self.core = core or Firmware()
+        self.framed = framed
+        self.ms = 0
+        self.lines: list[tuple[int, str]] = []
+        self.flags: list[int] = []
+        self.warnings: list[WarningCode] = []
+        self.telemetry: list[Telemetry] = []
+        self.others: list[Frame] = []
+        self._decoder = Decoder()
+        self._rest = b""
+        self._read = 0
+        if framed:
+            self.frame(FrameType.PING)
+
+    def send(self, data: bytes) -> None:
+        """Give bytes as they are."""
+        self.core.receive(data)
+        self._look()
+
+    def say(self, *lines: str) -> list[str]:
+        """Send lines, wait until an idle board has answered them; what came back since the last look."""
+        for line in lines:
+            self.send(line.encode("ascii") + b"\r")
+        self.tick(5)
+        return self.new()
+
+    def frame(self, kind: FrameType, payload: bytes = b"") -> None:
+        """Somebody speaks in frames."""
+        self.send(encode(kind, 1, payload))
+
+    def ready(self) -> Program:
+        """As programs begin."""
+        assert self.say("@ENMOTORS ON", "@CALNOW") == ["ACK\n"] * 4
+        return self
+
+    def run(self, line: str, limit_ms: int = 60_000) -> list[str]:
+        """Send a line and wait for both replies."""
+        self.send(line.encode("ascii") + b"\r")
+        for _ in range(limit_ms):
+            if len(self.lines) - self._read >= 2:
+                break
+            self.tick()
+        return self.new()
+
+    def new(self) -> list[str]:
+        """Lines since the last look."""
+        found = [line for _, line in self.lines[self._read :]]
+        self._read = len(self.lines)
+        return found
+
+    def tick(self, ms: int = 1) -> None:
+        """Let time pass; a host that speaks frames does so meanwhile."""
+        for _ in range(ms):
+            self.ms += 1
+            self.core.tick(1)
+            if self.framed and self.ms % BEAT_MS == 0:
+                self.core.receive(encode(FrameType.PING, 1, b""))
+            self._look()
+
+    @property
+    def position(self) -> Steps:
+        """What the program is told."""
+        self.new()
+        ack, empty, numbers, done = self.say("@GETALLPOS")
+        assert (ack, empty, done) == ("ACK\n", "\n", "ACK\n")
+        x, y, z = (int(number) for number in numbers.split(" "))
+        return x, y, z
+
+    def _look(self) -> None:
+        sent = self.core.transmit()
+        if not self.framed:
+            *lines, self._rest = (self._rest + sent).split(b"\n")
+            self.lines += [(self.ms, line.decode("ascii") + "\n") for line in lines]
+            return
+        for frame in self._decoder.feed(sent):
+            if frame.type == FrameType.TEXT:
+                text = Text.unpack(frame.payload)
+                self.lines.append((self.ms, text.text.decode("ascii")))
+                self.flags.append(text.flags)
+            elif frame.type == FrameType.TEXT_WARNING:
+                self.warnings.append(WarningCode(TextWarning.unpack(frame.payload).code))
+            elif frame.type == FrameType.TELEMETRY:
+                self.telemetry.append(Telemetry.unpack(frame.payload))
+            else:
+                self.others.append(frame)
+        assert self._decoder.rejected == 0
