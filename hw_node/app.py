@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, OwnName
+from beatrix_zenoh.cli.options import Connect, Legacy, OwnName
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
@@ -17,12 +17,13 @@ def hw(
     port: Annotated[
         str, typer.Option(metavar="PORT", help="Serial device, or `virtual:`; else the board on USB.")
     ] = "",
+    legacy: Legacy = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
     """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
     settings = resolve(name, connect)
-    raise typer.Exit(serve(lambda: build(port, settings.robot), settings))
+    raise typer.Exit(serve(lambda: build(port, settings.robot), settings, legacy=legacy))
 
 
 def main(words: list[str] | None = None) -> int:

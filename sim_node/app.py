@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, OwnName
+from beatrix_zenoh.cli.options import Connect, Legacy, OwnName
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
@@ -16,12 +16,13 @@ from sim_node.body import Simulation
 def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
+    legacy: Legacy = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
     """Simulate a robot. Ends with Ctrl-C."""
     settings = resolve(name, connect)
-    raise typer.Exit(serve(lambda: Simulation(settings.robot), settings, ready=ready))
+    raise typer.Exit(serve(lambda: Simulation(settings.robot), settings, ready=ready, legacy=legacy))
 
 
 def main(words: list[str] | None = None) -> int:

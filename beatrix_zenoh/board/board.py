@@ -21,6 +21,8 @@ from beatrix_zenoh._generated.serial import (
     HelloReply,
     Move,
     Telemetry,
+    Text,
+    TextWarning,
 )
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
@@ -84,7 +86,8 @@ class Board:
     """A board on a port that may come and go.
 
     `on_telemetry` is called on the board's own thread for every TELEMETRY, `on_link` whenever the
-    board was found or lost; both must be quick and must not call back into the board.
+    board was found or lost, `on_text` for every line of text the board sends; all must be quick and must not
+    call back into the board.
     """
 
     def __init__(
@@ -92,8 +95,10 @@ class Board:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
+        on_text: Callable[[Text | TextWarning], None] = lambda _: None,
     ) -> None:
         self._open_port = open_port
+        self._on_text = on_text
         self._on_telemetry = on_telemetry
         self._on_link = on_link
         self._lock = threading.Lock()
@@ -149,6 +154,12 @@ class Board:
     def enable(self, *, on: bool) -> None:
         """Switch the motors; raises as `request`."""
         self.request(FrameType.ENABLE, bytes([on]))
+
+    def send_text(self, line: bytes) -> None:
+        """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST."""
+        if not self._connected:
+            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
+        self._write(line + b"\r")
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
         """Send a request and wait for its acknowledgement; asks again if it is lost.
@@ -253,6 +264,10 @@ class Board:
             self._on_telemetry(telemetry)
         elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
             self._hello = HelloReply.unpack(frame.payload)
+        elif frame.type == FrameType.TEXT and len(frame.payload) > 1:
+            self._on_text(Text.unpack(frame.payload))
+        elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
+            self._on_text(TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # beyond: unasked
             slot = self._pending.get(frame.seq)
             if slot is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -45,6 +46,13 @@ On = Annotated[
     Which | None,
     typer.Option(
         "--on", help="sim, hw or both; else the simulation if it is on line, otherwise the hardware."
+    ),
+]
+Legacy = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="Let programs of 2023 open a serial port here, for example /dev/ttyACM9 or /tmp/beatrix.",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]

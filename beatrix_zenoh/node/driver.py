@@ -28,6 +28,8 @@ from beatrix_zenoh.node.halt import Halt
 
 ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
+TEXT, TEXT_SESSION = "legacy", "text-port"
+"""Seat under which old programs drive, and what stands for their session."""
 REFLECTED_S = 0.3
 WARNING_S = 10.0
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
@@ -63,6 +65,8 @@ class Driver:
         self._halt = Halt()
         self._running: Running | None = None
         self._stopping: list[Asker] = []
+        self._texting = False
+        self._pressed_by = ""
         self._cause = Reason.STOPPED
         self._number = 0
         self._ended_s = float("-inf")
@@ -174,6 +178,33 @@ class Driver:
         except BeatrixError as error:
             self.warn(f"{ARM_TOPICS}: {error.message}")
 
+    def text_check(self, *, moves: bool) -> None:
+        """Let an old program act on the robot, and drive it if it `moves`.
+
+        Raises:
+            Refused: somebody else drives, or STOP was pressed.
+        """
+        now = time.monotonic()
+        self._lease.check(TEXT, now)
+        if not moves:
+            return
+        if self._running is not None:
+            raise Refused(
+                Reason.BUSY, f"A motion of {self._running.asker.who} is under way: wait for its end."
+            )
+        # Its own STOP is sorted out by the firmware, which knows when the arms rest.
+        resting = self._pressed_by == TEXT_SESSION or (not self._moving() and not self._stopping)
+        self._halt.check(TEXT, TEXT_SESSION, now, resting=resting)
+        self._lease.take(TEXT, now)
+        self._texting = True
+
+    def text_rests(self) -> None:
+        """No motion of an old program is under way or waits."""
+        if self._texting:
+            self._texting, self._ended_s = False, time.monotonic()
+            if self._lease.holder(self._ended_s) == TEXT:
+                self._lease.rest(self._ended_s)
+
     def _end_arm_target(self, reason: Reason, text: str) -> None:
         if reason not in (Reason.OK, Reason.REPLACED):
             self.warn(f"{ARM_TOPICS}: {text}")
@@ -251,7 +282,8 @@ class Driver:
     def halt(self, session: str) -> None:
         """STOP was pressed by `session` (empty: unknown): begin no motion. Called on Zenoh's thread."""
         now = time.monotonic()
-        streaming = self._running is not None or now - self._ended_s < STREAM_S
+        self._pressed_by = session
+        streaming = self._running is not None or self._texting or now - self._ended_s < STREAM_S
         self._halt.press(self._lease.holder(now) if streaming else "", session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
@@ -344,8 +376,7 @@ class Driver:
 
     def close(self) -> None:
         """Stop what runs, wait until it rests, tell everybody who waits."""
-        running = self._running
-        if running is not None:
+        if self._running is not None or self._texting:
             self._cause = Reason.SHUTDOWN
             self.stop_motion()
             self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.8)

@@ -11,7 +11,7 @@ from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import FrameType, Telemetry
+from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text, TextWarning
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.errors import BeatrixError, Refused, quoted
@@ -21,11 +21,13 @@ from beatrix_zenoh.node.broadcast import Broadcast
 from beatrix_zenoh.node.claim import claim
 from beatrix_zenoh.node.course import Course
 from beatrix_zenoh.node.driver import Driver
+from beatrix_zenoh.node.legacy import Legacy
 from beatrix_zenoh.node.mailbox import Mailbox, Task
 from beatrix_zenoh.node.previewer import Previewer
 from beatrix_zenoh.node.reporter import Reporter
 from beatrix_zenoh.node.roads import Roads
 from beatrix_zenoh.node.stop_desk import StopDesk
+from beatrix_zenoh.node.terminal import Terminal
 
 ARMS = ("short", "middle", "long")
 ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
@@ -61,21 +63,24 @@ class Node:
     Threads: Zenoh's callbacks only hand over to the mailbox (motions and commands), the stop desk
     (STOP alone), the front desk (questions about state) or the previewer; a broadcaster publishes.
 
-    `roads` and `body` are the node's from here on, and closed with it; if it cannot serve, they stay
+    `roads`, `body` and `terminal` are the node's from here on, and closed with it; if it cannot serve, they stay
     the caller's to close.
 
     Raises:
         Refused: NAME_TAKEN, before anything is declared or moved.
     """
 
-    def __init__(self, roads: Roads, name: str, body: Body, robot: RobotData = ROBOT) -> None:
+    def __init__(
+        self, roads: Roads, name: str, body: Body, robot: RobotData = ROBOT, terminal: Terminal | None = None
+    ) -> None:
         self.name, self.twin = names.check_name(name), body.twin
         claim(roads.commands, self.name, self.twin)
         self._roads, self._body = roads, body
         self._course = Course(robot)
         self._mailbox = Mailbox()
+        self._legacy: Legacy | None = None
         self._last_state: tuple[int, ...] = ()
-        self.board = Board(body.open_port, self._on_telemetry, self._on_link)
+        self.board = Board(body.open_port, self._on_telemetry, self._on_link, self._on_text)
         self.driver = Driver(body, self.board, self._course)
         self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
         self._previewer = Previewer(body, self.driver, self._course)
@@ -85,6 +90,8 @@ class Node:
         self.board.start()
         self.board.wait_for(lambda _: True, BOARD_READY_S)
         self._declare()
+        if terminal is not None:
+            self._legacy = Legacy(terminal, self.board, self.driver, body, self._mailbox.post_event)
         self._broadcast = Broadcast(roads.commands, self.reporter, self.name, self.twin)
         roads.commands.announce(self.alive_key)
 
@@ -223,9 +230,17 @@ class Node:
         if state != self._last_state:
             self._last_state = state
             self._mailbox.post_event(self.driver.observe)
+        if self._legacy is not None and self._legacy.overdue():
+            self._mailbox.post_event(self._legacy.look)
 
     def _on_link(self) -> None:
         self._mailbox.post_event(self.driver.observe)
+        if self._legacy is not None:
+            self._mailbox.post_event(self._legacy.look)
+
+    def _on_text(self, frame: Text | TextWarning) -> None:
+        if self._legacy is not None:
+            self._legacy.told(frame)
 
     # -- the driver's thread --------------------------------------------------------------------
 
@@ -242,6 +257,8 @@ class Node:
 
     def close(self) -> None:
         """Stop motion, tell who waits, publish the last status, leave the bus, free the board."""
+        if self._legacy is not None:
+            self._legacy.close()
         self._mailbox.close()
         self._thread.join(timeout=2.0)
         self._previewer.close()

@@ -8,6 +8,7 @@ import threading
 import traceback
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
 from types import FrameType
 
 from beatrix_zenoh import bus as zbus
@@ -15,6 +16,7 @@ from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.node.roads import Roads
+from beatrix_zenoh.node.terminal import Terminal
 from beatrix_zenoh.settings import Settings
 
 RETRY_S = 0.5
@@ -22,10 +24,13 @@ SWITCH_S = 0.0005
 """Python hands the interpreter on this often: STOP and the publisher must not wait behind a flood."""
 
 
-def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False) -> int:
+def serve(
+    build: Callable[[], Body], settings: Settings, *, ready: bool = False, legacy: Path | None = None
+) -> int:
     """Serve a body until a signal comes; returns the exit code.
 
-    `ready` switches the motors on and calibrates at the start, which only a simulation may.
+    `ready` switches the motors on and calibrates at the start, which only a simulation may. Old
+    programs open a terminal at `legacy`.
     Prints `ready <key>` on stdout when the robot serves.
 
     Raises:
@@ -51,11 +56,13 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     roads = _connect(settings, over)
     if roads is None:
         return 0
-    node = _open(roads, build(), settings)
+    node = _open(roads, build(), settings, legacy)
     try:
         if ready:
             node.make_ready()
         print("ready", node.alive_key, flush=True)
+        if legacy is not None:
+            print(f"Old programs open {legacy}.", file=sys.stderr, flush=True)
         if trouble := node.board.link.trouble:
             print(f"No board yet, waiting for it. {trouble}", file=sys.stderr, flush=True)
         # Not one long wait: a signal that another thread receives, as after SIGCONT, would not end it.
@@ -66,12 +73,15 @@ def serve(build: Callable[[], Body], settings: Settings, *, ready: bool = False)
     return 1 if broken else 0
 
 
-def _open(roads: Roads, body: Body, settings: Settings) -> Node:
+def _open(roads: Roads, body: Body, settings: Settings, legacy: Path | None) -> Node:
     """A node that serves; closes what it was given if it cannot."""
     with ExitStack() as undo:
         undo.callback(body.close)
         undo.callback(roads.close)
-        node = Node(roads, settings.robot, body)
+        terminal = None if legacy is None else Terminal(legacy)
+        if terminal is not None:
+            undo.callback(terminal.close)
+        node = Node(roads, settings.robot, body, terminal=terminal)
         undo.pop_all()
         return node
 

@@ -49,7 +49,9 @@ class MegaCore:
 class Mega(Rig):
     """Rig on the real firmware. Use it in `with`: its pins are looked at in the end."""
 
-    def __init__(self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
+    def __init__(
+        self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000
+    ) -> None:
         self.avr = Avr(firmware, eeprom, baud)
         self.avr.run_ms(START_MS)
         super().__init__(MegaCore(self.avr))

@@ -1,0 +1,224 @@
+"""The port for old programs: lines of the text protocol of 2023, passed on to the firmware one at a time.
+
+The firmware understands them and answers (record 0012). Here they wait, obey the lease and STOP, and every line is
+answered in its turn whatever happens to the board.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.serial import WARNING_TEXT, FrameType, State, Text, TextWarning, WarningCode
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.node.body import Body
+from beatrix_zenoh.node.driver import TEXT_SESSION, Driver
+from beatrix_zenoh.node.terminal import Terminal
+
+CAPACITY = 32
+"""Lines that wait; those beyond are refused."""
+HANDED_OVER = 64
+"""Lines on their way from the terminal's thread to the driver's; then the program has to wait."""
+HAND_OVER_S = 1.0
+LAST = 1
+"""Flag of the line that ends an answer."""
+UNKNOWN, REFUSED = (b"NACK\n",), (b"ACK\n", b"NACK\n")
+STOP, CALIBRATE, MOTORS, MOVES = b"@STOPALL", b"@CALNOW", b"@ENMOTORS", b"@MOV"
+SILENT_S = 3.0
+"""A line that the board has not answered for this long, arms at rest, was lost on the wire."""
+PRETENDED_S = 170.0
+"""The same with motors off, when a motion is only counted: 32767 steps at 200 a second."""
+
+
+@dataclass
+class Line:
+    """A command of the program and what has become of it."""
+
+    text: bytes
+    sent: bool = False
+    told: int = 0
+    """lines of its answer that the program has got"""
+    refusal: tuple[bytes, ...] = ()
+
+    @property
+    def moves(self) -> bool:
+        """It may turn the arms."""
+        return self.text.startswith(MOVES)
+
+
+class Legacy:
+    """Passes lines between a terminal and the board; its `opened`, `heard`, `closed` and `told` only hand over.
+
+    Everything else runs on the driver's thread (`post`).
+    """
+
+    def __init__(
+        self,
+        terminal: Terminal,
+        board: Board,
+        driver: Driver,
+        body: Body,
+        post: Callable[[Callable[[], None]], None],
+    ) -> None:
+        self._terminal, self._board, self._driver, self._body, self._post = (
+            terminal,
+            board,
+            driver,
+            body,
+            post,
+        )
+        self._room = threading.Semaphore(HANDED_OVER)
+        self._lines: deque[Line] = deque()
+        self._heard_s = 0.0
+        self._openings = 0
+        terminal.start(self)
+
+    # -- called on the terminal's thread, `told` on the board's ---------------------------------------
+
+    def opened(self) -> None:
+        """A program has opened the terminal: to it the board was just reset."""
+        self._post(self._open)
+
+    def heard(self, line: bytes) -> None:
+        """A line of the program."""
+        if line == STOP:
+            self._driver.halt(TEXT_SESSION)
+        self._room.acquire(timeout=HAND_OVER_S)
+        self._post(lambda: self._take(line))
+
+    def closed(self) -> None:
+        """The program has gone: what is under way is finished, as in 2023; what waits is not begun."""
+        self._post(self._drop_waiting)
+
+    def told(self, frame: Text | TextWarning) -> None:
+        """The board has answered, or warns."""
+        opening = self._openings
+        self._post(lambda: self._pass_on(frame, opening))
+
+    # -- the driver's thread --------------------------------------------------------------------------
+
+    def _open(self) -> None:
+        try:
+            self._board.request(FrameType.TEXT_OPEN)
+        except BeatrixError as error:
+            self._driver.warn(f"old program: {error.message}")
+        self._openings += 1
+        self._lines.clear()
+        self._terminal.forget()
+        self._rest()
+
+    def _take(self, text: bytes) -> None:
+        self._room.release()
+        line = Line(text)
+        if not readable(text):
+            line.refusal = UNKNOWN
+        elif text == STOP:
+            self._stop(line)
+        elif len(self._lines) >= CAPACITY:
+            line.refusal = REFUSED
+            self._driver.warn(f"old program: {WARNING_TEXT[WarningCode.BUSY]}")
+        self._lines.append(line)
+        self._advance()
+
+    def _stop(self, line: Line) -> None:
+        """Nothing that waits moves any more; the rest goes on in front of STOP, so that answers keep their order."""
+        for waiting in self._lines:
+            if waiting.moves and not waiting.sent:
+                waiting.refusal = REFUSED
+            elif not waiting.sent and not waiting.refusal:
+                self._send(waiting)
+        self._send(line)
+        self._driver.stopped(None, None)
+
+    def _advance(self) -> None:
+        """Answer what is refused, send the next."""
+        while self._lines:
+            line = self._lines[0]
+            if not line.refusal and not line.sent:
+                self._send(line)
+            if not line.refusal:
+                return
+            self._refuse(self._lines.popleft())
+        self._rest()
+
+    def _send(self, line: Line) -> None:
+        """Pass a line on, if the lease and the board allow it; else it is refused."""
+        try:
+            if line.text.startswith((MOVES, MOTORS, CALIBRATE)):
+                self._driver.text_check(moves=line.moves)
+            if line.text == CALIBRATE and not self._calibrated():
+                self._body.straighten()
+            self._board.send_text(line.text)
+        except BeatrixError as error:
+            line.refusal = REFUSED
+            self._driver.warn(f"old program: {error.message}")
+            return
+        line.sent = True
+        self._heard_s = time.monotonic()
+
+    def _calibrated(self) -> bool:
+        telemetry = self._board.telemetry
+        return telemetry is not None and bool(telemetry.state & State.CALIBRATED)
+
+    def _refuse(self, line: Line) -> None:
+        for text in line.refusal[line.told :]:
+            self._terminal.write(text)
+
+    def _pass_on(self, frame: Text | TextWarning, opening: int) -> None:
+        if isinstance(frame, TextWarning):
+            known = frame.code in WARNING_TEXT
+            told = WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}"
+            self._driver.warn(f"old program: {told}")
+            return
+        if opening != self._openings or not self._lines or not self._lines[0].sent:
+            return  # an answer to a program that has gone
+        self._heard_s = time.monotonic()
+        self._terminal.write(frame.text)
+        self._lines[0].told += 1
+        if frame.flags & LAST:
+            self._lines.popleft()
+            self._advance()
+
+    def overdue(self) -> bool:
+        """There is a reason for a `look`; may be called on any thread."""
+        return bool(self._lines) and time.monotonic() - self._heard_s > SILENT_S
+
+    def look(self) -> None:
+        """Give up what the board will not answer any more: it was lost, reset, or the line was."""
+        if not any(line.sent for line in self._lines):
+            return
+        telemetry = self._board.telemetry
+        state = 0 if telemetry is None else telemetry.state
+        patience_s = SILENT_S if state & State.ENABLED else PRETENDED_S
+        silent = not state & State.MOVING and time.monotonic() - self._heard_s > patience_s
+        if not self._board.link.connected or silent:
+            self._driver.warn("old program: the board has not answered a line.")
+            for line in self._lines:
+                if line.sent:
+                    line.sent, line.refusal = False, REFUSED
+            self._advance()
+
+    def _drop_waiting(self) -> None:
+        self._lines = deque(line for line in self._lines if line.sent)
+        if not self._lines:
+            self._rest()
+
+    def _rest(self) -> None:
+        if not any(line.moves for line in self._lines):
+            self._driver.text_rests()
+
+    def close(self) -> None:
+        """Hang up; the node has stopped the arms."""
+        self._terminal.close()
+
+
+def readable(line: bytes) -> bool:
+    """The firmware would take it for a line of text."""
+    return (
+        line.startswith(b"@") and len(line) <= wire.TEXT_LINE_MAX and line.isascii() and min(line) >= ord(" ")
+    )

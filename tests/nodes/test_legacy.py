@@ -1,0 +1,285 @@
+"""Programs of 2023, unmodified, at the port a node opens for them: real terminals, real processes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import time
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+
+import pytest
+import serial
+from dialogue import DIALOGUES, read, wanted
+from pty_board import PtyBoard
+from serial.tools import list_ports
+from stage import Stage, ready, until, wait_status
+
+from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Fault, Reason
+from beatrix_zenoh.node import Node, Roads, Terminal
+from hw_node.body import Hardware
+
+PATIENCE_S = 10.0
+
+
+class Program:
+    """A program of 2023, which opens its serial port with pyserial."""
+
+    def __init__(self, path: Path) -> None:
+        self.port = serial.Serial(str(path), 9600, timeout=PATIENCE_S)
+
+    def say(self, line: str, answers: int = 2) -> list[str]:
+        """Send a line, wait for so many lines."""
+        self.port.write(line.encode() + b"\r")
+        return self.read(answers)
+
+    def read(self, lines: int) -> list[str]:
+        """The next lines."""
+        return [self.port.readline().decode() for _ in range(lines)]
+
+    def begin(self) -> Program:
+        """As programs do."""
+        assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
+        return self
+
+    @property
+    def x(self) -> int:
+        """Where the short arm is, as the program is told."""
+        return int(self.say("@GETXPOS", 3)[1])
+
+
+class Place:
+    """A robot with a port for old programs."""
+
+    def __init__(self, stage: Stage, twin: str, path: Path) -> None:
+        self.stage, self.path = stage, path
+        self.robot = stage.robot("bea", twin)
+        self.start = 0.0
+
+    def far(self) -> bool:
+        """It moves, and has made some steps."""
+        return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
+
+    @contextlib.contextmanager
+    def program(self) -> Iterator[Program]:
+        """A program that has opened the port; nobody drives."""
+        until(lambda: self.robot.status().holder == "", "free", 5.0)
+        program = Program(self.path)
+        self.start = self.robot.positions().commanded.short
+        try:
+            yield program
+        finally:
+            program.port.close()
+            self.robot.stop()
+
+
+@pytest.fixture(scope="module", params=["sim", "hw"])
+def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
+    path = tmp_path_factory.mktemp("legacy") / "COM4"
+    with Stage() as stage:
+        if request.param == "sim":
+            stage.simulation("bea", "--legacy", str(path))
+        else:
+            virtual = ("--port", "virtual:", "--legacy", str(path))
+            stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
+        yield Place(stage, request.param, path)
+
+
+@pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda path: path.stem)
+def test_a_dialogue_is_spoken_word_for_word(place: Place, dialogue: Path) -> None:
+    said = read(dialogue)
+    replies = iter(wanted(said))
+    with place.program() as program:
+        for asked, group in groupby(said, key=lambda line: line.to_robot):
+            if asked:
+                for line in group:
+                    program.port.write(line.text.encode())
+            else:
+                due = [next(replies).text for _ in group]
+                assert program.read(len(due)) == due
+
+
+def test_every_opening_is_a_power_up(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        assert program.say("@MOVRX 20 200") == ["ACK\n", "ACK\n"]
+        assert program.x == 20
+    with place.program() as program:
+        assert program.say("@CALSTATUS") == ["ACK\n", "NACK\n"]
+        assert program.x == 0
+        assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"]
+
+
+def test_line_ends_and_what_is_no_line(place: Place) -> None:
+    with place.program() as program:
+        program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n")
+        assert program.read(4) == ["ACK\n"] * 4
+        for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
+            program.port.write(unknown + b"\r")
+            assert program.read(1) == ["NACK\n"], unknown
+        program.port.write(b"@COM")
+        time.sleep(2.3)  # the line is forgotten
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+
+
+def test_who_drives_is_asked_first_and_an_old_program_drives_like_any_other(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        place.robot.look(yaw=2)
+        assert program.say("@MOVRX 50 200") == ["ACK\n", "NACK\n"]
+        assert any("old program: ana drives" in line for line in place.robot.status().warnings)
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        until(lambda: place.robot.status().holder == "", "the lease is over", 4.0)
+        program.port.write(b"@MOVRX 100 200\r")
+        until(lambda: place.robot.status().moving, "the old program moves")
+        with pytest.raises(Refused, match="legacy drives"):
+            place.robot.look(yaw=5)
+        assert program.read(2) == ["ACK\n", "ACK\n"]
+        assert place.robot.status().holder == "legacy"
+
+
+def test_anybody_stops_an_old_program(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
+        until(place.far, "moving")
+        assert "rest at" in place.robot.stop().message
+        assert program.read(4) == ["ACK\n", "NACK\n"] * 2
+        assert 0 < program.x < 500
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "who was stopped has to pause"
+        until(
+            lambda: program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"] or bool(time.sleep(1.1)), "it may again"
+        )
+
+
+def test_its_own_stop_acts_at_once(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 50 200\r@GETXPOS\r")
+        until(place.far, "moving")
+        began_s = time.monotonic()
+        program.port.write(b"@STOPALL\r")
+        assert program.read(4) == ["ACK\n", "NACK\n"] * 2
+        assert program.read(3)[::2] == ["ACK\n", "ACK\n"]
+        assert program.read(2) == ["ACK\n", "ACK\n"]
+        assert time.monotonic() - began_s < 1.0
+        assert not place.robot.status().moving
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "who presses STOP knows"
+
+
+def test_a_motion_of_somebody_else_is_stopped_by_an_old_program(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        motion = place.robot.look(yaw=60, wait=False)
+        assert program.say("@STOPALL") == ["ACK\n", "ACK\n"]
+        with pytest.raises(Interrupted) as end:
+            motion.wait()
+        assert end.value.reason is Reason.STOPPED
+
+
+def test_what_is_under_way_when_the_program_ends_is_finished_what_waits_is_not_begun(place: Place) -> None:
+    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    at = place.robot.positions().commanded.short
+    with contextlib.closing(Program(place.path).port) as port:
+        port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r@MOVRALL -100 -100 -100\r")
+        until(lambda: place.robot.status().moving, "moving")
+    until(lambda: not place.robot.status().moving, "it rests")
+    assert place.robot.positions().commanded.short == pytest.approx(at + 8.6, abs=0.1), "100 steps"
+    until(lambda: place.robot.status().holder == "", "free", 3.0)
+
+
+def test_moves_faster_than_they_can_be_made_are_all_answered_in_turn(place: Place) -> None:
+    """Thirty of these at this pace drove firmware 1.0 wild."""
+    count = 50
+    with place.program() as program:
+        program.begin()
+        for number in range(count):
+            x = 40 if number % 2 else -40
+            program.port.write(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode())
+            time.sleep(0.15 if number < 15 else 0.0)
+        until(lambda: "too many are waiting" in " ".join(place.robot.status().warnings), "a warning")
+        replies = program.read(2 * count)
+        assert replies[0::2] == ["ACK\n"] * count
+        busy = replies[1::2].count("NACK\n")
+        assert replies[1::2].count("ACK\n") == count - busy
+        assert 0 < busy < count - 32
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        assert abs(program.x) == 40
+
+
+def test_a_program_that_never_reads_holds_up_nobody(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write_timeout = PATIENCE_S
+        for _ in range(4000):
+            program.port.write(b"@GETALLPOS\r")
+        began_s = time.monotonic()
+        assert place.robot.status().board.connected
+        assert time.monotonic() - began_s < 1.0
+        assert place.robot.stop().result
+        program.port.timeout = 1.0
+        *_, last = iter(program.port.readline, b"")
+        assert last == b"NACK\n", "there was room for only some of them; the last was refused"
+
+
+def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        assert program.say("@MOVRALL 500 0 -500") == ["ACK\n", "ACK\n"]
+        assert 0 < program.x < 500
+        assert any("shortened" in line for line in place.robot.status().warnings)
+        tilt = place.robot.positions().head
+        assert abs(tilt.pitch) < 36
+
+
+@pytest.mark.skipif(not os.access("/dev", os.W_OK), reason="only an administrator may put a link into /dev")
+def test_a_link_in_dev_is_found_by_programs_that_look_for_ports() -> None:
+    path = Path("/dev/ttyACM97")
+    with Stage() as stage:
+        process = stage.simulation("bea", "--legacy", str(path))
+        assert str(path) in [port.device for port in list_ports.comports()]
+        process.end()
+        assert not path.is_symlink()
+
+
+def test_a_link_left_behind_is_replaced_and_anything_else_refused(tmp_path: Path) -> None:
+    path = tmp_path / "COM4"
+    with Stage() as stage:
+        stage.simulation("bea", "--legacy", str(path)).end(signal.SIGKILL)
+        assert path.is_symlink()
+        stage.simulation("bea2", "--legacy", str(path)).end()
+        assert not path.is_symlink()
+        path.write_text("precious")
+        for bad, why in ((path, "no link of ours"), (tmp_path / "none/COM4", "Choose a path you may write")):
+            process = stage.process("sim_node", "--connect", stage.endpoint, "--legacy", str(bad))
+            assert process.wait(20) == 1
+            assert any(why in line for line in process.lines)
+    assert path.read_text() == "precious"
+
+
+def test_a_board_that_is_lost_answers_nack_and_its_return_is_a_power_up(tmp_path: Path) -> None:
+    with Stage() as stage, PtyBoard(tmp_path / "board") as board:
+        roads = Roads.open(lambda: zbus.connect(stage.endpoint))
+        node = Node(roads, "bea", Hardware(str(tmp_path / "board")), terminal=Terminal(tmp_path / "COM4"))
+        try:
+            robot: Robot = stage.robot("bea", "hw")
+            wait_status(robot, lambda status: status.board.connected, "board there")
+            program = Program(tmp_path / "COM4").begin()
+            program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
+            until(lambda: robot.status().moving, "moving")
+            board.unplug()
+            assert program.read(4) == ["ACK\n", "NACK\n"] * 2
+            assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
+            wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
+            board.plug()
+            wait_status(robot, lambda status: status.board.connected, "back")
+            assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+            until(lambda: robot.status().holder == "", "free", 3.0)
+            ready(robot)
+            program.port.close()
+        finally:
+            node.close()
