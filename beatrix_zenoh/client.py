@@ -10,10 +10,13 @@ import msgspec
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import MotionReply, Reason
 from beatrix_zenoh.bus import Answer, Bus, Question
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.settings import Settings
+
+STALE_S = 0.02
+"""After a node's restart a kept session may ask into the void for this long (zenoh#2767)."""
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -88,7 +91,7 @@ class Conversation:
 
     def _again(self, deadline: float) -> Answer | None:
         """Just after a node's restart the first query can be lost: ask once more."""
-        time.sleep(zbus.STALE_S)
+        time.sleep(STALE_S)
         self._question.close()
         self._question = self._ask()
         return self._question.next(deadline - time.monotonic())
@@ -112,6 +115,15 @@ class Conversation:
 
     def _name(self) -> str:
         return f"{self._robot} ({self._twin})"
+
+    def stop_if_accepted(self, stop_key: str) -> None:
+        """Nobody waits for this motion any more: should the robot accept it late, it is stopped."""
+
+        def stop(answer: Answer) -> None:
+            if not answer.error and codec.decode(answer.payload, MotionReply).result:
+                self._bus.put(stop_key, b"", codec.MSGPACK, "real_time")
+
+        self._question.hand_over(stop)
 
     def close(self) -> None:
         """Wait for no more replies."""

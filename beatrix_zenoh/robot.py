@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from typing import Self
 
 from beatrix_zenoh import codec, names
@@ -23,7 +24,7 @@ from beatrix_zenoh._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.client import Client, Conversation
-from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.readings import Reading, reading
 from beatrix_zenoh.settings import resolve
 
@@ -159,8 +160,18 @@ class Robot:
 
     def stop(self) -> CommandReply:
         """Stop at once, whoever drives; returns when the arms rest."""
+        return self.press_stop()()
+
+    def press_stop(self) -> Callable[[], CommandReply]:
+        """Send STOP; what is returned waits until the arms rest, and raises as `command`."""
         key = keys.stop(self.name, self.twin)
-        return self._checked(self.client.ask(self.name, self.twin, key, None, CommandReply, self.timeout_s))
+        conversation = Conversation(self.client, self.name, self.twin, key, None)
+
+        def wait() -> CommandReply:
+            with conversation:
+                return self._checked(conversation.next(CommandReply, self.timeout_s))
+
+        return wait
 
     def emergency_stop(self) -> CommandReply:
         """Motors off at once; the head falls. ENABLE and CALIBRATE afterwards."""
@@ -231,7 +242,7 @@ class Robot:
         try:
             accepted = conversation.next(MotionReply, self.timeout_s)
         except BaseException:
-            conversation.close()
+            conversation.stop_if_accepted(keys.stop(self.name, self.twin))
             raise
         if not accepted.result:
             conversation.close()
@@ -271,6 +282,16 @@ class Robot:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def stop_together(robots: Iterable[Robot]) -> Iterator[tuple[Robot, CommandReply | BeatrixError]]:
+    """Press STOP on all before waiting for any; what each says, or why it says nothing."""
+    pressed = [(robot, robot.press_stop()) for robot in robots]
+    for robot, wait in pressed:
+        try:
+            yield robot, wait()
+        except BeatrixError as error:
+            yield robot, error
 
 
 def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:

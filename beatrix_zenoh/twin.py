@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Self
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import Interrupted, NoAnswer, Refused
+from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
-from beatrix_zenoh.robot import MARGIN_S, SILENT, Motion, Robot, motion_query, pose_query
+from beatrix_zenoh.robot import MARGIN_S, SILENT, Motion, Robot, motion_query, pose_query, stop_together
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
@@ -42,6 +43,12 @@ class Plan:
         self.duration = preview.duration
         """Seconds until the arms rest."""
         self.verdict = preview.message
+        """What the simulation thinks of it, and whether that holds for the hardware."""
+        if start[1] is not None and apart(start[0], start[1]) > SAME_DEG:
+            self.verdict += (
+                f" The hardware stands {apart(start[0], start[1]):.0f} deg elsewhere: its way there is another, and not "
+                "previewed."
+            )
         self.path = Path(
             preview.t,
             [arm_angles(arms) for arms in preview.arms],
@@ -125,11 +132,10 @@ class Twin:
         do(self.hw)
 
     def stop(self) -> None:
-        """Stop both at once; the second is stopped even if the first does not answer."""
-        try:
-            self.hw.stop()
-        finally:
-            self.sim.stop()
+        """Stop both at once; raises as `Robot.stop`, after both have been asked."""
+        for _, reply in list(stop_together((self.hw, self.sim))):
+            if isinstance(reply, BeatrixError):
+                raise reply
 
     def preview(
         self,
@@ -170,7 +176,7 @@ class Twin:
             )
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
-            raise Refused(reply.reason, reply.message)
+            raise Refused(reply.reason, f"{self.sim}: {reply.message}")
         return Plan(self, road, query, reply, start)
 
     def _start(self) -> Start:
@@ -185,22 +191,26 @@ class Twin:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
         begun: list[tuple[Robot, Motion]] = []
         try:
-            begun.append((self.sim, self.sim.begin(road, query)))
-            begun.append((self.hw, self.hw.begin(road, query)))
+            for robot in (self.sim, self.hw):
+                try:
+                    begun.append((robot, robot.begin(road, query)))
+                except Refused as refusal:
+                    raise Refused(refusal.reason, f"{robot}: {refusal.message}") from refusal
             self._wait(begun)
         except BaseException as error:
             # What one robot does not do, the other must not finish; but who was replaced has nothing to stop.
             if isinstance(error, Interrupted) and error.reason is Reason.REPLACED:
                 raise
-            rests = [f"{robot}: {robot.stop().message}" for robot, motion in begun if motion.poll(0) is None]
+            moving = [robot for robot, motion in reversed(begun) if runs(motion)]
+            rests = [f"{robot}: {reply.message}" for robot, reply in stop_together(moving)]
             if isinstance(error, KeyboardInterrupt):
                 raise KeyboardInterrupt("\n".join(rests)) from error
             raise
 
     @staticmethod
     def _wait(motions: list[tuple[Robot, Motion]]) -> None:
-        turns = int((max(motion.duration for _, motion in motions) + MARGIN_S) / TURN_S / len(motions))
-        for _ in range(turns):
+        deadline = time.monotonic() + max(motion.duration for _, motion in motions) + MARGIN_S
+        while time.monotonic() < deadline:
             ends: list[MotionReply | None] = [motion.poll(TURN_S) for _, motion in motions]
             for (robot, _), end in zip(motions, ends, strict=True):
                 if end is not None and not end.result:
@@ -219,6 +229,14 @@ class Twin:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def runs(motion: Motion) -> bool:
+    """It has not said that it has ended; a robot that has gone may still run."""
+    try:
+        return motion.poll(0) is None
+    except NoAnswer:
+        return True
 
 
 def apart(one: ArmAngles, other: ArmAngles) -> float:

@@ -14,9 +14,8 @@ from beatrix_zenoh.cli.line import Line, Where, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.unattended import hand_over
 from beatrix_zenoh.cli.verb import document, note, refusal, say
-from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.readings import Reading
-from beatrix_zenoh.robot import Robot, motion_query, pose_query
+from beatrix_zenoh.robot import Robot, motion_query, pose_query, stop_together
 from beatrix_zenoh.twin import Plan, Twin
 
 Relative = Annotated[bool, typer.Option("--relative", help="By these angles, instead of to them.")]
@@ -129,21 +128,15 @@ def stopping(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as interrupt:
+        # Empty: it came when nobody was waiting for a motion.
         told = str(interrupt) or "\n".join(
-            rests(robots)
-        )  # empty: it came when nobody was waiting for a motion
+            f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(robots))
+        )
         if as_json:
             refusal(Reason.STOPPED, told)
         else:
             note(told)
         raise
-
-
-def rests(robots: list[Robot]) -> Iterator[str]:
-    """Stop them all; what each says."""
-    for robot in robots:
-        with contextlib.suppress(BeatrixError):  # what has gone, moves no more
-            yield f"{robot}: {robot.stop().message}"
 
 
 def announce(robots: list[Robot], *, as_json: bool) -> None:

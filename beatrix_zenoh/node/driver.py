@@ -68,6 +68,7 @@ class Driver:
         self._texting = False
         self._pressed_by = ""
         self._cause = Reason.STOPPED
+        self._emergency_s = float("-inf")
         self._number = 0
         self._ended_s = float("-inf")
         self._gone: deque[str] = deque(maxlen=GONE)
@@ -140,12 +141,15 @@ class Driver:
             )
         if telemetry.state & State.EMERGENCY:
             raise Refused(
-                Reason.NOT_ENABLED, "The emergency stop is latched: enable, set the head upright, calibrate."
+                Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."
             )
         if not telemetry.state & State.ENABLED:
-            raise Refused(Reason.NOT_ENABLED, "The motors are off: enable, set the head upright, calibrate.")
+            raise Refused(Reason.NOT_ENABLED, "The motors are off: set the head upright, enable, calibrate.")
         if not telemetry.state & State.CALIBRATED:
-            raise Refused(Reason.NOT_CALIBRATED, "Home is not known: set the head upright, then calibrate.")
+            raise Refused(
+                Reason.NOT_CALIBRATED,
+                "Home is not known: if the head is upright, calibrate; else disable, set it upright, enable, calibrate.",
+            )
         return telemetry
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
@@ -215,10 +219,14 @@ class Driver:
 
     # -- commands -------------------------------------------------------------------------------
 
-    def command(self, query: CommandQuery, asker: Asker) -> None:
-        """Carry out a command other than STOP and EMERGENCY_STOP."""
+    def command(self, query: CommandQuery, asker: Asker, asked_s: float) -> None:
+        """Carry out a command other than STOP and EMERGENCY_STOP that came at `asked_s` (monotonic)."""
         try:
             if query.command == Command.ENABLE:
+                if query.value and asked_s <= self._emergency_s:
+                    raise Refused(
+                        Reason.STOPPED, "EMERGENCY_STOP was pressed after this was asked: look, then enable."
+                    )
                 text = self._enable(asker.who, on=query.value)
             elif query.command == Command.CALIBRATE:
                 text = self._calibrate(asker.who)
@@ -251,7 +259,11 @@ class Driver:
             return "Motors off; home is forgotten."
         telemetry = self._board.telemetry
         known = telemetry is not None and telemetry.state & State.CALIBRATED
-        return "Motors on; home is known." if known else "Motors on; set the head upright, then calibrate."
+        return (
+            "Motors on; home is known."
+            if known
+            else "Motors on. If the head is upright, calibrate; else disable and set it upright first."
+        )
 
     def _calibrate(self, who: str) -> str:
         self._lease.check(who, time.monotonic())
@@ -260,9 +272,16 @@ class Driver:
             raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
         if telemetry is not None and not telemetry.state & State.ENABLED:
             raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+        known = telemetry is not None and bool(telemetry.state & State.CALIBRATED)
+        stood = self.arms()
         self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
         self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
+        if known and any(stood):
+            return (
+                f"This is home now. Home was known already, and the arms stood at {degrees(stood)} from it: was that "
+                "meant? Limits count from home. To set it anew: disable, set the head upright, enable, calibrate."
+            )
         return "This is home now."
 
     def _home(self, asker: Asker) -> None:
@@ -279,20 +298,28 @@ class Driver:
 
     # -- ends -----------------------------------------------------------------------------------
 
-    def halt(self, session: str) -> None:
+    def halt(self, session: str, *, emergency: bool = False) -> None:
         """STOP was pressed by `session` (empty: unknown): begin no motion. Called on Zenoh's thread."""
         now = time.monotonic()
         self._pressed_by = session
+        if emergency:
+            self._emergency_s = now
         streaming = self._running is not None or self._texting or now - self._ended_s < STREAM_S
         self._halt.press(self._lease.holder(now) if streaming else "", session, now)
 
-    def stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
+    def stopped(self, asker: Asker | None, error: BeatrixError | None, *, emergency: bool) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
         if asker is None:
             self._halt.sent()
-            if error is None and self._running is not None:
+            if error is None and emergency and not self._latched():
+                self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
+            elif error is None and self._running is not None:
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
+        if error is None and emergency and not self._latched():
+            error = NoAnswer(
+                Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
+            )
         if error is not None:
             self.answer_command(asker, error)
         elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
@@ -321,10 +348,14 @@ class Driver:
         while session in self._gone:
             self._gone.remove(session)
 
-    def stop_motion(self) -> None:
+    def _latched(self) -> bool:
+        """EMERGENCY_STOP has come to the board and holds."""
+        return self._board.wait_for(lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S)
+
+    def stop_motion(self, road: FrameType = FrameType.STOP) -> None:
         """Decelerate; a board that does not answer stops by itself for want of a heartbeat."""
         try:
-            self._board.request(FrameType.STOP)
+            self._board.request(road)
         except BeatrixError as error:
             self.warn(error.message)
 

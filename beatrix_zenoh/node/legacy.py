@@ -133,7 +133,7 @@ class Legacy:
             elif not waiting.sent and not waiting.refusal:
                 self._send(waiting)
         self._send(line)
-        self._driver.stopped(None, None)
+        self._driver.stopped(None, None, emergency=False)
 
     def _advance(self) -> None:
         """Answer what is refused, send the next."""

@@ -37,9 +37,7 @@ class Mailbox:
             if not full:
                 self._put(self._number(), task)
         if full:
-            task.decline(
-                Refused(Reason.BUSY, f"{CAPACITY} requests are waiting already: send fewer a second.")
-            )
+            task.decline(busy())
 
     def post_event(self, run: Callable[[], None]) -> None:
         """Queue something that happened; never declined, for there are few of them."""
@@ -50,7 +48,11 @@ class Mailbox:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
         with self._arrived:
             replaced = self._entries.pop(key, None)
-            self._put(key, task)
+            full = replaced is None and len(self._entries) >= CAPACITY
+            if not full:
+                self._put(key, task)
+        if full:
+            task.decline(busy())
         if replaced is not None:
             replaced.decline(
                 Refused(Reason.REPLACED, "A newer motion from this seat came before this one began.")
@@ -78,3 +80,8 @@ class Mailbox:
         with self._arrived:
             self._closed = True
             self._arrived.notify_all()
+
+
+def busy() -> Refused:
+    """What to tell who finds no room."""
+    return Refused(Reason.BUSY, f"{CAPACITY} requests are waiting already: send fewer a second.")

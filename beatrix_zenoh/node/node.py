@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import queue
+import time
 from collections.abc import Callable
 
 import msgspec
 
 from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery
+from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text, TextWarning
 from beatrix_zenoh.board.board import Board
@@ -28,6 +29,7 @@ from beatrix_zenoh.node.reporter import Reporter
 from beatrix_zenoh.node.roads import Roads
 from beatrix_zenoh.node.stop_desk import StopDesk
 from beatrix_zenoh.node.terminal import Terminal
+from beatrix_zenoh.node.vigil import Vigil
 
 ARMS = ("short", "middle", "long")
 ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
@@ -82,7 +84,9 @@ class Node:
         self._last_state: tuple[int, ...] = ()
         self.board = Board(body.open_port, self._on_telemetry, self._on_link, self._on_text)
         self.driver = Driver(body, self.board, self._course)
-        self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
+        self.reporter = Reporter(
+            self.name, body, self.board, self.driver, self._course, roads.commands.endpoint
+        )
         self._previewer = Previewer(body, self.driver, self._course)
         self._stop_desk = StopDesk(self.board.request, self._stopped)
         self._front_desk = Desk("front")
@@ -94,6 +98,7 @@ class Node:
             self._legacy = Legacy(terminal, self.board, self.driver, body, self._mailbox.post_event)
         self._broadcast = Broadcast(roads.commands, self.reporter, self.name, self.twin)
         roads.commands.announce(self.alive_key)
+        self._vigil = Vigil(roads, self.name, self.twin, self.driver.warn)
 
     @property
     def alive_key(self) -> str:
@@ -147,12 +152,22 @@ class Node:
 
         return Asker(who, incoming.session, answer, incoming.finish)
 
+    def _check_key(self, incoming: Incoming, who: str, road: str) -> None:
+        """Refuse a wildcard: who means many robots at once, or looks around, does not mean to drive this one."""
+        own = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}"
+        if incoming.key != own:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{quoted(incoming.key)} is no one robot's key: ask {own}. Only a stop may go to many.",
+            )
+
     def _motion(self, incoming: Incoming, kind: type[MotionQuery | PoseQuery]) -> None:
         road, driver = "motion" if kind is MotionQuery else "pose", self.driver
 
         def run() -> None:
             asker = self._asker(incoming, road)
             try:
+                self._check_key(incoming, asker.who, road)
                 query = requests.read(incoming.wording, kind)
                 names.check_name(asker.who, "seat")
             except Refused as error:
@@ -170,14 +185,18 @@ class Node:
         try:
             names.check_name(asker.who, "seat")
             query = requests.read(incoming.wording, CommandQuery)
+            if query.command not in ROADS:
+                self._check_key(incoming, asker.who, "command")
         except Refused as error:
             self.driver.answer_command(asker, error)
             return
         if query.command in ROADS:
             self._stop(incoming, ROADS[Command(query.command)], asker)
             return
-        decline = self.driver.answer_command
-        self._mailbox.post(Task(lambda: self.driver.command(query, asker), lambda e: decline(asker, e)))
+        decline, asked_s = self.driver.answer_command, time.monotonic()
+        self._mailbox.post(
+            Task(lambda: self.driver.command(query, asker, asked_s), lambda e: decline(asker, e))
+        )
 
     def _stop(self, incoming: Incoming | None, road: FrameType, asker: Asker | None = None) -> None:
         if incoming is not None and asker is None:
@@ -185,15 +204,16 @@ class Node:
                 incoming.finish()  # somebody who looks around with `beatrix/**` does not mean STOP
                 return
             asker = self._asker(incoming, "stop")
-        self.driver.halt("" if asker is None else asker.session)
+        self.driver.halt("" if asker is None else asker.session, emergency=road is FrameType.EMERGENCY_STOP)
         self._stop_desk.press(road, asker)
 
     def _stop_put(self, key: str, _payload: bytes) -> None:
         if key.endswith("/stop"):
             self._stop(None, FrameType.STOP)
 
-    def _stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
-        self._mailbox.post_event(lambda: self.driver.stopped(asker, error))
+    def _stopped(self, road: FrameType, asker: Asker | None, error: BeatrixError | None) -> None:
+        emergency = road is FrameType.EMERGENCY_STOP
+        self._mailbox.post_event(lambda: self.driver.stopped(asker, error, emergency=emergency))
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]
@@ -259,6 +279,7 @@ class Node:
         """Stop motion, tell who waits, publish the last status, leave the bus, free the board."""
         if self._legacy is not None:
             self._legacy.close()
+        self._vigil.close()
         self._mailbox.close()
         self._thread.join(timeout=2.0)
         self._previewer.close()

@@ -23,8 +23,10 @@ NO_TELEMETRY = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0)
 class Reporter:
     """Builds the messages a robot publishes; may be asked from any thread."""
 
-    def __init__(self, name: str, body: Body, board: Board, driver: Driver, course: Course) -> None:
-        self._name = name
+    def __init__(
+        self, name: str, body: Body, board: Board, driver: Driver, course: Course, endpoint: str
+    ) -> None:
+        self._name, self._endpoint = name, endpoint
         self._body = body
         self._board = board
         self._driver = driver
@@ -100,6 +102,7 @@ class Reporter:
         """What a stranger needs to drive this robot."""
         limits, twin = self._course.limits, self._body.twin
         names = {"robot": self._name, "twin": twin, "who": "<who>", "arm": "<arm>", "session": "<session>"}
+        client = f"-m client -e {self._endpoint}"
         base = keys.motion(self._name, twin, "me").rpartition("/")[0]
         return Info(
             robot=self._name,
@@ -131,11 +134,11 @@ class Reporter:
                 if twin in row.twins
             ],
             examples=[
-                f"z_get.py -s '{base}/command?command=enable'",
-                f"z_get.py -s '{base}/command?command=calibrate'",
-                f"z_get.py -s '{base}/pose?yaw=0.35;pitch=-0.17'",
-                f"z_get.py -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
-                f"z_get.py -s '{keys.stop(self._name, twin)}'",
-                f"z_sub.py -k '{keys.positions_json(self._name, twin)}'",
+                f"z_get.py {client} -s '{base}/command?command=enable'",
+                f"z_get.py {client} -s '{base}/command?command=calibrate'",
+                f"z_get.py {client} -s '{base}/pose?yaw=0.35;pitch=-0.17'",
+                f"z_get.py {client} -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
+                f"z_get.py {client} -s '{keys.stop(self._name, twin)}'",
+                f"z_sub.py {client} -k '{keys.positions_json(self._name, twin)}'",
             ],
         )

@@ -16,11 +16,14 @@ ORDER = (FrameType.EMERGENCY_STOP, FrameType.STOP)
 class StopDesk:
     """A thread that sends what is pressed; `press` only hands over.
 
-    `send(road)` asks the board and may raise BeatrixError; `tell(asker, error)` is called for everybody who waits.
+    `send(road)` asks the board and may raise BeatrixError; `tell(road, asker, error)` is
+    called once with nobody, then for everybody who waits.
     """
 
     def __init__(
-        self, send: Callable[[FrameType], None], tell: Callable[[Asker | None, BeatrixError | None], None]
+        self,
+        send: Callable[[FrameType], None],
+        tell: Callable[[FrameType, Asker | None, BeatrixError | None], None],
     ) -> None:
         self._send, self._tell = send, tell
         self._pressed: dict[FrameType, list[Asker]] = {}
@@ -49,9 +52,9 @@ class StopDesk:
                 self._send(road)
             except BeatrixError as error:
                 failure = error
-            self._tell(None, failure)
+            self._tell(road, None, failure)
             for asker in waiting:
-                self._tell(asker, failure)
+                self._tell(road, asker, failure)
 
     def close(self) -> None:
         """Send what was pressed, then end."""

@@ -7,7 +7,7 @@ from stage import ask_raw, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CommandQuery, CommandReply, Fault, Reason
+from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Fault, Reason
 
 
 def test_motors_off_refuses_a_move_and_says_what_to_do(robot: Robot) -> None:
@@ -49,6 +49,28 @@ def test_calibrate_makes_the_present_position_home(robot: Robot) -> None:
     robot.move(6, 6, 6, speed=60)
     robot.calibrate()
     assert robot.positions().commanded == (0, 0, 0)
+
+
+def test_calibrating_anew_elsewhere_is_told(robot: Robot) -> None:
+    assert "known already" not in robot.command(Command.CALIBRATE).message
+    robot.move(6, 6, 6, speed=60)
+    assert "Home was known already, and the arms stood at 6" in robot.command(Command.CALIBRATE).message
+
+
+def test_emergency_stop_holds_whatever_was_asked_before_it(robot: Robot) -> None:
+    key = keys.command(robot.name, robot.twin, "ana")
+    enable = codec.encode(CommandQuery(command=Command.ENABLE.value))
+    questions = [robot.client.bus.question(key, enable, codec.MSGPACK, "interactive_high") for _ in range(40)]
+    reply = robot.emergency_stop()
+    assert "latched" in reply.message
+    for question in questions:
+        while question.next(8.0) is not None:
+            pass
+        question.close()
+    status = robot.status()
+    assert (status.enabled, status.fault) == (False, Fault.EMERGENCY)
+    robot.enable()
+    assert robot.status().enabled
 
 
 def test_calibrate_in_motion_is_refused(robot: Robot) -> None:

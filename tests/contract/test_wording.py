@@ -135,6 +135,18 @@ def test_bad_text_is_explained(robot: Robot, selector: str, payload: bytes | Non
     assert word in str(reply["message"])
 
 
+@pytest.mark.parametrize("key", ["{}/{}/cmd/ana/motio$*", "*/*/cmd/ana/motion", "{}/{}/cmd/ana/*"])
+def test_a_wildcard_drives_nobody(robot: Robot, key: str) -> None:
+    selector = f"beatrix/{key.format(robot.name, robot.twin)}?x=0.3;y=0.3;z=0.3"
+    answers = [json.loads(answer.payload) for answer in ask_raw(robot.client, selector)]
+    assert answers
+    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), (
+        "a preview moves nothing"
+    )
+    assert any("is no one robot's key: ask beatrix/" in answer["message"] for answer in answers)
+    assert robot.positions().commanded == (0, 0, 0)
+
+
 def test_seat_with_a_strange_name_is_refused(robot: Robot) -> None:
     reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/Ana_B/pose?yaw=0.1")
     assert reply["reason"] == "BAD_VALUE"

@@ -17,10 +17,9 @@ from stage import Stage, free_endpoint, ready, until, wait_status
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Fault, Reason
+from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.client import Client
 from beatrix_zenoh.node import Node, Roads
-from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
 
@@ -158,52 +157,6 @@ def test_a_node_that_was_held_up_for_a_second_finishes_its_motion(stage: Stage, 
     assert robot.positions().commanded.short == pytest.approx(30, abs=0.1)
 
 
-def refused(robot: Robot) -> bool:
-    """Try a motion."""
-    try:
-        robot.look(yaw=1, speed=60)
-    except (Refused, NoAnswer):
-        return True
-    return False
-
-
-def test_router_killed_and_restarted_everybody_is_back(tmp_path: Path) -> None:
-    endpoint = free_endpoint()
-    router = zbus.open_router(endpoint)
-    node = Node(Roads.open(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea"))
-    client = Client(Settings("bea", endpoint, "ana"))
-    robot = ready(Robot("bea", "hw", client=client))
-    robot.look(yaw=30, wait=False)
-    router.close()
-    try:
-        until(lambda: not node.reporter.status().moving, "a client cut off is a client lost: stopped", 3.0)
-        router = zbus.open_router(endpoint)
-        until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
-        assert robot.status().calibrated, "the robot itself lost nothing"
-        until(lambda: not refused(robot), "the seat is known again", 5.0)
-    finally:
-        client.close()
-        node.close()
-        router.close()
-
-
-def test_router_process_killed_and_restarted_everybody_is_back(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
-    node = stage.process("sim_node", "--name", "bea", "--connect", endpoint, "--ready")
-    node.expect("ready")
-    with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
-        robot.look(yaw=2, speed=60)
-        router.end(signal.SIGKILL)
-        with pytest.raises(NoAnswer):
-            robot.look(yaw=4)
-        again = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-        again.expect("ready")
-        until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
-        until(lambda: not refused(robot), "the seat is known again", 5.0)
-
-
 CLIENT = """
 import sys
 from beatrix_zenoh import Robot
@@ -229,23 +182,6 @@ def test_client_process_killed_or_frozen_in_mid_move_stops_the_robot(
     assert robot.positions().commanded.short < 110
     assert robot.status().holder == ""
     goner.end(signal.SIGKILL)
-
-
-def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
-    process.expect("No router at")
-    router = zbus.open_router(endpoint)
-    process.expect("ready beatrix/bea/hw/@alive")
-    process.end()
-    router.close()
-
-
-def test_ctrl_c_ends_a_node_that_waits_for_its_router(stage: Stage) -> None:
-    process = stage.process("hw_node", "--name", "bea", "--connect", free_endpoint(), "--port", "virtual:")
-    process.expect("No router at")
-    process.send(signal.SIGINT)
-    assert process.wait(5) == 0
 
 
 def test_board_pulled_out_in_mid_move_and_found_again(stage: Stage, tmp_path: Path) -> None:
@@ -291,10 +227,30 @@ def test_a_motion_that_begins_behind_the_back_of_stop_is_stopped_too(stage: Stag
     robot = ready(stage.robot("bea", "hw"))
     motion = robot.look(yaw=40, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
-    node._stopped(None, None)  # as when STOP has reached the board before that motion did
+    node._stopped(FrameType.STOP, None, None)  # as when STOP has reached the board before that motion did
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
+
+
+def test_an_enable_that_comes_behind_the_back_of_emergency_stop_does_not_undo_it(stage: Stage) -> None:
+    node = stage.node("bea")
+    robot = ready(stage.robot("bea", "hw"))
+    node._stopped(FrameType.EMERGENCY_STOP, None, None)  # as when an ENABLE reached the board after it
+    wait_status(robot, lambda status: status.fault is Fault.EMERGENCY and not status.enabled, "latched")
+
+
+def test_a_motion_accepted_when_nobody_waits_any_more_is_stopped(stage: Stage) -> None:
+    process = stage.hardware("bea")
+    ready(stage.robot("bea", "hw"))
+    with Robot("bea", "hw", connect=stage.endpoint, who="ana", timeout_s=0.3) as robot:
+        process.send(signal.SIGSTOP)
+        with pytest.raises(NoAnswer, match="did not answer within"):
+            robot.look(yaw=60)
+        process.send(signal.SIGCONT)
+    watcher = stage.robot("bea", "hw", "ben")
+    until(lambda: not watcher.status().moving, "at rest")
+    assert watcher.positions().commanded.short < 10
 
 
 def test_silent_board_is_lost_and_heard_again(stage: Stage, tmp_path: Path) -> None:

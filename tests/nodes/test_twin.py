@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from stage import Stage, until
@@ -149,6 +151,39 @@ def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert "bea (hw)" in ended[0].message
     assert not twin.sim.status().moving
     assert commanded(twin.sim)[0] < 60
+
+
+def test_what_stops_both_stops_the_hardware_though_the_simulation_is_gone() -> None:
+    with Stage() as stage, Twin("bea", connect=stage.endpoint, who="ana") as twin:
+        simulation = stage.simulation("bea")
+        stage.hardware("bea")
+        twin.enable()
+        twin.calibrate()
+        other = stage.robot("bea", "hw", "ben")
+        plan = twin.preview(yaw=120)
+        with ThreadPoolExecutor(1) as pool:
+            committed = pool.submit(plan.commit)
+            until(lambda: other.positions().commanded.short > 5, "moving")
+            simulation.end(signal.SIGKILL)
+            with pytest.raises(NoAnswer):
+                committed.result(20)
+        assert not other.status().moving
+        assert other.positions().commanded.short < 60
+
+
+def test_a_hardware_that_has_further_to_go_is_waited_for_and_told(twin: Twin) -> None:
+    twin.hw.look(yaw=150, speed=60)
+    plan = twin.preview_arms(0, 0, 0)
+    assert "The hardware stands 150 deg elsewhere" in plan.verdict
+    plan.commit()
+    assert commanded(twin.hw) == (0, 0, 0)
+
+
+def test_who_refuses_is_named(twin: Twin) -> None:
+    plan = twin.preview(yaw=10)
+    twin.hw.disable()
+    with pytest.raises(Refused, match=r"bea \(hw\): The motors are off"):
+        plan.commit()
 
 
 def test_a_refused_commit_leaves_the_other_drivers_motion_alone(stage: Stage, twin: Twin) -> None:
