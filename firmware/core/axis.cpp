@@ -3,30 +3,23 @@
 
 namespace beatrix {
 
-Ramp make_ramp(const Fine &top, const Fine &acceleration) {
-  return make_ramp(top, acceleration, ticks_to_rest(top, acceleration));
+void set_ramp(const Fine &top, const Fine &acceleration, uint16_t ticks, Ramp *ramp) {
+  ramp->acceleration = acceleration;
+  ramp->top = top;
+  ramp->reach = reach_of(top, acceleration, ticks);
 }
 
-Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
-  Ramp ramp;
-  ramp.acceleration = acceleration;
-  ramp.top = top;
-  ramp.reach = reach_of(top, acceleration, ticks);
-  return ramp;
-}
+static const uint32_t INVERSE = uint32_t((uint64_t(1) << 32) / ACCELERATION);
+static_assert(int64_t(SPEED_MAX) * 16777 / ACCELERATION < 0xFFFF, "the ticks of a stop are counted in 16 bits");
 
-// Exact where the acceleration has no more than 26 places.
-uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
-  uint32_t slower_by = to_small_q26(acceleration);
-  return slower_by ? to_small_q26(speed) / slower_by : 0;
-}
+uint16_t ticks_to_rest(const Fine &speed) { return uint16_t(product(to_small_q26(speed), INVERSE).high); }
 
-Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
+Fine reach_of(const Fine &speed, const Fine &acceleration, uint16_t ticks) {
   Fine rest = speed - acceleration * ticks;
   for (; rest < Fine(); ticks--) rest = rest + acceleration;
   for (; rest >= acceleration; ticks++) rest = rest - acceleration;
   // The mean of the first and the last, as often as there are.
-  return half((speed + rest) * (ticks + 1));
+  return half((speed + rest) * uint16_t(ticks + 1));
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {
@@ -46,7 +39,7 @@ void Axis::place(int32_t steps) {
 void Axis::follow(int32_t target, const Ramp &ramp) {
   target_ = to_fine(target);
   if (!halted() && ramp.acceleration != ramp_.acceleration) {
-    Fine reach = reach_of(speed_, ramp.acceleration, ticks_to_rest(speed_, ramp.acceleration));
+    Fine reach = reach_of(speed_, ramp.acceleration, ticks_to_rest(speed_));
     rest_ = along(position_, reach - speed_, direction_);
   }
   ramp_ = ramp;

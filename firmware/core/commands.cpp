@@ -63,7 +63,8 @@ void Machine::go(const Move &move) {
     TickHeld held;
     motion_.survey(move.target, todo, &resting);
   }
-  Plan plan = motion_.plan(move, todo, resting);
+  Plan plan;
+  motion_.plan(move, todo, resting, &plan);
   TickHeld held;
   motion_.start(plan);
   motion_number_ = move.motion;
@@ -83,7 +84,7 @@ Error Machine::check(const Move &move) const {
   }
   uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
   for (uint8_t i = 0; i < speeds; i++) {
-    if (move.speed[i] == 0 || move.speed[i] > motion_.limits.speed_max) return ERROR_SPEED;
+    if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
   switch (guard_steps(move.target)) {
     case OUTCOME_GAP: return ERROR_GAP;

@@ -25,7 +25,6 @@ class Machine {
   void tick();
 
   const Motion &motion() const { return motion_; }
-  Limits &limits() { return motion_.limits; }
 
   // What the text port sees and does.
   bool enabled() const { return enabled_; }
