@@ -56,7 +56,8 @@ def files() -> dict[Path, str]:
     header = spread(FIRMWARE / "mega/board.h", set())
     return {
         SKETCH / "beatrix_firmware.cpp": TITLE.format(what="BEATRIX's firmware in one file.") + SPEED + body,
-        SKETCH / "beatrix_firmware.h": TITLE.format(what="What the sketch needs of BEATRIX's firmware.") + header,
+        SKETCH / "beatrix_firmware.h": TITLE.format(what="What the sketch needs of BEATRIX's firmware.")
+        + header,
     }
 
 

@@ -30,13 +30,17 @@ class Axis {
   void place(int32_t steps);
   // Rest where the last step went.
   void settle() { place(steps_); }
-  // Go to `target`, from rest or in motion.
+  // Go to `target`: from rest, or in motion with the same acceleration.
   void follow(int32_t target, const Ramp &ramp);
+  // With another one: where braking with it ends, and then that as well.
+  Fine rest_with(const Fine &acceleration) const;
+  void follow(int32_t target, const Ramp &ramp, const Fine &rest);
 
   // Next tick: as fast as speed limit, acceleration and the way that is left allow.
   void plan();
   // Next tick: slower.
-  void brake();
+  void brake() { brake_with(ramp_.acceleration, rest_); }
+  void brake_with(const Fine &acceleration, const Fine &rest);
   void commit();
   // A tick without motion.
   void idle() { start_ = position_; }

@@ -62,13 +62,18 @@ bool Motion::brakes_alike(const Plan &plan) const {
 }
 
 void Motion::try_to_follow(const Plan &plan) {
-  Axis before[ARMS] = {axes_[0], axes_[1], axes_[2]};
-  follow(plan);
-  brake_all();  // only to be looked at: every tick plans anew
+  Fine rest[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) {
+    const Fine &acceleration = plan.ramp[i].acceleration;
+    rest[i] = axes_[i].rest_with(acceleration);
+    axes_[i].brake_with(acceleration, rest[i]);  // to be looked at only: every tick plans anew
+  }
   braking_ = guard_tick(axes_) != OUTCOME_NONE;
-  if (!braking_) return;
-  for (uint8_t i = 0; i < ARMS; i++) axes_[i] = before[i];
-  next_ = plan;
+  if (braking_) {
+    next_ = plan;
+  } else {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i], rest[i]);
+  }
 }
 
 void Motion::brake(Outcome why) {

@@ -5,28 +5,12 @@
 
 namespace beatrix {
 
-// The compiler must not know that a factor is used twice: it would widen it once, and then multiply 32 bits by 32.
-inline uint32_t wide(uint16_t a, uint16_t b) {
-  __asm__("" : "+r"(a), "+r"(b));
-  return uint32_t(a) * b;
-}
-
 // From four products of 16 bits.
 Fine product(uint32_t a, uint32_t b) {
   uint16_t a_low = uint16_t(a), a_high = uint16_t(a >> 16), b_low = uint16_t(b), b_high = uint16_t(b >> 16);
   uint32_t low = wide(a_low, b_low), one = wide(a_low, b_high), other = wide(a_high, b_low);
   uint32_t middle = (low >> 16) + uint16_t(one) + uint16_t(other);
   return Fine(int32_t(wide(a_high, b_high) + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
-}
-
-Fine operator*(const Fine &a, uint16_t n) {
-  uint32_t middle = wide(uint16_t(a.low >> 16), n);
-  uint32_t high = wide(uint16_t(a.high), n) + (middle >> 16);
-  uint32_t low = wide(uint16_t(a.low), n);
-  middle <<= 16;
-  low += middle;
-  if (low < middle) high++;
-  return Fine(int32_t(high), low);
 }
 
 uint16_t places(uint24 *rest, uint24 whole) {

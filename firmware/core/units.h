@@ -50,8 +50,24 @@ inline Fine operator-(const Fine &a, const Fine &b) {
 }
 
 inline Fine operator-(const Fine &a) { return Fine() - a; }
+// The compiler must not know that a factor is used twice: it would widen it once, and then multiply 32 bits by 32.
+inline uint32_t wide(uint16_t a, uint16_t b) {
+  __asm__("" : "+r"(a), "+r"(b));
+  return uint32_t(a) * b;
+}
+
+// Of values from 0 to less than 256.
+inline Fine operator*(const Fine &a, uint16_t n) {
+  uint32_t middle = wide(uint16_t(a.low >> 16), n);
+  uint32_t high = wide(uint16_t(a.high), n) + (middle >> 16);
+  uint32_t low = wide(uint16_t(a.low), n);
+  middle <<= 16;
+  low += middle;
+  if (low < middle) high++;
+  return Fine(int32_t(high), low);
+}
+
 Fine product(uint32_t a, uint32_t b);
-Fine operator*(const Fine &a, uint16_t n);
 inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
 // a / 65536 in 32 bits.
 inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }

@@ -270,4 +270,3 @@ class Avr:
         if not count or not address:
             return np.empty(0, kind)
         return np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
-

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Final, Self
 
 import numpy as np
+from avr.bench import EEPROM_SIZE, SIGNALS, Avr
 from numpy.typing import NDArray
 from rig import ROOT, Rig, Steps
 
-from avr.bench import EEPROM_SIZE, SIGNALS, Avr
 from beatrix_zenoh.board.link import Decoder
 
 HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"
@@ -49,7 +49,9 @@ class MegaCore:
 class Mega(Rig):
     """Rig on the real firmware. Use it in `with`: its pins are looked at in the end."""
 
-    def __init__(self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
+    def __init__(
+        self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000
+    ) -> None:
         self.avr = Avr(firmware, eeprom, baud)
         self.avr.run_ms(START_MS)
         super().__init__(MegaCore(self.avr))

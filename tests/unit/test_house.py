@@ -44,14 +44,14 @@ CPP_COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re
 
 def sources(folders: str, *suffixes: str) -> list[Path]:
     """Files under the folders that people wrote: nothing generated, built or hidden."""
-    generated = ROOT / "firmware/core/contract.h"
+    generated = {ROOT / "firmware/core/contract.h", ROOT / "firmware/beatrix/beatrix_firmware.cpp"}
     return sorted(
         path
         for top in ROOT.glob(folders)
         if top.is_dir() and not top.name.startswith(".") and top.name not in BUILT
         for path in top.rglob("*")
         if path.suffix in suffixes
-        and path != generated
+        and path not in generated
         and not BUILT.intersection(path.relative_to(ROOT).parts)
     )
 
