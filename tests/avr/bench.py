@@ -269,4 +269,5 @@ class Avr:
     def _copy(self, address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
         if not count or not address:
             return np.empty(0, kind)
-        return np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+        copied: NDArray[np.void] = np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+        return copied
