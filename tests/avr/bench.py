@@ -190,7 +190,8 @@ class Avr:
     def edges(self, signal: str, arm: int = 0) -> NDArray[np.void]:
         """Changes of a wire ("step", "direction", "enable"): fields `cycle` and `level`."""
         edges = self.all_edges()
-        return edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
+        chosen: NDArray[np.void] = edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
+        return chosen
 
     def all_edges(self) -> NDArray[np.void]:
         """Changes of all wires in order; `signal` is 0 to 2 step, 3 to 5 direction, 6 enable."""
