@@ -71,7 +71,7 @@ def quantity(field: dict[str, object]) -> str:
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
     out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
-    out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0012-text-lives-in-the-firmware.md)). The board sends nothing unasked before a valid frame, and nothing but plain answers to text when none came for host_gone.\n\n"
+    out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0013-text-lives-in-the-firmware.md)). The board sends nothing unasked before a valid frame, and nothing but plain answers to text when none came for host_gone.\n\n"
     out += table(
         ["name", "value", "unit", "meaning"],
         [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()],

@@ -1,6 +1,6 @@
 """The port for old programs: lines of the text protocol of 2023, passed on to the firmware one at a time.
 
-The firmware understands them and answers (record 0012). Here they wait, obey the lease and STOP, and every line is
+The firmware understands them and answers (record 0013). Here they wait, obey the lease and STOP, and every line is
 answered in its turn whatever happens to the board.
 """
 

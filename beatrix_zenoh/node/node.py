@@ -87,7 +87,7 @@ class Node:
         self.reporter = Reporter(
             self.name, body, self.board, self.driver, self._course, roads.commands.endpoint
         )
-        self._previewer = Previewer(body, self.driver, self._course)
+        self._previewer = Previewer(body, self.board, self._course)
         self._stop_desk = StopDesk(self.board.request, self._stopped)
         self._front_desk = Desk("front")
         self._thread = threads.start(self._work, "driver")

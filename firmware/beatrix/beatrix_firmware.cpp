@@ -13,324 +13,6 @@
 #define BEATRIX_AXIS_H
 
 
-// --- core/units.h
-// Units of the planner: microsteps and microsteps per tick with 40 binary places, in 64 bits.
-//
-// The contract's 26 places are enough for an arm of its own. In a straight motion an arm with one step to do beside
-// one with thousands has an acceleration of a few units of Q26, and rounding it would make the arms arrive at
-// different times. 14 places more cost nothing and leave room for +-8 million microsteps (the guard ends at
-// some thousands); 40 are whole bytes, which an AVR takes apart without shifting.
-#ifndef BEATRIX_UNITS_H
-#define BEATRIX_UNITS_H
-
-#include <stdint.h>
-
-namespace beatrix {
-
-static const uint8_t FINE_BITS = 40;
-static const uint8_t FINE_OVER_Q26 = FINE_BITS - 26;
-
-// In two halves: the AVR's compiler keeps 32 bits in registers, but calls a subroutine for every sum and every
-// comparison of 64. A tick of three arms takes half as long.
-struct Fine {
-  uint32_t low;
-  int32_t high;  // Q8
-
-  // constexpr: a board is constant from the start. WebAssembly would run its constructor before every call.
-  constexpr Fine() : low(0), high(0) {}
-  constexpr Fine(int32_t high_half, uint32_t low_half) : low(low_half), high(high_half) {}
-  constexpr explicit Fine(int64_t value) : low(uint32_t(value)), high(int32_t(value >> 32)) {}
-  // Copied half by half as well: the compiler would copy byte by byte, in a loop.
-  constexpr Fine(const Fine &other) : low(other.low), high(other.high) {}
-  Fine &operator=(const Fine &other) {
-    low = other.low;
-    high = other.high;
-    return *this;
-  }
-  // For products and quotients.
-  int64_t whole() const { return int64_t(uint64_t(uint32_t(high)) << 32 | low); }
-};
-
-// Sums wrap as unsigned numbers do: no input can make them undefined.
-inline Fine operator+(const Fine &a, const Fine &b) {
-  uint32_t low = a.low + b.low;
-  uint32_t high = uint32_t(a.high) + uint32_t(b.high);
-  if (low < b.low) high++;
-  return Fine(int32_t(high), low);
-}
-
-inline Fine operator-(const Fine &a, const Fine &b) {
-  uint32_t high = uint32_t(a.high) - uint32_t(b.high);
-  if (a.low < b.low) high--;
-  return Fine(int32_t(high), a.low - b.low);
-}
-
-inline Fine operator-(const Fine &a) { return Fine() - a; }
-Fine product(uint32_t a, uint32_t b);
-Fine operator*(const Fine &a, uint32_t n);
-inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
-// a / 65536 in 32 bits.
-inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }
-inline bool operator==(const Fine &a, const Fine &b) { return a.low == b.low && a.high == b.high; }
-inline bool operator!=(const Fine &a, const Fine &b) { return !(a == b); }
-inline bool operator<(const Fine &a, const Fine &b) {
-  return a.high < b.high || (a.high == b.high && a.low < b.low);
-}
-inline bool operator>(const Fine &a, const Fine &b) { return b < a; }
-inline bool operator<=(const Fine &a, const Fine &b) { return !(b < a); }
-inline bool operator>=(const Fine &a, const Fine &b) { return !(a < b); }
-
-inline Fine to_fine(int32_t steps) { return Fine(int32_t(uint32_t(steps) << (FINE_BITS - 32)), 0); }
-inline Fine from_q26(int32_t value) { return Fine(int64_t(value) * (1 << FINE_OVER_Q26)); }
-inline int64_t to_q26(const Fine &value) { return value.whole() >> FINE_OVER_Q26; }
-// Of values from 0 to less than 64.
-inline uint32_t to_small_q26(const Fine &value) {
-  Fine twice = value + value;
-  return middle(twice + twice);
-}
-
-inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE_BITS - 32); }
-inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
-inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
-
-// Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
-inline Fine from_quarters(uint16_t speed) { return product(274877907, speed); }
-inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
-
-// Proportions: 32 binary places, from 0 to WHOLE.
-static const uint64_t WHOLE = uint64_t(1) << 32;
-// part / whole, part <= whole < 2^31.
-uint64_t ratio_of(uint32_t part, uint32_t whole);
-// Of values from 0 to less than 65536.
-Fine scaled(const Fine &value, uint64_t ratio);
-
-}  // namespace beatrix
-
-#endif
-
-// --- core/axis.h, continued
-
-namespace beatrix {
-
-// How fast an arm may go and how quickly it gets there.
-struct Ramp {
-  Fine acceleration;  // per tick, > 0
-  Fine top;
-  Fine reach;  // from top: how far the arm still goes, this tick's move and those of every slower tick to rest
-};
-
-// How often the acceleration can be taken from a speed; only nearly so if the acceleration is tiny.
-uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration);
-// v + (v - a) + (v - 2a) + ... down to rest: the sum a tick-by-tick stop from `speed` travels. `ticks` as above: the
-// nearer, the sooner it is done.
-Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks);
-Ramp make_ramp(const Fine &top, const Fine &acceleration);
-Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks);
-
-// Every tick is planned first (plan or brake), may be looked at (next_rest, next_rest_steps) and is then made (commit).
-// Only additions and comparisons: the place of rest is carried along. It stays while braking, and goes on by v in a tick
-// at speed v, by v + (v + a) in one that is faster by a.
-class Axis {
- public:
-  // Rest at `steps`.
-  void place(int32_t steps);
-  // Rest where the last step went.
-  void settle() { place(steps_); }
-  // Go to `target`, from rest or in motion.
-  void follow(int32_t target, const Ramp &ramp);
-
-  // Next tick: as fast as speed limit, acceleration and the way that is left allow.
-  void plan();
-  // Next tick: slower.
-  void brake();
-  void commit();
-  // A tick without motion.
-  void idle() { start_ = position_; }
-
-  // Steps made so far, leading in the direction of travel: the first step of a motion is made in its first tick.
-  int32_t steps() const { return steps_; }
-  int32_t target() const { return floor_steps(target_); }
-  // Where the last tick began and ended: the step engine derives the times of its steps from these.
-  const Fine &start() const { return start_; }
-  const Fine &end() const { return position_; }
-  Fine velocity() const { return direction_ > 0 ? speed_ : -speed_; }
-  const Fine &acceleration() const { return ramp_.acceleration; }
-  bool halted() const { return speed_ == Fine(); }
-  bool arrived() const { return halted() && position_ == target_; }
-
-  // Where the arm rests if it brakes after the planned tick; exactly, and in steps made then.
-  const Fine &next_rest() const { return next_rest_; }
-  int32_t next_rest_steps() const { return next_rest_steps_; }
-
- private:
-  bool lands() const;
-  bool speeds_up(const Fine &present_rest);
-  bool beyond_target(const Fine &rest) const;
-  void set_next(const Fine &speed, const Fine &rest);
-
-  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
-  Fine speed_;  // of the last tick, >= 0
-  Fine rest_;   // where braking from the next tick on ends
-  Fine position_;
-  Fine target_;
-  Fine next_speed_;  // of the planned tick
-  Fine next_rest_;   // at speed 0 the place where it ends
-  Fine start_;
-  Ramp ramp_ = Ramp();
-  int32_t steps_ = 0;
-  int32_t next_rest_steps_ = 0;
-  int8_t direction_ = 1;  // of the last tick that moved
-  int8_t next_direction_ = 1;
-};
-
-}  // namespace beatrix
-
-#endif
-
-// --- core/axis.cpp, continued
-
-namespace beatrix {
-
-Ramp make_ramp(const Fine &top, const Fine &acceleration) {
-  return make_ramp(top, acceleration, ticks_to_rest(top, acceleration));
-}
-
-Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
-  Ramp ramp;
-  ramp.acceleration = acceleration;
-  ramp.top = top;
-  ramp.reach = reach_of(top, acceleration, ticks);
-  return ramp;
-}
-
-// Exact where the acceleration has no more than 26 places.
-uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
-  uint32_t slower_by = to_small_q26(acceleration);
-  return slower_by ? to_small_q26(speed) / slower_by : 0;
-}
-
-Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
-  Fine rest = speed - acceleration * ticks;
-  for (; rest < Fine(); ticks--) rest = rest + acceleration;
-  for (; rest >= acceleration; ticks++) rest = rest - acceleration;
-  // The mean of the first and the last, as often as there are.
-  return half((speed + rest) * (ticks + 1));
-}
-
-static inline int32_t leading_steps(const Fine &position, int8_t direction) {
-  return direction > 0 ? ceil_steps(position) : floor_steps(position);
-}
-
-static inline Fine along(const Fine &position, const Fine &way, int8_t direction) {
-  return direction > 0 ? position + way : position - way;
-}
-
-void Axis::place(int32_t steps) {
-  steps_ = steps;
-  position_ = start_ = target_ = rest_ = to_fine(steps);
-  speed_ = Fine();
-}
-
-void Axis::follow(int32_t target, const Ramp &ramp) {
-  target_ = to_fine(target);
-  if (!halted() && ramp.acceleration != ramp_.acceleration) {
-    Fine reach = reach_of(speed_, ramp.acceleration, ticks_to_rest(speed_, ramp.acceleration));
-    rest_ = along(position_, reach - speed_, direction_);
-  }
-  ramp_ = ramp;
-}
-
-// The fastest speed from which the arm still comes to rest before its target. The present one always leaves room for a
-// slower one, unless the target has been moved inside the stopping distance: then braking is all that can be done.
-void Axis::plan() {
-  next_direction_ = direction_;
-  if (halted()) next_direction_ = target_ < position_ ? -1 : 1;
-  if (lands()) {
-    next_speed_ = Fine();
-    next_rest_ = target_;
-    next_rest_steps_ = floor_steps(target_);
-    return;
-  }
-  Fine rest = along(rest_, speed_, next_direction_);
-  if (speed_ > ramp_.top || beyond_target(rest)) {
-    brake();
-  } else if (speed_ == ramp_.top || !speeds_up(rest)) {
-    set_next(speed_, rest);
-  }
-}
-
-// Faster by the acceleration, if that leaves way enough to rest; `present_rest` is the place of rest at the present speed.
-bool Axis::speeds_up(const Fine &present_rest) {
-  Fine speed = speed_ + ramp_.acceleration;
-  bool top = speed >= ramp_.top;
-  if (top) speed = ramp_.top;
-  Fine rest = top ? along(position_, ramp_.reach, next_direction_) : along(present_rest, speed, next_direction_);
-  if (beyond_target(rest)) return false;
-  set_next(speed, rest);
-  return true;
-}
-
-bool Axis::beyond_target(const Fine &rest) const { return next_direction_ > 0 ? rest > target_ : rest < target_; }
-
-void Axis::brake() {
-  next_direction_ = direction_;
-  if (speed_ > ramp_.acceleration) {
-    set_next(speed_ - ramp_.acceleration, rest_);
-  } else {
-    next_speed_ = Fine();
-    next_rest_ = position_;
-    next_rest_steps_ = steps_;
-  }
-}
-
-void Axis::commit() {
-  start_ = position_;
-  speed_ = next_speed_;
-  rest_ = next_rest_;
-  if (!halted()) {
-    position_ = along(position_, speed_, next_direction_);
-  } else if (position_ == rest_) {
-    return;
-  } else {
-    position_ = rest_;
-  }
-  direction_ = next_direction_;
-  steps_ = leading_steps(position_, direction_);
-}
-
-// The last rest is made in one tick, if that changes the speed by no more than the acceleration.
-bool Axis::lands() const {
-  int32_t left_high = next_direction_ > 0 ? target_.high - position_.high : position_.high - target_.high;
-  if (left_high < 0 || left_high > ramp_.acceleration.high + 1) return false;  // spares exact figures, nearly always
-  Fine left = next_direction_ > 0 ? target_ - position_ : position_ - target_;
-  return left >= Fine() && left <= ramp_.acceleration && speed_ <= left + ramp_.acceleration;
-}
-
-void Axis::set_next(const Fine &speed, const Fine &rest) {
-  next_speed_ = speed;
-  next_rest_ = rest;
-  next_rest_steps_ = leading_steps(rest, next_direction_);
-}
-
-}  // namespace beatrix
-
-// --- core/commands.cpp
-// What each command does, and when it is refused.
-
-// --- core/machine.h
-// The board's behaviour: states, commands, telemetry, heartbeat.
-//
-// It speaks as it is spoken to: frames to a host whose frames come, and otherwise nothing but the answers to text.
-#ifndef BEATRIX_MACHINE_H
-#define BEATRIX_MACHINE_H
-
-
-// --- core/frame.h
-// Frames of the serial link: 0x00, COBS(type, seq, payload, CRC-16), 0x00; and lines of text between them.
-#ifndef BEATRIX_FRAME_H
-#define BEATRIX_FRAME_H
-
-
 // --- core/contract.h
 // Serial contract and limits of BEATRIX.
 // Generated by schemas/generate.py from schemas/serial.toml and schemas/robot.toml; edit those, not this.
@@ -580,7 +262,356 @@ struct TextWarning {
 
 #endif
 
-// --- core/frame.h, continued
+// --- core/axis.h, continued
+
+// --- core/units.h
+// Units of the planner: microsteps and microsteps per tick with 40 binary places, in 64 bits.
+//
+// The contract's 26 places are enough for an arm of its own. In a straight motion an arm with one step to do beside
+// one with thousands has an acceleration of a few units of Q26, and rounding it would make the arms arrive at
+// different times. 14 places more cost nothing and leave room for +-8 million microsteps (the guard ends at
+// some thousands); 40 are whole bytes, which an AVR takes apart without shifting.
+#ifndef BEATRIX_UNITS_H
+#define BEATRIX_UNITS_H
+
+#include <stdint.h>
+
+namespace beatrix {
+
+static const uint8_t FINE_BITS = 40;
+static const uint8_t FINE_OVER_Q26 = FINE_BITS - 26;
+
+// In two halves: the AVR's compiler keeps 32 bits in registers, but calls a subroutine for every sum and every
+// comparison of 64. A tick of three arms takes half as long.
+struct Fine {
+  uint32_t low;
+  int32_t high;  // Q8
+
+  // constexpr: a board is constant from the start. WebAssembly would run its constructor before every call.
+  constexpr Fine() : low(0), high(0) {}
+  constexpr Fine(int32_t high_half, uint32_t low_half) : low(low_half), high(high_half) {}
+  constexpr explicit Fine(int64_t value) : low(uint32_t(value)), high(int32_t(value >> 32)) {}
+  // Copied half by half as well: the compiler would copy byte by byte, in a loop.
+  constexpr Fine(const Fine &other) : low(other.low), high(other.high) {}
+  Fine &operator=(const Fine &other) {
+    low = other.low;
+    high = other.high;
+    return *this;
+  }
+  // For products and quotients.
+  int64_t whole() const { return int64_t(uint64_t(uint32_t(high)) << 32 | low); }
+};
+
+// Sums wrap as unsigned numbers do: no input can make them undefined.
+inline Fine operator+(const Fine &a, const Fine &b) {
+  uint32_t low = a.low + b.low;
+  uint32_t high = uint32_t(a.high) + uint32_t(b.high);
+  if (low < b.low) high++;
+  return Fine(int32_t(high), low);
+}
+
+inline Fine operator-(const Fine &a, const Fine &b) {
+  uint32_t high = uint32_t(a.high) - uint32_t(b.high);
+  if (a.low < b.low) high--;
+  return Fine(int32_t(high), a.low - b.low);
+}
+
+inline Fine operator-(const Fine &a) { return Fine() - a; }
+// The compiler must not know that a factor is used twice: it would widen it once, and then multiply 32 bits by 32.
+inline uint32_t wide(uint16_t a, uint16_t b) {
+  __asm__("" : "+r"(a), "+r"(b));
+  return uint32_t(a) * b;
+}
+
+// Of values from 0 to less than 256.
+inline Fine operator*(const Fine &a, uint16_t n) {
+  uint32_t middle = wide(uint16_t(a.low >> 16), n);
+  uint32_t high = wide(uint16_t(a.high), n) + (middle >> 16);
+  uint32_t low = wide(uint16_t(a.low), n);
+  middle <<= 16;
+  low += middle;
+  if (low < middle) high++;
+  return Fine(int32_t(high), low);
+}
+
+Fine product(uint32_t a, uint32_t b);
+inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
+// a / 65536 in 32 bits.
+inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }
+inline bool operator==(const Fine &a, const Fine &b) { return a.low == b.low && a.high == b.high; }
+inline bool operator!=(const Fine &a, const Fine &b) { return !(a == b); }
+inline bool operator<(const Fine &a, const Fine &b) {
+  return a.high < b.high || (a.high == b.high && a.low < b.low);
+}
+inline bool operator>(const Fine &a, const Fine &b) { return b < a; }
+inline bool operator<=(const Fine &a, const Fine &b) { return !(b < a); }
+inline bool operator>=(const Fine &a, const Fine &b) { return !(a < b); }
+
+inline Fine to_fine(int32_t steps) { return Fine(int32_t(uint32_t(steps) << (FINE_BITS - 32)), 0); }
+inline Fine from_q26(int32_t value) { return Fine(value >> (32 - FINE_OVER_Q26), uint32_t(value) << FINE_OVER_Q26); }
+inline int64_t to_q26(const Fine &value) { return value.whole() >> FINE_OVER_Q26; }
+// Of values from 0 to less than 64.
+inline uint32_t to_small_q26(const Fine &value) {
+  Fine twice = value + value;
+  return middle(twice + twice);
+}
+
+inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE_BITS - 32); }
+inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
+inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
+
+// Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
+inline Fine from_quarters(uint16_t speed) { return Fine(0, 274877907) * speed; }
+inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
+
+// Proportions: 32 binary places, from 0 to WHOLE.
+static const uint64_t WHOLE = uint64_t(1) << 32;
+// part / whole, part <= whole < 2^24.
+uint64_t ratio_of(uint32_t part, uint32_t whole);
+uint64_t rough_ratio_of(uint32_t part, uint32_t whole);  // 16 places of it, in half the time
+// The first 16 binary places of rest / whole, rest < whole, and for the next ones what is left.
+#ifdef __AVR__
+typedef __uint24 uint24;  // a third faster than 32 bits
+#else
+typedef uint32_t uint24;
+#endif
+uint16_t places(uint24 *rest, uint24 whole);
+// Of values from 0 to less than 65536.
+Fine scaled(const Fine &value, uint64_t ratio);
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/axis.h, continued
+
+namespace beatrix {
+
+// How fast an arm may go and how quickly it gets there.
+struct Ramp {
+  Fine acceleration;  // per tick, > 0
+  Fine top;
+  Fine reach;  // from top: how far the arm still goes, this tick's move and those of every slower tick to rest
+};
+
+// How often ACCELERATION can be taken from a speed, or once more or less.
+uint16_t ticks_to_rest(const Fine &speed);
+// v + (v - a) + (v - 2a) + ... down to rest: the sum a tick-by-tick stop from `speed` travels. `ticks` as above: the
+// nearer, the sooner it is done.
+Fine reach_of(const Fine &speed, const Fine &acceleration, uint16_t ticks);
+void set_ramp(const Fine &top, const Fine &acceleration, uint16_t ticks, Ramp *ramp);
+
+// Every tick is planned first (plan or brake), may be looked at (next_rest, next_rest_steps) and is then made (commit).
+// Only additions and comparisons: the place of rest is carried along. It stays while braking, and goes on by v in a tick
+// at speed v, by v + (v + a) in one that is faster by a.
+class Axis {
+ public:
+  // Rest at `steps`.
+  void place(int32_t steps);
+  // Rest where the last step went.
+  void settle() { place(steps_); }
+  // Go to `target`: from rest, or in motion with the same acceleration.
+  void follow(int32_t target, const Ramp &ramp);
+  // With another one: where braking with it ends, and then that as well.
+  Fine rest_with(const Fine &acceleration) const;
+  void follow(int32_t target, const Ramp &ramp, const Fine &rest);
+
+  // Next tick: as fast as speed limit, acceleration and the way that is left allow.
+  void plan();
+  // Next tick: slower.
+  void brake() { brake_with(ramp_.acceleration, rest_); }
+  void brake_with(const Fine &acceleration, const Fine &rest);
+  void commit();
+  // A tick without motion.
+  void idle() { start_ = position_; }
+
+  // Steps made so far, leading in the direction of travel: the first step of a motion is made in its first tick.
+  int32_t steps() const { return steps_; }
+  int32_t target() const { return floor_steps(target_); }
+  // Where the last tick began and ended: the step engine derives the times of its steps from these.
+  const Fine &start() const { return start_; }
+  const Fine &end() const { return position_; }
+  Fine velocity() const { return direction_ > 0 ? speed_ : -speed_; }
+  const Fine &acceleration() const { return ramp_.acceleration; }
+  bool halted() const { return speed_ == Fine(); }
+  bool arrived() const { return halted() && position_ == target_; }
+
+  // Where the arm rests if it brakes after the planned tick; exactly, and in steps made then.
+  const Fine &next_rest() const { return next_rest_; }
+  int32_t next_rest_steps() const { return next_rest_steps_; }
+
+ private:
+  bool lands() const;
+  bool speeds_up(const Fine &present_rest);
+  bool beyond_target(const Fine &rest) const;
+  void set_next(const Fine &speed, const Fine &rest);
+
+  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
+  Fine speed_;  // of the last tick, >= 0
+  Fine rest_;   // where braking from the next tick on ends
+  Fine position_;
+  Fine target_;
+  Fine next_speed_;  // of the planned tick
+  Fine next_rest_;   // at speed 0 the place where it ends
+  Fine start_;
+  Ramp ramp_ = Ramp();
+  int32_t steps_ = 0;
+  int32_t next_rest_steps_ = 0;
+  int8_t direction_ = 1;  // of the last tick that moved
+  int8_t next_direction_ = 1;
+};
+
+}  // namespace beatrix
+
+#endif
+
+// --- core/axis.cpp, continued
+
+namespace beatrix {
+
+void set_ramp(const Fine &top, const Fine &acceleration, uint16_t ticks, Ramp *ramp) {
+  ramp->acceleration = acceleration;
+  ramp->top = top;
+  ramp->reach = reach_of(top, acceleration, ticks);
+}
+
+// 1 / ACCELERATION with two binary places, of speeds with 12.
+static const uint16_t INVERSE = uint16_t((uint32_t(1) << 30) / ACCELERATION);
+static_assert(ACCELERATION > 1 << 14, "its inverse has 16 bits");
+static_assert(int64_t(SPEED_MAX) * 16777 / ACCELERATION < 0xFFFF, "the ticks of a stop are counted in 16 bits");
+
+uint16_t ticks_to_rest(const Fine &speed) {
+  uint16_t coarse = uint16_t(uint16_t(speed.high) << 4 | uint8_t(speed.low >> 24) >> 4);
+  return uint16_t(wide(coarse, INVERSE) >> 16);
+}
+
+__attribute__((noinline)) Fine reach_of(const Fine &speed, const Fine &acceleration, uint16_t ticks) {
+  Fine rest = speed - acceleration * ticks;
+  for (; rest < Fine(); ticks--) rest = rest + acceleration;
+  for (; rest >= acceleration; ticks++) rest = rest - acceleration;
+  // The mean of the first and the last, as often as there are.
+  return half((speed + rest) * uint16_t(ticks + 1));
+}
+
+static inline int32_t leading_steps(const Fine &position, int8_t direction) {
+  return direction > 0 ? ceil_steps(position) : floor_steps(position);
+}
+
+static inline Fine along(const Fine &position, const Fine &way, int8_t direction) {
+  return direction > 0 ? position + way : position - way;
+}
+
+void Axis::place(int32_t steps) {
+  steps_ = steps;
+  position_ = start_ = target_ = rest_ = to_fine(steps);
+  speed_ = Fine();
+}
+
+void Axis::follow(int32_t target, const Ramp &ramp) {
+  target_ = to_fine(target);
+  ramp_ = ramp;
+}
+
+Fine Axis::rest_with(const Fine &acceleration) const {
+  if (halted() || acceleration == ramp_.acceleration) return rest_;
+  return along(position_, reach_of(speed_, acceleration, ticks_to_rest(speed_)) - speed_, direction_);
+}
+
+void Axis::follow(int32_t target, const Ramp &ramp, const Fine &rest) {
+  follow(target, ramp);
+  rest_ = rest;
+}
+
+// The fastest speed from which the arm still comes to rest before its target. The present one always leaves room for a
+// slower one, unless the target has been moved inside the stopping distance: then braking is all that can be done.
+void Axis::plan() {
+  next_direction_ = direction_;
+  if (halted()) next_direction_ = target_ < position_ ? -1 : 1;
+  if (lands()) {
+    next_speed_ = Fine();
+    next_rest_ = target_;
+    next_rest_steps_ = floor_steps(target_);
+    return;
+  }
+  Fine rest = along(rest_, speed_, next_direction_);
+  if (speed_ > ramp_.top || beyond_target(rest)) {
+    brake();
+  } else if (speed_ == ramp_.top || !speeds_up(rest)) {
+    set_next(speed_, rest);
+  }
+}
+
+// Faster by the acceleration, if that leaves way enough to rest; `present_rest` is the place of rest at the present speed.
+bool Axis::speeds_up(const Fine &present_rest) {
+  Fine speed = speed_ + ramp_.acceleration;
+  bool top = speed >= ramp_.top;
+  if (top) speed = ramp_.top;
+  Fine rest = top ? along(position_, ramp_.reach, next_direction_) : along(present_rest, speed, next_direction_);
+  if (beyond_target(rest)) return false;
+  set_next(speed, rest);
+  return true;
+}
+
+bool Axis::beyond_target(const Fine &rest) const { return next_direction_ > 0 ? rest > target_ : rest < target_; }
+
+void Axis::brake_with(const Fine &acceleration, const Fine &rest) {
+  next_direction_ = direction_;
+  if (speed_ > acceleration) {
+    set_next(speed_ - acceleration, rest);
+  } else {
+    next_speed_ = Fine();
+    next_rest_ = position_;
+    next_rest_steps_ = steps_;
+  }
+}
+
+void Axis::commit() {
+  start_ = position_;
+  speed_ = next_speed_;
+  rest_ = next_rest_;
+  if (!halted()) {
+    position_ = along(position_, speed_, next_direction_);
+  } else if (position_ == rest_) {
+    return;
+  } else {
+    position_ = rest_;
+  }
+  direction_ = next_direction_;
+  steps_ = leading_steps(position_, direction_);
+}
+
+// The last rest is made in one tick, if that changes the speed by no more than the acceleration.
+bool Axis::lands() const {
+  int32_t left_high = next_direction_ > 0 ? target_.high - position_.high : position_.high - target_.high;
+  if (left_high < 0 || left_high > ramp_.acceleration.high + 1) return false;  // spares exact figures, nearly always
+  Fine left = next_direction_ > 0 ? target_ - position_ : position_ - target_;
+  return left >= Fine() && left <= ramp_.acceleration && speed_ <= left + ramp_.acceleration;
+}
+
+void Axis::set_next(const Fine &speed, const Fine &rest) {
+  next_speed_ = speed;
+  next_rest_ = rest;
+  next_rest_steps_ = leading_steps(rest, next_direction_);
+}
+
+}  // namespace beatrix
+
+// --- core/commands.cpp
+// What each command does, and when it is refused.
+
+// --- core/machine.h
+// The board's behaviour: states, commands, telemetry, heartbeat.
+//
+// It speaks as it is spoken to: frames to a host whose frames come, and otherwise nothing but the answers to text.
+#ifndef BEATRIX_MACHINE_H
+#define BEATRIX_MACHINE_H
+
+
+// --- core/frame.h
+// Frames of the serial link: 0x00, COBS(type, seq, payload, CRC-16), 0x00; and lines of text between them.
+#ifndef BEATRIX_FRAME_H
+#define BEATRIX_FRAME_H
+
 
 namespace beatrix {
 
@@ -627,6 +658,7 @@ class Receiver {
   uint8_t body_[TEXT_LINE_MAX] = {};
   uint8_t length_ = 0;
   uint8_t run_ = 0;  // bytes until the next COBS code
+  uint16_t crc_ = 0;
   Mode mode_ = BETWEEN;
   uint16_t rejected_ = 0;
 };
@@ -747,11 +779,6 @@ Outcome guard_tick(const Axis axes[ARMS]);
 
 namespace beatrix {
 
-struct Limits {
-  int32_t acceleration = ACCELERATION;      // Q26 microsteps per tick, per tick
-  uint16_t speed_max = uint16_t(SPEED_MAX); // quarter microsteps per second
-};
-
 // Where a motion goes and how: what start() needs, worked out beforehand with all divisions.
 struct Plan {
   int32_t target[ARMS] = {};
@@ -760,13 +787,11 @@ struct Plan {
 
 class Motion {
  public:
-  Limits limits;
-
   // The way each arm has to go, read before plan(); `resting` says whether all of them rest.
   void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
-  Plan plan(const Move &move, const uint32_t todo[ARMS], bool resting) const;
+  void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   // Takes the place of a running motion.
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.
@@ -783,8 +808,9 @@ class Motion {
   Outcome outcome() const { return outcome_; }
 
  private:
+  void plan_straight(const Fine &top, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   bool brakes_alike(const Plan &plan) const;
-  bool can_follow(const Plan &plan) const;
+  void try_to_follow(const Plan &plan);
   void follow(const Plan &plan);
   void brake_all();
   void finish();
@@ -1042,7 +1068,6 @@ class Machine {
   void tick();
 
   const Motion &motion() const { return motion_; }
-  Limits &limits() { return motion_.limits; }
 
   // What the text port sees and does.
   bool enabled() const { return enabled_; }
@@ -1063,7 +1088,7 @@ class Machine {
  private:
   void answer();
   bool has_host() const;
-  void look_for_silence();
+  void look_for_silence(uint16_t tick, uint16_t silence);
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(const uint8_t *payload) const;
@@ -1083,6 +1108,7 @@ class Machine {
 
   Receiver receiver_;
   Motion motion_;
+  Plan plan_ = Plan();  // kept: emptying one takes long
   TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
@@ -1176,7 +1202,7 @@ Error Machine::check_move(const uint8_t *payload) const {
   return check(wanted);
 }
 
-// The answer has been sent before: nothing can refuse the move any more, and planning it takes a millisecond.
+// The answer has been sent before: nothing can refuse the move any more, and planning it takes half a millisecond.
 void Machine::move(const uint8_t *payload) {
   if (repeated(payload)) return;
   Move wanted;
@@ -1194,9 +1220,9 @@ void Machine::go(const Move &move) {
     TickHeld held;
     motion_.survey(move.target, todo, &resting);
   }
-  Plan plan = motion_.plan(move, todo, resting);
+  motion_.plan(move, todo, resting, &plan_);
   TickHeld held;
-  motion_.start(plan);
+  motion_.start(plan_);
   motion_number_ = move.motion;
 }
 
@@ -1214,7 +1240,7 @@ Error Machine::check(const Move &move) const {
   }
   uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
   for (uint8_t i = 0; i < speeds; i++) {
-    if (move.speed[i] == 0 || move.speed[i] > motion_.limits.speed_max) return ERROR_SPEED;
+    if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
   switch (guard_steps(move.target)) {
     case OUTCOME_GAP: return ERROR_GAP;
@@ -1428,6 +1454,7 @@ void Receiver::give_up() {
 void Receiver::begin(uint8_t byte) {
   if (byte == TEXT_START) return begin_text();
   length_ = 0;
+  crc_ = CRC_START;
   run_ = uint8_t(byte - 1);
   mode_ = ends_line(byte) ? BLANK : BLOCK;
 }
@@ -1447,6 +1474,7 @@ void Receiver::put(uint8_t byte) {
     mode_ = BROKEN;
   } else {
     body_[length_++] = byte;
+    crc_ = crc_add(crc_, byte);
   }
 }
 
@@ -1459,12 +1487,8 @@ Got Receiver::end() {
   return GOT_NOTHING;
 }
 
-bool Receiver::correct() const {
-  if (length_ < 4) return false;
-  uint16_t crc = CRC_START;
-  for (uint8_t i = 0; i < length_ - 2; i++) crc = crc_add(crc, body_[i]);
-  return crc == get_u16(body_ + length_ - 2);
-}
+// Over itself as well, a checksum of this kind is 0. Added up as the bytes come: the answer need not wait for it.
+bool Receiver::correct() const { return length_ >= 4 && crc_ == 0; }
 
 void Receiver::begin_text() {
   body_[0] = TEXT_START;
@@ -1587,24 +1611,24 @@ void Machine::tick() {
 
 void Machine::poll() {
   hal::kick_watchdog();
-  look_for_silence();
+  uint16_t tick, silence;
+  {
+    TickHeld held;
+    tick = uint16_t(tick_);
+    silence = silence_;
+  }
+  look_for_silence(tick, silence);
   text_.poll(*this);
-  if (has_host()) report();
+  if (silence < HOST_GONE) report();
 }
 
-void Machine::look_for_silence() {
-  uint16_t tick = uint16_t(now());
+void Machine::look_for_silence(uint16_t tick, uint16_t silence) {
   if (byte_came_) {
     byte_came_ = false;
     byte_tick_ = tick;
   } else if (uint16_t(tick - byte_tick_) >= TEXT_LINE_TIMEOUT) {
     byte_tick_ = tick;
     receiver_.give_up();
-  }
-  uint16_t silence;
-  {
-    TickHeld held;
-    silence = silence_;
   }
   // The host that passed lines on is gone, and with it whoever could have stopped what they ask for.
   if (silence >= HEARTBEAT_TIMEOUT && silence < HOST_GONE) text_.call_off();
@@ -1702,33 +1726,34 @@ static const uint64_t SLOWEST_RATIO = WHOLE >> 4;
 
 static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
 
+static void set_full_ramp(const Fine &top, Ramp *ramp) {
+  set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), ramp);
+}
+
 void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
   for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
   *resting = !moving_;
 }
 
-Plan Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting) const {
+void Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
+  for (uint8_t i = 0; i < ARMS; i++) plan->target[i] = move.target[i];
+  if (move.flags & MOVE_STRAIGHT) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
+  for (uint8_t i = 0; i < ARMS; i++) set_full_ramp(from_quarters(move.speed[i]), &plan->ramp[i]);
+}
+
+void Motion::plan_straight(const Fine &top, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
   uint32_t most = 1;
   for (uint8_t i = 0; i < ARMS; i++) most = todo[i] > most ? todo[i] : most;
-  Fine acceleration = from_q26(limits.acceleration);
-  Fine top = from_quarters(move.speed[0]);
-  uint32_t ticks = ticks_to_rest(top, acceleration);
-  Plan plan;
+  uint16_t ticks = ticks_to_rest(top);
   for (uint8_t i = 0; i < ARMS; i++) {
-    plan.target[i] = move.target[i];
-    if (!(move.flags & MOVE_STRAIGHT)) {
-      plan.ramp[i] = make_ramp(from_quarters(move.speed[i]), acceleration);
-      continue;
-    }
-    uint64_t ratio = ratio_of(todo[i], most);
+    uint64_t ratio = resting ? ratio_of(todo[i], most) : rough_ratio_of(todo[i], most);
     if (resting && ratio) {
-      plan.ramp[i] = make_ramp(scaled(top, ratio), scaled(acceleration, ratio), ticks);
+      set_ramp(scaled(top, ratio), scaled(from_q26(ACCELERATION), ratio), ticks, &plan->ramp[i]);
     } else {
       // In motion an arm may have to turn back, however little it has to do: it must not crawl.
-      plan.ramp[i] = make_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), acceleration);
+      set_full_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), &plan->ramp[i]);
     }
   }
-  return plan;
 }
 
 void Motion::follow(const Plan &plan) {
@@ -1738,11 +1763,11 @@ void Motion::follow(const Plan &plan) {
 // A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
 // this motion is braked first and the new one starts from rest.
 void Motion::start(const Plan &plan) {
-  braking_ = moving_ && !brakes_alike(plan) && !can_follow(plan);
-  if (braking_) {
-    next_ = plan;
+  if (moving_ && !brakes_alike(plan)) {
+    try_to_follow(plan);
   } else {
     follow(plan);
+    braking_ = false;
   }
   why_ = outcome_ = OUTCOME_NONE;
   moving_ = true;
@@ -1755,13 +1780,19 @@ bool Motion::brakes_alike(const Plan &plan) const {
   return true;
 }
 
-bool Motion::can_follow(const Plan &plan) const {
-  Axis axes[ARMS] = {axes_[0], axes_[1], axes_[2]};
+void Motion::try_to_follow(const Plan &plan) {
+  Fine rest[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
-    axes[i].follow(plan.target[i], plan.ramp[i]);
-    axes[i].brake();
+    const Fine &acceleration = plan.ramp[i].acceleration;
+    rest[i] = axes_[i].rest_with(acceleration);
+    axes_[i].brake_with(acceleration, rest[i]);  // to be looked at only: every tick plans anew
   }
-  return guard_tick(axes) == OUTCOME_NONE;
+  braking_ = guard_tick(axes_) != OUTCOME_NONE;
+  if (braking_) {
+    next_ = plan;
+  } else {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i], rest[i]);
+  }
 }
 
 void Motion::brake(Outcome why) {
@@ -2116,7 +2147,7 @@ void TextPort::pretend(Machine &machine, const int32_t from[ARMS], const int32_t
     uint32_t way = uint32_t(counted_[i] < 0 ? -counted_[i] : counted_[i]);
     if (way > most) most = way;
   }
-  duration_ = ticks_for(most, from_quarters(uint16_t(TEXT_SPEED)), from_q26(machine.motion().limits.acceleration));
+  duration_ = ticks_for(most, from_quarters(uint16_t(TEXT_SPEED)), from_q26(ACCELERATION));
   begun_ = machine.now();
   phase_ = PRETENDING;
 }
@@ -2336,24 +2367,38 @@ namespace beatrix {
 // From four products of 16 bits.
 Fine product(uint32_t a, uint32_t b) {
   uint16_t a_low = uint16_t(a), a_high = uint16_t(a >> 16), b_low = uint16_t(b), b_high = uint16_t(b >> 16);
-  uint32_t low = uint32_t(a_low) * b_low, high = uint32_t(a_high) * b_high;
-  uint32_t one = uint32_t(a_low) * b_high, other = uint32_t(a_high) * b_low;
+  uint32_t low = wide(a_low, b_low), one = wide(a_low, b_high), other = wide(a_high, b_low);
   uint32_t middle = (low >> 16) + uint16_t(one) + uint16_t(other);
-  return Fine(int32_t(high + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
+  return Fine(int32_t(wide(a_high, b_high) + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
 }
 
-Fine operator*(const Fine &a, uint32_t n) {
-  Fine whole = product(a.low, n);
-  whole.high = int32_t(uint32_t(whole.high) + uint32_t(a.high) * n);
-  return whole;
+uint16_t places(uint24 *rest, uint24 whole) {
+  uint24 left = *rest;
+  uint16_t result = 0;
+  for (uint8_t i = 0; i < 16; i++) {
+    bool carry = left & 0x800000;
+    left = uint24(left << 1);
+    result = uint16_t(result << 1);
+    if (carry || left >= whole) {
+      left = uint24(left - whole);
+      result++;
+    }
+  }
+  *rest = left;
+  return result;
 }
 
-// In two divisions of 32 bits; ways of more than 65535 steps need one of 64, which takes an AVR five times as long.
 uint64_t ratio_of(uint32_t part, uint32_t whole) {
   if (part == whole) return WHOLE;
-  if (whole > 0xFFFF) return (uint64_t(part) << 32) / whole;
-  uint32_t rest = (part << 16) % whole;
-  return (part << 16) / whole << 16 | (rest << 16) / whole;
+  uint24 rest = uint24(part);
+  uint32_t high = places(&rest, uint24(whole));
+  return high << 16 | places(&rest, uint24(whole));
+}
+
+uint64_t rough_ratio_of(uint32_t part, uint32_t whole) {
+  if (part == whole) return WHOLE;
+  uint24 rest = uint24(part);
+  return uint32_t(places(&rest, uint24(whole))) << 16;
 }
 
 Fine scaled(const Fine &value, uint64_t ratio) {
@@ -3111,25 +3156,15 @@ uint32_t way_to_first(const Fine &start, int32_t before, bool forward) {
   return (forward ? -to_way(start) : to_way(start)) & (WAY_ONE - 1);
 }
 
-// 65536 * part / whole in whole numbers; at most 65535. In 24 bits, a third faster than in 32.
+// 65536 * part / whole in whole numbers; at most 65535.
 uint16_t fraction(uint32_t part, uint32_t whole) {
   if (part >= whole) return 0xFFFF;
   if (whole >> 24) {
     whole >>= 8;
     part >>= 8;
   }
-  __uint24 rest = __uint24(part), divisor = __uint24(whole);
-  uint16_t result = 0;
-  for (uint8_t i = 0; i < 16; i++) {
-    bool carry = rest & 0x800000;
-    rest = rest << 1;
-    result = uint16_t(result << 1);
-    if (carry || rest >= divisor) {
-      rest = rest - divisor;
-      result++;
-    }
-  }
-  return result;
+  uint24 rest = uint24(part);
+  return places(&rest, uint24(whole));
 }
 
 uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t((uint32_t(fraction_of) * cycles) >> 16); }

@@ -3,30 +3,28 @@
 
 namespace beatrix {
 
-Ramp make_ramp(const Fine &top, const Fine &acceleration) {
-  return make_ramp(top, acceleration, ticks_to_rest(top, acceleration));
+void set_ramp(const Fine &top, const Fine &acceleration, uint16_t ticks, Ramp *ramp) {
+  ramp->acceleration = acceleration;
+  ramp->top = top;
+  ramp->reach = reach_of(top, acceleration, ticks);
 }
 
-Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks) {
-  Ramp ramp;
-  ramp.acceleration = acceleration;
-  ramp.top = top;
-  ramp.reach = reach_of(top, acceleration, ticks);
-  return ramp;
+// 1 / ACCELERATION with two binary places, of speeds with 12.
+static const uint16_t INVERSE = uint16_t((uint32_t(1) << 30) / ACCELERATION);
+static_assert(ACCELERATION > 1 << 14, "its inverse has 16 bits");
+static_assert(int64_t(SPEED_MAX) * 16777 / ACCELERATION < 0xFFFF, "the ticks of a stop are counted in 16 bits");
+
+uint16_t ticks_to_rest(const Fine &speed) {
+  uint16_t coarse = uint16_t(uint16_t(speed.high) << 4 | uint8_t(speed.low >> 24) >> 4);
+  return uint16_t(wide(coarse, INVERSE) >> 16);
 }
 
-// Exact where the acceleration has no more than 26 places.
-uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration) {
-  uint32_t slower_by = to_small_q26(acceleration);
-  return slower_by ? to_small_q26(speed) / slower_by : 0;
-}
-
-Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks) {
+__attribute__((noinline)) Fine reach_of(const Fine &speed, const Fine &acceleration, uint16_t ticks) {
   Fine rest = speed - acceleration * ticks;
   for (; rest < Fine(); ticks--) rest = rest + acceleration;
   for (; rest >= acceleration; ticks++) rest = rest - acceleration;
   // The mean of the first and the last, as often as there are.
-  return half((speed + rest) * (ticks + 1));
+  return half((speed + rest) * uint16_t(ticks + 1));
 }
 
 static inline int32_t leading_steps(const Fine &position, int8_t direction) {
@@ -45,11 +43,17 @@ void Axis::place(int32_t steps) {
 
 void Axis::follow(int32_t target, const Ramp &ramp) {
   target_ = to_fine(target);
-  if (!halted() && ramp.acceleration != ramp_.acceleration) {
-    Fine reach = reach_of(speed_, ramp.acceleration, ticks_to_rest(speed_, ramp.acceleration));
-    rest_ = along(position_, reach - speed_, direction_);
-  }
   ramp_ = ramp;
+}
+
+Fine Axis::rest_with(const Fine &acceleration) const {
+  if (halted() || acceleration == ramp_.acceleration) return rest_;
+  return along(position_, reach_of(speed_, acceleration, ticks_to_rest(speed_)) - speed_, direction_);
+}
+
+void Axis::follow(int32_t target, const Ramp &ramp, const Fine &rest) {
+  follow(target, ramp);
+  rest_ = rest;
 }
 
 // The fastest speed from which the arm still comes to rest before its target. The present one always leaves room for a
@@ -84,10 +88,10 @@ bool Axis::speeds_up(const Fine &present_rest) {
 
 bool Axis::beyond_target(const Fine &rest) const { return next_direction_ > 0 ? rest > target_ : rest < target_; }
 
-void Axis::brake() {
+void Axis::brake_with(const Fine &acceleration, const Fine &rest) {
   next_direction_ = direction_;
-  if (speed_ > ramp_.acceleration) {
-    set_next(speed_ - ramp_.acceleration, rest_);
+  if (speed_ > acceleration) {
+    set_next(speed_ - acceleration, rest);
   } else {
     next_speed_ = Fine();
     next_rest_ = position_;

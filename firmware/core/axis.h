@@ -2,6 +2,7 @@
 #ifndef BEATRIX_AXIS_H
 #define BEATRIX_AXIS_H
 
+#include "contract.h"
 #include "units.h"
 
 namespace beatrix {
@@ -13,13 +14,12 @@ struct Ramp {
   Fine reach;  // from top: how far the arm still goes, this tick's move and those of every slower tick to rest
 };
 
-// How often the acceleration can be taken from a speed; only nearly so if the acceleration is tiny.
-uint32_t ticks_to_rest(const Fine &speed, const Fine &acceleration);
+// How often ACCELERATION can be taken from a speed, or once more or less.
+uint16_t ticks_to_rest(const Fine &speed);
 // v + (v - a) + (v - 2a) + ... down to rest: the sum a tick-by-tick stop from `speed` travels. `ticks` as above: the
 // nearer, the sooner it is done.
-Fine reach_of(const Fine &speed, const Fine &acceleration, uint32_t ticks);
-Ramp make_ramp(const Fine &top, const Fine &acceleration);
-Ramp make_ramp(const Fine &top, const Fine &acceleration, uint32_t ticks);
+Fine reach_of(const Fine &speed, const Fine &acceleration, uint16_t ticks);
+void set_ramp(const Fine &top, const Fine &acceleration, uint16_t ticks, Ramp *ramp);
 
 // Every tick is planned first (plan or brake), may be looked at (next_rest, next_rest_steps) and is then made (commit).
 // Only additions and comparisons: the place of rest is carried along. It stays while braking, and goes on by v in a tick
@@ -30,13 +30,17 @@ class Axis {
   void place(int32_t steps);
   // Rest where the last step went.
   void settle() { place(steps_); }
-  // Go to `target`, from rest or in motion.
+  // Go to `target`: from rest, or in motion with the same acceleration.
   void follow(int32_t target, const Ramp &ramp);
+  // With another one: where braking with it ends, and then that as well.
+  Fine rest_with(const Fine &acceleration) const;
+  void follow(int32_t target, const Ramp &ramp, const Fine &rest);
 
   // Next tick: as fast as speed limit, acceleration and the way that is left allow.
   void plan();
   // Next tick: slower.
-  void brake();
+  void brake() { brake_with(ramp_.acceleration, rest_); }
+  void brake_with(const Fine &acceleration, const Fine &rest);
   void commit();
   // A tick without motion.
   void idle() { start_ = position_; }

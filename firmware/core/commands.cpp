@@ -45,7 +45,7 @@ Error Machine::check_move(const uint8_t *payload) const {
   return check(wanted);
 }
 
-// The answer has been sent before: nothing can refuse the move any more, and planning it takes a millisecond.
+// The answer has been sent before: nothing can refuse the move any more, and planning it takes half a millisecond.
 void Machine::move(const uint8_t *payload) {
   if (repeated(payload)) return;
   Move wanted;
@@ -63,9 +63,9 @@ void Machine::go(const Move &move) {
     TickHeld held;
     motion_.survey(move.target, todo, &resting);
   }
-  Plan plan = motion_.plan(move, todo, resting);
+  motion_.plan(move, todo, resting, &plan_);
   TickHeld held;
-  motion_.start(plan);
+  motion_.start(plan_);
   motion_number_ = move.motion;
 }
 
@@ -83,7 +83,7 @@ Error Machine::check(const Move &move) const {
   }
   uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
   for (uint8_t i = 0; i < speeds; i++) {
-    if (move.speed[i] == 0 || move.speed[i] > motion_.limits.speed_max) return ERROR_SPEED;
+    if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
   switch (guard_steps(move.target)) {
     case OUTCOME_GAP: return ERROR_GAP;

@@ -49,6 +49,7 @@ class Receiver {
   uint8_t body_[TEXT_LINE_MAX] = {};
   uint8_t length_ = 0;
   uint8_t run_ = 0;  // bytes until the next COBS code
+  uint16_t crc_ = 0;
   Mode mode_ = BETWEEN;
   uint16_t rejected_ = 0;
 };

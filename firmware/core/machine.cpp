@@ -48,24 +48,24 @@ void Machine::tick() {
 
 void Machine::poll() {
   hal::kick_watchdog();
-  look_for_silence();
+  uint16_t tick, silence;
+  {
+    TickHeld held;
+    tick = uint16_t(tick_);
+    silence = silence_;
+  }
+  look_for_silence(tick, silence);
   text_.poll(*this);
-  if (has_host()) report();
+  if (silence < HOST_GONE) report();
 }
 
-void Machine::look_for_silence() {
-  uint16_t tick = uint16_t(now());
+void Machine::look_for_silence(uint16_t tick, uint16_t silence) {
   if (byte_came_) {
     byte_came_ = false;
     byte_tick_ = tick;
   } else if (uint16_t(tick - byte_tick_) >= TEXT_LINE_TIMEOUT) {
     byte_tick_ = tick;
     receiver_.give_up();
-  }
-  uint16_t silence;
-  {
-    TickHeld held;
-    silence = silence_;
   }
   // The host that passed lines on is gone, and with it whoever could have stopped what they ask for.
   if (silence >= HEARTBEAT_TIMEOUT && silence < HOST_GONE) text_.call_off();

@@ -25,7 +25,6 @@ class Machine {
   void tick();
 
   const Motion &motion() const { return motion_; }
-  Limits &limits() { return motion_.limits; }
 
   // What the text port sees and does.
   bool enabled() const { return enabled_; }
@@ -46,7 +45,7 @@ class Machine {
  private:
   void answer();
   bool has_host() const;
-  void look_for_silence();
+  void look_for_silence(uint16_t tick, uint16_t silence);
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(const uint8_t *payload) const;
@@ -66,6 +65,7 @@ class Machine {
 
   Receiver receiver_;
   Motion motion_;
+  Plan plan_ = Plan();  // kept: emptying one takes long
   TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};

@@ -7,33 +7,34 @@ static const uint64_t SLOWEST_RATIO = WHOLE >> 4;
 
 static uint32_t distance(int32_t from, int32_t to) { return uint32_t(to > from ? to - from : from - to); }
 
+static void set_full_ramp(const Fine &top, Ramp *ramp) {
+  set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), ramp);
+}
+
 void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
   for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
   *resting = !moving_;
 }
 
-Plan Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting) const {
+void Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
+  for (uint8_t i = 0; i < ARMS; i++) plan->target[i] = move.target[i];
+  if (move.flags & MOVE_STRAIGHT) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
+  for (uint8_t i = 0; i < ARMS; i++) set_full_ramp(from_quarters(move.speed[i]), &plan->ramp[i]);
+}
+
+void Motion::plan_straight(const Fine &top, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
   uint32_t most = 1;
   for (uint8_t i = 0; i < ARMS; i++) most = todo[i] > most ? todo[i] : most;
-  Fine acceleration = from_q26(limits.acceleration);
-  Fine top = from_quarters(move.speed[0]);
-  uint32_t ticks = ticks_to_rest(top, acceleration);
-  Plan plan;
+  uint16_t ticks = ticks_to_rest(top);
   for (uint8_t i = 0; i < ARMS; i++) {
-    plan.target[i] = move.target[i];
-    if (!(move.flags & MOVE_STRAIGHT)) {
-      plan.ramp[i] = make_ramp(from_quarters(move.speed[i]), acceleration);
-      continue;
-    }
-    uint64_t ratio = ratio_of(todo[i], most);
+    uint64_t ratio = resting ? ratio_of(todo[i], most) : rough_ratio_of(todo[i], most);
     if (resting && ratio) {
-      plan.ramp[i] = make_ramp(scaled(top, ratio), scaled(acceleration, ratio), ticks);
+      set_ramp(scaled(top, ratio), scaled(from_q26(ACCELERATION), ratio), ticks, &plan->ramp[i]);
     } else {
       // In motion an arm may have to turn back, however little it has to do: it must not crawl.
-      plan.ramp[i] = make_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), acceleration);
+      set_full_ramp(scaled(top, ratio > SLOWEST_RATIO ? ratio : SLOWEST_RATIO), &plan->ramp[i]);
     }
   }
-  return plan;
 }
 
 void Motion::follow(const Plan &plan) {
@@ -43,11 +44,11 @@ void Motion::follow(const Plan &plan) {
 // A straight motion brakes in proportion, its successor with full ramps. Where that would end outside the limits,
 // this motion is braked first and the new one starts from rest.
 void Motion::start(const Plan &plan) {
-  braking_ = moving_ && !brakes_alike(plan) && !can_follow(plan);
-  if (braking_) {
-    next_ = plan;
+  if (moving_ && !brakes_alike(plan)) {
+    try_to_follow(plan);
   } else {
     follow(plan);
+    braking_ = false;
   }
   why_ = outcome_ = OUTCOME_NONE;
   moving_ = true;
@@ -60,13 +61,19 @@ bool Motion::brakes_alike(const Plan &plan) const {
   return true;
 }
 
-bool Motion::can_follow(const Plan &plan) const {
-  Axis axes[ARMS] = {axes_[0], axes_[1], axes_[2]};
+void Motion::try_to_follow(const Plan &plan) {
+  Fine rest[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
-    axes[i].follow(plan.target[i], plan.ramp[i]);
-    axes[i].brake();
+    const Fine &acceleration = plan.ramp[i].acceleration;
+    rest[i] = axes_[i].rest_with(acceleration);
+    axes_[i].brake_with(acceleration, rest[i]);  // to be looked at only: every tick plans anew
   }
-  return guard_tick(axes) == OUTCOME_NONE;
+  braking_ = guard_tick(axes_) != OUTCOME_NONE;
+  if (braking_) {
+    next_ = plan;
+  } else {
+    for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i], rest[i]);
+  }
 }
 
 void Motion::brake(Outcome why) {

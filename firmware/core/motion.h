@@ -6,11 +6,6 @@
 
 namespace beatrix {
 
-struct Limits {
-  int32_t acceleration = ACCELERATION;      // Q26 microsteps per tick, per tick
-  uint16_t speed_max = uint16_t(SPEED_MAX); // quarter microsteps per second
-};
-
 // Where a motion goes and how: what start() needs, worked out beforehand with all divisions.
 struct Plan {
   int32_t target[ARMS] = {};
@@ -19,13 +14,11 @@ struct Plan {
 
 class Motion {
  public:
-  Limits limits;
-
   // The way each arm has to go, read before plan(); `resting` says whether all of them rest.
   void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
-  Plan plan(const Move &move, const uint32_t todo[ARMS], bool resting) const;
+  void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   // Takes the place of a running motion.
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.
@@ -42,8 +35,9 @@ class Motion {
   Outcome outcome() const { return outcome_; }
 
  private:
+  void plan_straight(const Fine &top, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   bool brakes_alike(const Plan &plan) const;
-  bool can_follow(const Plan &plan) const;
+  void try_to_follow(const Plan &plan);
   void follow(const Plan &plan);
   void brake_all();
   void finish();

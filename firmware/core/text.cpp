@@ -203,7 +203,7 @@ void TextPort::pretend(Machine &machine, const int32_t from[ARMS], const int32_t
     uint32_t way = uint32_t(counted_[i] < 0 ? -counted_[i] : counted_[i]);
     if (way > most) most = way;
   }
-  duration_ = ticks_for(most, from_quarters(uint16_t(TEXT_SPEED)), from_q26(machine.motion().limits.acceleration));
+  duration_ = ticks_for(most, from_quarters(uint16_t(TEXT_SPEED)), from_q26(ACCELERATION));
   begun_ = machine.now();
   phase_ = PRETENDING;
 }

@@ -8,24 +8,38 @@ namespace beatrix {
 // From four products of 16 bits.
 Fine product(uint32_t a, uint32_t b) {
   uint16_t a_low = uint16_t(a), a_high = uint16_t(a >> 16), b_low = uint16_t(b), b_high = uint16_t(b >> 16);
-  uint32_t low = uint32_t(a_low) * b_low, high = uint32_t(a_high) * b_high;
-  uint32_t one = uint32_t(a_low) * b_high, other = uint32_t(a_high) * b_low;
+  uint32_t low = wide(a_low, b_low), one = wide(a_low, b_high), other = wide(a_high, b_low);
   uint32_t middle = (low >> 16) + uint16_t(one) + uint16_t(other);
-  return Fine(int32_t(high + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
+  return Fine(int32_t(wide(a_high, b_high) + (one >> 16) + (other >> 16) + (middle >> 16)), middle << 16 | uint16_t(low));
 }
 
-Fine operator*(const Fine &a, uint32_t n) {
-  Fine whole = product(a.low, n);
-  whole.high = int32_t(uint32_t(whole.high) + uint32_t(a.high) * n);
-  return whole;
+uint16_t places(uint24 *rest, uint24 whole) {
+  uint24 left = *rest;
+  uint16_t result = 0;
+  for (uint8_t i = 0; i < 16; i++) {
+    bool carry = left & 0x800000;
+    left = uint24(left << 1);
+    result = uint16_t(result << 1);
+    if (carry || left >= whole) {
+      left = uint24(left - whole);
+      result++;
+    }
+  }
+  *rest = left;
+  return result;
 }
 
-// In two divisions of 32 bits; ways of more than 65535 steps need one of 64, which takes an AVR five times as long.
 uint64_t ratio_of(uint32_t part, uint32_t whole) {
   if (part == whole) return WHOLE;
-  if (whole > 0xFFFF) return (uint64_t(part) << 32) / whole;
-  uint32_t rest = (part << 16) % whole;
-  return (part << 16) / whole << 16 | (rest << 16) / whole;
+  uint24 rest = uint24(part);
+  uint32_t high = places(&rest, uint24(whole));
+  return high << 16 | places(&rest, uint24(whole));
+}
+
+uint64_t rough_ratio_of(uint32_t part, uint32_t whole) {
+  if (part == whole) return WHOLE;
+  uint24 rest = uint24(part);
+  return uint32_t(places(&rest, uint24(whole))) << 16;
 }
 
 Fine scaled(const Fine &value, uint64_t ratio) {

@@ -50,8 +50,24 @@ inline Fine operator-(const Fine &a, const Fine &b) {
 }
 
 inline Fine operator-(const Fine &a) { return Fine() - a; }
+// The compiler must not know that a factor is used twice: it would widen it once, and then multiply 32 bits by 32.
+inline uint32_t wide(uint16_t a, uint16_t b) {
+  __asm__("" : "+r"(a), "+r"(b));
+  return uint32_t(a) * b;
+}
+
+// Of values from 0 to less than 256.
+inline Fine operator*(const Fine &a, uint16_t n) {
+  uint32_t middle = wide(uint16_t(a.low >> 16), n);
+  uint32_t high = wide(uint16_t(a.high), n) + (middle >> 16);
+  uint32_t low = wide(uint16_t(a.low), n);
+  middle <<= 16;
+  low += middle;
+  if (low < middle) high++;
+  return Fine(int32_t(high), low);
+}
+
 Fine product(uint32_t a, uint32_t b);
-Fine operator*(const Fine &a, uint32_t n);
 inline Fine half(const Fine &a) { return Fine(a.high >> 1, uint32_t(a.high) << 31 | a.low >> 1); }
 // a / 65536 in 32 bits.
 inline uint32_t middle(const Fine &a) { return uint32_t(a.high) << 16 | a.low >> 16; }
@@ -65,7 +81,7 @@ inline bool operator<=(const Fine &a, const Fine &b) { return !(b < a); }
 inline bool operator>=(const Fine &a, const Fine &b) { return !(a < b); }
 
 inline Fine to_fine(int32_t steps) { return Fine(int32_t(uint32_t(steps) << (FINE_BITS - 32)), 0); }
-inline Fine from_q26(int32_t value) { return Fine(int64_t(value) * (1 << FINE_OVER_Q26)); }
+inline Fine from_q26(int32_t value) { return Fine(value >> (32 - FINE_OVER_Q26), uint32_t(value) << FINE_OVER_Q26); }
 inline int64_t to_q26(const Fine &value) { return value.whole() >> FINE_OVER_Q26; }
 // Of values from 0 to less than 64.
 inline uint32_t to_small_q26(const Fine &value) {
@@ -78,13 +94,21 @@ inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t
 inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
 
 // Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
-inline Fine from_quarters(uint16_t speed) { return product(274877907, speed); }
+inline Fine from_quarters(uint16_t speed) { return Fine(0, 274877907) * speed; }
 inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
 
 // Proportions: 32 binary places, from 0 to WHOLE.
 static const uint64_t WHOLE = uint64_t(1) << 32;
-// part / whole, part <= whole < 2^31.
+// part / whole, part <= whole < 2^24.
 uint64_t ratio_of(uint32_t part, uint32_t whole);
+uint64_t rough_ratio_of(uint32_t part, uint32_t whole);  // 16 places of it, in half the time
+// The first 16 binary places of rest / whole, rest < whole, and for the next ones what is left.
+#ifdef __AVR__
+typedef __uint24 uint24;  // a third faster than 32 bits
+#else
+typedef uint32_t uint24;
+#endif
+uint16_t places(uint24 *rest, uint24 whole);
 // Of values from 0 to less than 65536.
 Fine scaled(const Fine &value, uint64_t ratio);
 

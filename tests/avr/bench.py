@@ -190,7 +190,8 @@ class Avr:
     def edges(self, signal: str, arm: int = 0) -> NDArray[np.void]:
         """Changes of a wire ("step", "direction", "enable"): fields `cycle` and `level`."""
         edges = self.all_edges()
-        return edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
+        chosen: NDArray[np.void] = edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
+        return chosen
 
     def all_edges(self) -> NDArray[np.void]:
         """Changes of all wires in order; `signal` is 0 to 2 step, 3 to 5 direction, 6 enable."""
@@ -269,4 +270,5 @@ class Avr:
     def _copy(self, address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
         if not count or not address:
             return np.empty(0, kind)
-        return np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+        copied: NDArray[np.void] = np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+        return copied

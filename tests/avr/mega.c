@@ -4,6 +4,7 @@
 // What libsimavr 1.6 does otherwise than the chip, and what is done about it here:
 //   INT4 and INT5 (the step pins of X and Y) in level mode poll every cycle          strict level triggering off
 //   an interrupt's response time (5 cycles, 5 more from sleep) is not charged        charged when its vector is called
+//   a compare match some cycles after a timer's overflow is lost                    found and raised (on_overflow)
 //   a flag raised while its interrupt is masked is forgotten on unmasking            raised again (unmask)
 //   a byte takes 11 bit times, the receive buffer has 64 places                      a receiver of our own, 2 places
 //   an EEPROM write is over at once, and whole after any reset                       busy for 3.4 ms, spoilt by a reset
@@ -17,6 +18,7 @@
 #include <simavr/avr_eeprom.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
+#include <simavr/avr_timer.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
@@ -28,8 +30,8 @@ enum { RESPONSE = 5, WAKE = 5, EEPROM_WRITE = 54400, UART_BUFFER = 2, RUN_LIMIT 
 enum { UCSR0A = 0xC0, UCSR0B = 0xC1, UDR0 = 0xC6, RXC0 = 0x80, RXEN0 = 0x10 };
 enum { PINE = 0x2C, PORTH = 0x102, DDRH = 0x101, ENABLE_BIT = 0x20 };
 enum { EECR = 0x3F, EEPE = 0x02, EEMPE = 0x04, EEDR = 0x40, EEARL = 0x41, EEARH = 0x42 };
+enum { TCCR1B = 0x81, TCCR3B = 0x91, TIMER1_OVERFLOW = 20, TIMER3_OVERFLOW = 35, RXC_VECTOR = 25 };
 enum { FIRST_MASK = 0x6E, LAST_MASK = 0x73 };  // TIMSK0 to TIMSK5
-static const int RXC_VECTOR = 25;
 
 typedef struct {
   uint64_t cycle;
@@ -60,6 +62,7 @@ typedef struct Bench Bench;
 struct Bench {
   avr_t *avr;
   avr_uart_t *uart;
+  avr_timer_t *timer1, *timer3;
   avr_io_t watch;  // hears of resets
   Report report;
   Edge *edges;
@@ -178,6 +181,27 @@ static void unmask(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param
       avr_raise_interrupt(avr, vector);
     }
   }
+}
+
+// libsimavr looks for compare matches when an overflow is dealt with, which may be some cycles late, and passes over
+// those that were due in between. A step would be 4 ms late, a tick as well.
+static avr_cycle_count_t on_overflow(avr_t *avr, avr_cycle_count_t when, void *param) {
+  avr_timer_t *timer = param;
+  uint64_t begin = timer->tov_base, whole = timer->tov_cycles;
+  if (begin != when && begin + whole != when) return begin + whole;  // started anew
+  for (int i = 0; i < AVR_TIMER_COMP_COUNT; i++) {
+    uint64_t match = timer->comp[i].comp_cycles;
+    if (match && when + match < avr->cycle) avr_raise_interrupt(avr, &timer->comp[i].interrupt);
+  }
+  return when + whole;
+}
+
+// Its own handler has been called before.
+static void on_clock(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
+  Bench *b = param;
+  avr_timer_t *timer = address == TCCR1B ? b->timer1 : b->timer3;
+  avr_cycle_timer_cancel(avr, on_overflow, timer);
+  if (value & 7) avr_cycle_timer_register(avr, timer->tov_base + timer->tov_cycles - avr->cycle, on_overflow, timer);
 }
 
 static void on_sleep(avr_t *avr, avr_cycle_count_t cycles) {
@@ -330,14 +354,19 @@ static void attach(Bench *b) {
   avr_t *avr = b->avr;
   for (int i = 0; i < avr->interrupts.vector_count; i++) {
     avr_irq_register_notify(avr->interrupts.vector[i]->irq + AVR_INT_IRQ_RUNNING, on_vector, b);
-    if (avr->interrupts.vector[i]->vector == RXC_VECTOR) {
-      b->uart = (avr_uart_t *)((char *)avr->interrupts.vector[i] - offsetof(avr_uart_t, rxc));
+    char *vector = (char *)avr->interrupts.vector[i];
+    switch (avr->interrupts.vector[i]->vector) {
+      case RXC_VECTOR: b->uart = (avr_uart_t *)(vector - offsetof(avr_uart_t, rxc)); break;
+      case TIMER1_OVERFLOW: b->timer1 = (avr_timer_t *)(vector - offsetof(avr_timer_t, overflow)); break;
+      case TIMER3_OVERFLOW: b->timer3 = (avr_timer_t *)(vector - offsetof(avr_timer_t, overflow)); break;
     }
   }
   for (int address = FIRST_MASK; address <= LAST_MASK; address++) avr_register_io_write(avr, address, unmask, NULL);
   avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_sent, b);
   b->uart->flags &= ~(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POLL_SLEEP);
   avr_register_io_write(avr, 0xC4, on_baud, b);
+  avr_register_io_write(avr, TCCR1B, on_clock, b);
+  avr_register_io_write(avr, TCCR3B, on_clock, b);
   avr->io[AVR_DATA_TO_IO(UDR0)].r.c = on_read;
   avr->io[AVR_DATA_TO_IO(UDR0)].r.param = b;
   b->eeprom_write = avr->io[AVR_DATA_TO_IO(EECR)].w.c;

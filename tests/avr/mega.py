@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Final, Self
 
 import numpy as np
+from avr.bench import EEPROM_SIZE, SIGNALS, Avr
 from numpy.typing import NDArray
 from rig import ROOT, Rig, Steps
 
-from avr.bench import EEPROM_SIZE, SIGNALS, Avr
 from beatrix_zenoh.board.link import Decoder
 
 HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"

@@ -7,7 +7,10 @@ extern "C" int guard_first_tick(const int32_t start[ARMS], const int32_t target[
   Axis axes[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
     axes[i].place(start[i]);
-    axes[i].follow(target[i], make_ramp(from_quarters(SPEED_DEFAULT), from_q26(ACCELERATION)));
+    Ramp ramp;
+    Fine top = from_quarters(SPEED_DEFAULT);
+    set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), &ramp);
+    axes[i].follow(target[i], ramp);
     axes[i].plan();
   }
   return guard_tick(axes);
@@ -85,7 +88,9 @@ extern "C" void live(uint32_t seed, uint32_t motions, Seen *seen) {
       uint32_t todo[ARMS];
       bool resting;
       motion.survey(move.target, todo, &resting);
-      motion.start(motion.plan(move, todo, resting));
+      Plan plan;
+      motion.plan(move, todo, resting, &plan);
+      motion.start(plan);
     }
     if (chance.between(0, 9) == 0) motion.brake(OUTCOME_STOPPED);
     pass(motion, chance.between(1, chance.between(0, 3) ? 300 : 4000), seen);

@@ -133,6 +133,7 @@ def test_a_main_loop_that_hangs_is_restarted_with_the_motors_off() -> None:
         mega.hear_again()
         mega.tick(START_MS + 20)
         assert hello(mega).boot == 2
+        mega.tick(20)
         assert mega.state == State(0)
         assert pin_faults(mega.avr) == []
         at = mega.steps

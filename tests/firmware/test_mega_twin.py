@@ -15,24 +15,28 @@ from beatrix_zenoh._generated.serial import FrameType, Move
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
-QUIET = 6200
-"""Cycles after a tick was due: it is over, and there is time for a whole MOVE before the next."""
+IN_TICK = 550
+"""Cycles after a tick was due: it is running, it has interrupted the byte before, and what comes now is dealt with
+before anything else and before the next."""
 AHEAD_MS = 2
 """A tick plans the millisecond that begins one millisecond after it was due."""
-LENGTH_MS = 700
+STOP_MS = 660
+LENGTH_MS = 1200
+"""All arms have rested for a while: a stop from full speed takes half a second."""
 
 
 def script(seed: int) -> dict[int, bytes]:
-    """Frames by the millisecond in which they are processed: moves, retargets, stops, heartbeats."""
+    """Frames by the millisecond in which they are dealt with: moves, retargets, stops, and STOP in the end."""
     chance = random.Random(seed)
     frames, ms = {}, 5
-    while ms < LENGTH_MS - 200:
+    while ms < STOP_MS - 40:
         around = chance.randint(-300, 300)
         target = (around, around + chance.randint(-200, 200), around + chance.randint(-200, 200))
         speed = (SPEED_MAX, chance.randint(500, SPEED_MAX), chance.randint(500, SPEED_MAX))
         move = encode(FrameType.MOVE, 1, Move(chance.randint(0, 1), ms, target, speed).pack())
         frames[ms] = chance.choice([move, move, move, encode(FrameType.STOP, 2, b"")])
         ms += chance.choice([chance.randint(5, 40), chance.randint(40, 300)])
+    frames[STOP_MS] = encode(FrameType.STOP, 3, b"")
     return frames
 
 
@@ -66,13 +70,14 @@ def test_mega_and_virtual_board_are_never_more_than_a_step_apart(seed: int) -> N
             planned.append(firmware.steps())
             if ms in frames:
                 firmware.receive(frames[ms])
-                due = begin + ms * CYCLES_PER_MS + QUIET
+                due = begin + ms * CYCLES_PER_MS + IN_TICK
                 mega.avr.run_until(due - len(frames[ms]) * mega.avr.byte_cycles)
                 mega.avr.deliver(frames[ms])
         mega.avr.run_until(begin + (LENGTH_MS + AHEAD_MS) * CYCLES_PER_MS)
+        mega.tick(0)
         assert (mega.avr.work(TICK).last - begin) % CYCLES_PER_MS < 1000  # no tick was late by a millisecond
         times = begin + (np.arange(1, LENGTH_MS) + AHEAD_MS) * CYCLES_PER_MS
         for arm in range(3):
             apart = np.array([steps[arm] for steps in planned]) - positions(mega, arm, times)
             assert np.abs(apart).max() <= 1
-        assert planned[-1] == mega.steps
+        assert planned[-1] == mega.steps == mega.last.position
