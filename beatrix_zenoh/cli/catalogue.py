@@ -29,11 +29,12 @@ VERBS = {
     "calibrate": "commands",
     "stop": "commands",
     "doctor": "doctor",
+    "flash": "serving",
 }
 """Verb and the file it is in, in the order of the help."""
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """For verbs whose options only their process knows."""
-PROCESSES = ("sim", "hw")
+PROCESSES = ("sim", "hw", "flash")
 SETTINGS: dict[str, dict[str, object]] = {
     **dict.fromkeys(PROCESSES, PASS_THROUGH),
     "move": {"ignore_unknown_options": True},  # else -10 is an option

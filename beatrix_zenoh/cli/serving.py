@@ -1,4 +1,4 @@
-"""Verbs that serve until Ctrl-C: router, sim, hw."""
+"""Verbs that serve until Ctrl-C: router, sim, hw; and flash, which belongs to hw."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
 PROCESSES = "beatrix.processes"
 """Entry points of the programs that stand above this package; it never imports them."""
+EXTRAS = {"flash": "hw"}
+"""Where a program is not in the extra of its own name."""
 TURN_S = 0.5
 """Windows delivers Ctrl-C only between waits."""
 
@@ -59,13 +61,18 @@ def hw(context: typer.Context) -> None:
     raise typer.Exit(run("hw", context.args))
 
 
+def flash(context: typer.Context) -> None:
+    """Put the firmware onto an Arduino Mega. `beatrix flash --help` lists its options."""
+    raise typer.Exit(run("flash", context.args))
+
+
 def run(process: str, arguments: list[str]) -> int:
     """Run a process of the group in this one; its exit code.
 
     Raises:
         Refused: it is not installed.
     """
-    install = f'pip install ".[{process}]" in the folder of BEATRIX'
+    install = f'pip install ".[{EXTRAS.get(process, process)}]" in the folder of BEATRIX'
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
         raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")

@@ -333,14 +333,19 @@ static void prepare(Bench *b) {
   }
 }
 
+static const uint32_t BOOT_LOADER = 0x3E000;
+
 static bool load(avr_t *avr, const char *path) {
   const char *ending = strrchr(path, '.');
   if (ending && !strcmp(ending, ".hex")) {
     ihex_chunk_p chunks;
     int count = read_ihex_chunks(path, &chunks);
     for (int i = 0; i < count; i++) avr_loadcode(avr, chunks[i].data, chunks[i].size, chunks[i].baseaddr);
-    if (count > 0) avr->codeend = chunks[count - 1].baseaddr + chunks[count - 1].size;
-    return count > 0;
+    if (count <= 0) return false;
+    avr->codeend = chunks[count - 1].baseaddr + chunks[count - 1].size;
+    // A boot loader alone: the fuses of the Mega start it instead of address 0.
+    if (chunks[0].baseaddr >= BOOT_LOADER) avr->reset_pc = avr->pc = BOOT_LOADER;
+    return true;
   }
   elf_firmware_t firmware;
   memset(&firmware, 0, sizeof firmware);
