@@ -43,7 +43,7 @@ FAR: Final = 1 << 31
 HELLO_S: Final = 0.25
 HELLO_TRIES: Final = 12
 ANSWER_S: Final = 1.0
-TRIES: Final = 3
+TRIES: Final = 5
 
 
 class Wire(Protocol):

@@ -77,7 +77,7 @@ def test_a_new_board_is_flashed_verified_and_answers() -> None:
 
 def test_answers_lost_on_the_wire_are_asked_for_again() -> None:
     with board() as avr:
-        flash.program(BenchWire(avr, spoil=0.03), IMAGE, lambda *_: None)
+        flash.program(BenchWire(avr, spoil=0.005), IMAGE, lambda *_: None)
         assert hello(avr) is not None
 
 
