@@ -50,9 +50,10 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = 5.0) -> None:
 class Process:
     """A child process whose output lines are read as they come."""
 
-    def __init__(self, *command: str) -> None:
+    def __init__(self, *command: str, listens: bool = False) -> None:
         self._child = subprocess.Popen(
             [sys.executable, *command],
+            stdin=subprocess.PIPE if listens else None,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -84,6 +85,12 @@ class Process:
             if line.startswith(beginning):
                 return line
 
+    def say(self, line: str) -> None:
+        """Write a line to its standard input."""
+        assert self._child.stdin is not None, "started with listens=True"
+        self._child.stdin.write(line + "\n")
+        self._child.stdin.flush()
+
     def send(self, number: signal.Signals) -> None:
         """Send a signal."""
         self._child.send_signal(number)
@@ -96,8 +103,9 @@ class Process:
             line = self._queue.get()
             if line is not None:
                 self.lines.append(line)
-        if self._child.stdout is not None:
-            self._child.stdout.close()
+        for pipe in (self._child.stdin, self._child.stdout):
+            if pipe is not None:
+                pipe.close()
         return code
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
@@ -147,6 +155,12 @@ class Stage:
         process.expect("ready")
         return process
 
+    def mega(self, path: Path) -> Process:
+        """A simulated Mega with the shipped firmware, a port at `path`; obeys the words of tests/avr/live.py."""
+        process = self._started(Process("tests/avr/live.py", "--path", str(path), listens=True))
+        process.expect("ready")
+        return process
+
     def node(self, name: str) -> Node:
         """A node on the virtual board inside this process."""
         node = Node(Roads.open(lambda: zbus.connect(self.endpoint)), name, VirtualHardware(name))
@@ -164,12 +178,12 @@ class Stage:
         return Robot(name, twin, client=self.client(who), timeout_s=PATIENCE_S)
 
     def close(self) -> None:
-        """Clients first, then robots, the router last."""
+        """Clients first, then robots, their boards, the router last."""
         for client in self._clients:
             client.close()
         for node in self._nodes:
             node.close()
-        for process in self._processes:
+        for process in reversed(self._processes):
             process.end()
         self._router.close()
 

@@ -50,7 +50,7 @@ def show(console: Console, figures: list[Row]) -> None:
 
 
 def main() -> None:
-    """Nodes first, then kinematics and plant."""
+    """Nodes first, then kinematics, plant and firmware."""
     console = Console(width=130)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -64,7 +64,7 @@ def main() -> None:
     finally:
         router.end()
     show(console, figures)
-    for script in ("bench_kinematics.py", "bench_plant.py", "bench_poses.py"):
+    for script in ("bench_kinematics.py", "bench_plant.py", "bench_poses.py", "bench_mega.py"):
         console.print(f"\n{script}")
         subprocess.run([sys.executable, str(ROOT / "tools" / script)], check=True)
 

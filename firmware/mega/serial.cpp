@@ -69,12 +69,14 @@ ISR(USART0_RX_vect) {
   received.head = next;
 }
 
-// About 75 cycles.
+// About 75 cycles. Looks first: while a tick interrupts send() before its last line, all that it has queued may be sent.
 ISR(USART0_UDRE_vect) {
   using beatrix::mega::sent;
   uint8_t tail = sent.tail;
+  if (tail == sent.head) {
+    UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+    return;
+  }
   UDR0 = sent.bytes[tail];
-  tail = uint8_t(tail + 1);
-  sent.tail = tail;
-  if (tail == sent.head) UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+  sent.tail = uint8_t(tail + 1);
 }

@@ -171,7 +171,7 @@ class Avr:
     def sent(self, since: int = 0) -> NDArray[np.void]:
         """All bytes from the board, from the given one on: fields `cycle` (of the stop bit) and `byte`."""
         count = int(self._report.sent)
-        return self._copy(self._c.bench_sent(self._board), count, BYTE)[since:]
+        return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
 
     def receive(self) -> bytes:
         """Bytes that have come from the board since the last call; only those whole by now."""
@@ -267,8 +267,12 @@ class Avr:
         row = self._report.work[vector]
         return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
 
-    def _copy(self, address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
-        if not count or not address:
+    def _copy(
+        self, address: int | None, count: int, kind: np.dtype[np.void], since: int = 0
+    ) -> NDArray[np.void]:
+        if count <= since or not address:
             return np.empty(0, kind)
-        copied: NDArray[np.void] = np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+        copied: NDArray[np.void] = np.frombuffer(
+            ctypes.string_at(address + since * kind.itemsize, (count - since) * kind.itemsize), kind
+        )
         return copied

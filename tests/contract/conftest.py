@@ -10,7 +10,7 @@ from stage import Stage, ready
 
 from beatrix_zenoh import Robot
 
-BODIES = ("sim", "hw", "in-process")
+BODIES = ("sim", "hw", "in-process", "mega")
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Body:
 
 
 @pytest.fixture(scope="module", params=BODIES)
-def body(request: pytest.FixtureRequest) -> Iterator[Body]:
+def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Body]:
     """One body, shared by the tests of a file."""
     kind: str = request.param
     with Stage() as stage:
@@ -36,6 +36,10 @@ def body(request: pytest.FixtureRequest) -> Iterator[Body]:
             stage.simulation("bea")
         elif kind == "hw":
             stage.hardware("bea")
+        elif kind == "mega":
+            path = tmp_path_factory.mktemp("mega") / "board"
+            stage.mega(path)
+            stage.hardware("bea", str(path))
         else:
             stage.node("bea")
         yield Body(kind, stage, "bea", "sim" if kind == "sim" else "hw")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from itertools import pairwise
 
+from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
 from rig import damaged
 
@@ -80,3 +81,20 @@ def test_replies_come_while_nobody_reads_telemetry_in_order() -> None:
         mega.tick(1000)
         ticks = [t.tick for t in mega.telemetry[-90:]]
         assert {b - a for a, b in pairwise(ticks)} == {10}
+
+
+def test_a_reply_whose_queueing_is_interrupted_by_a_tick_is_sent_once() -> None:
+    """Long enough for the wire to send all that is queued before the tick lets go."""
+    pings = encode(FrameType.PING, 1, b"") * 2
+    with Mega() as mega:
+        mega.ready()
+        mega.move((-2200, -2200, -2200))
+        mega.run()
+        mega.move((2200, 2200, 2200))
+        mega.tick(300)
+        for early in range(700, 1100):
+            due = mega.avr.work(TICK).last + 2 * CYCLES_PER_MS
+            mega.avr.run_until(due - early - len(pings) * mega.avr.byte_cycles)
+            assert len(mega.raw(pings)) == 2
+        mega.run()
+        mega.settle()
