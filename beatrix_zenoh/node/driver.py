@@ -231,7 +231,8 @@ class Driver:
             raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
         self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
-        self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
+        # Known before, home is another place now: only the new position shows it.
+        self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position))
         return "This is home now."
 
     def _home(self, asker: Asker) -> None:
