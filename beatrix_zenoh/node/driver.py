@@ -232,7 +232,9 @@ class Driver:
         self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
         # Known before, home is another place now: only the new position shows it.
-        self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position))
+        self._await(
+            lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+        )
         return "This is home now."
 
     def _home(self, asker: Asker) -> None:

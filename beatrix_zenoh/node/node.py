@@ -11,7 +11,7 @@ from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import FrameType, Telemetry
+from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.errors import BeatrixError, Refused, quoted
@@ -20,7 +20,7 @@ from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.broadcast import Broadcast
 from beatrix_zenoh.node.claim import claim
 from beatrix_zenoh.node.course import Course
-from beatrix_zenoh.node.driver import Driver
+from beatrix_zenoh.node.driver import REFLECTED_S, Driver
 from beatrix_zenoh.node.mailbox import Mailbox, Task
 from beatrix_zenoh.node.previewer import Previewer
 from beatrix_zenoh.node.reporter import Reporter
@@ -79,7 +79,7 @@ class Node:
         self.driver = Driver(body, self.board, self._course)
         self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
         self._previewer = Previewer(body, self.driver, self._course)
-        self._stop_desk = StopDesk(self.board.request, self._stopped)
+        self._stop_desk = StopDesk(self._halt_board, self._stopped)
         self._front_desk = Desk("front")
         self._thread = threads.start(self._work, "driver")
         self.board.start()
@@ -184,6 +184,11 @@ class Node:
     def _stop_put(self, key: str, _payload: bytes) -> None:
         if key.endswith("/stop"):
             self._stop(None, FrameType.STOP)
+
+    def _halt_board(self, road: FrameType) -> None:
+        self.board.request(road)
+        if road is FrameType.EMERGENCY_STOP:  # who has asked shall not be told of motors that are on
+            self.board.wait_for(lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S)
 
     def _stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
         self._mailbox.post_event(lambda: self.driver.stopped(asker, error))
