@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Legacy, OwnName
+from beatrix_zenoh import robot_file as lab
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
@@ -18,12 +20,14 @@ def hw(
         str, typer.Option(metavar="PORT", help="Serial device, or `virtual:`; else the board on USB.")
     ] = "",
     legacy: Legacy = None,
+    robot_file: RobotFile = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
     """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
     settings = resolve(name, connect)
-    raise typer.Exit(serve(lambda: build(port, settings.robot), settings, legacy=legacy))
+    robot = ROBOT if robot_file is None else lab.load(robot_file)
+    raise typer.Exit(serve(lambda: build(port, settings.robot, robot), settings, robot=robot, legacy=legacy))
 
 
 def main(words: list[str] | None = None) -> int:

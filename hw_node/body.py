@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh._generated.messages import Fault, PlantStatus, Reason
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import Move, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
@@ -20,9 +20,9 @@ class Hardware:
 
     twin = "hw"
 
-    def __init__(self, device: str = "") -> None:
+    def __init__(self, device: str = "", robot: RobotData = ROBOT) -> None:
         self._device = device
-        self._gear = Gear(ROBOT.drive)
+        self._gear = Gear(robot.drive)
 
     def open_port(self) -> Port:
         """Open the serial port; OSError or NoAnswer if there is no board now."""
@@ -54,8 +54,8 @@ class Hardware:
 class VirtualHardware(Hardware):
     """The same firmware on a virtual board in real time: a robot without a robot."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(VIRTUAL)
+    def __init__(self, name: str, robot: RobotData = ROBOT) -> None:
+        super().__init__(VIRTUAL, robot)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
         self._ticker = RealTimeTicker(self._board)
 
@@ -69,10 +69,10 @@ class VirtualHardware(Hardware):
         self._board.close()
 
 
-def build(device: str, name: str) -> Hardware:
+def build(device: str, name: str, robot: RobotData = ROBOT) -> Hardware:
     """The body on `device`, or on a virtual board; no port is opened yet."""
     if device == VIRTUAL.rstrip(":"):
         raise WrongUsage(
             Reason.BAD_VALUE, f"--port {device}: a board in software is written `{VIRTUAL}`, with a colon."
         )
-    return VirtualHardware(name) if device == VIRTUAL else Hardware(device)
+    return VirtualHardware(name, robot) if device == VIRTUAL else Hardware(device, robot)

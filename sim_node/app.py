@@ -6,7 +6,9 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Legacy, OwnName
+from beatrix_zenoh import robot_file as lab
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
@@ -17,12 +19,16 @@ def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
     legacy: Legacy = None,
+    robot_file: RobotFile = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
     """Simulate a robot. Ends with Ctrl-C."""
     settings = resolve(name, connect)
-    raise typer.Exit(serve(lambda: Simulation(settings.robot), settings, ready=ready, legacy=legacy))
+    robot = ROBOT if robot_file is None else lab.load(robot_file)
+    raise typer.Exit(
+        serve(lambda: Simulation(settings.robot, robot), settings, robot=robot, ready=ready, legacy=legacy)
+    )
 
 
 def main(words: list[str] | None = None) -> int:

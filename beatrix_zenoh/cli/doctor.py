@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Annotated
 
 import typer
 
@@ -10,8 +11,10 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import CONTRACT, FAULT_TEXT, Fault, Info
 from beatrix_zenoh.cli.checks import Finding, this_computer
 from beatrix_zenoh.cli.clocks import clock_offset
+from beatrix_zenoh.cli.jog import jog
+from beatrix_zenoh.cli.line import Where
 from beatrix_zenoh.cli.listing import descriptions, state, states
-from beatrix_zenoh.cli.options import Connect, Json, Who
+from beatrix_zenoh.cli.options import Connect, Json, Name, Who
 from beatrix_zenoh.cli.verb import FAILED, document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
@@ -22,8 +25,20 @@ OFFSET_S = 0.05
 """Clocks further apart than this make times of two robots hard to compare."""
 
 
-def doctor(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
+def doctor(
+    by_jog: Annotated[
+        bool,
+        typer.Option("--jog", help="Turn the arms of the real robot one by one, and ask what you see."),
+    ] = False,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
     """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
+    if by_jog:
+        jog(Where(name, connect, who))
+        return
     settings = resolve(None, connect, who)
     sections = [("this computer", list(this_computer())), (settings.connect, list(network(settings)))]
     findings = [finding for _, section in sections for finding in section]

@@ -55,4 +55,12 @@ Legacy = Annotated[
         help="Let programs of 2023 open a serial port here, for example /dev/ttyACM9 or /tmp/beatrix.",
     ),
 ]
+RobotFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--robot-file",
+        metavar="FILE",
+        help="Values of your own robot (TOML, as docs/reference/robot.md names them).",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]

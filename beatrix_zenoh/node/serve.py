@@ -12,6 +12,7 @@ from pathlib import Path
 from types import FrameType
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
@@ -25,7 +26,12 @@ SWITCH_S = 0.0005
 
 
 def serve(
-    build: Callable[[], Body], settings: Settings, *, ready: bool = False, legacy: Path | None = None
+    build: Callable[[], Body],
+    settings: Settings,
+    *,
+    robot: RobotData = ROBOT,
+    ready: bool = False,
+    legacy: Path | None = None,
 ) -> int:
     """Serve a body until a signal comes; returns the exit code.
 
@@ -56,15 +62,11 @@ def serve(
     roads = _connect(settings, over)
     if roads is None:
         return 0
-    node = _open(roads, build(), settings, legacy)
+    node = _open(roads, build(), settings, robot, legacy)
     try:
         if ready:
             node.make_ready()
-        print("ready", node.alive_key, flush=True)
-        if legacy is not None:
-            print(f"Old programs open {legacy}.", file=sys.stderr, flush=True)
-        if trouble := node.board.link.trouble:
-            print(f"No board yet, waiting for it. {trouble}", file=sys.stderr, flush=True)
+        _greet(node, legacy)
         # Not one long wait: a signal that another thread receives, as after SIGCONT, would not end it.
         while not over.wait(RETRY_S):
             pass
@@ -73,7 +75,16 @@ def serve(
     return 1 if broken else 0
 
 
-def _open(roads: Roads, body: Body, settings: Settings, legacy: Path | None) -> Node:
+def _greet(node: Node, legacy: Path | None) -> None:
+    """Say that it serves, and what a person should know."""
+    print("ready", node.alive_key, flush=True)
+    if legacy is not None:
+        print(f"Old programs open {legacy}.", file=sys.stderr, flush=True)
+    if trouble := node.board.link.trouble:
+        print(f"No board yet, waiting for it. {trouble}", file=sys.stderr, flush=True)
+
+
+def _open(roads: Roads, body: Body, settings: Settings, robot: RobotData, legacy: Path | None) -> Node:
     """A node that serves; closes what it was given if it cannot."""
     with ExitStack() as undo:
         undo.callback(body.close)
@@ -81,7 +92,7 @@ def _open(roads: Roads, body: Body, settings: Settings, legacy: Path | None) -> 
         terminal = None if legacy is None else Terminal(legacy)
         if terminal is not None:
             undo.callback(terminal.close)
-        node = Node(roads, settings.robot, body, terminal=terminal)
+        node = Node(roads, settings.robot, body, robot, terminal)
         undo.pop_all()
         return node
 
