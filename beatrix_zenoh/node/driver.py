@@ -249,19 +249,15 @@ class Driver:
         stood = self.arms()
         self._body.straighten()
         self._board.request(FrameType.CALIBRATE)
-<<<<<<< HEAD
-        self._await(lambda telemetry: bool(telemetry.state & State.CALIBRATED))
+        # Known before, home is another place now: only the new position shows it.
+        self._await(
+            lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+        )
         if known and any(stood):
             return (
                 f"This is home now. Home was known already, and the arms stood at {degrees(stood)} from it: was that "
                 "meant? Limits count from home. To set it anew: disable, set the head upright, enable, calibrate."
             )
-=======
-        # Known before, home is another place now: only the new position shows it.
-        self._await(
-            lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
-        )
->>>>>>> three
         return "This is home now."
 
     def _home(self, asker: Asker) -> None:

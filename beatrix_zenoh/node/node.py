@@ -12,11 +12,7 @@ from beatrix_zenoh import codec, names, requests, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, MotionQuery, PoseQuery, Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-<<<<<<< HEAD
 from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text, TextWarning
-=======
-from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
->>>>>>> three
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.errors import BeatrixError, Refused, quoted
@@ -25,12 +21,8 @@ from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.broadcast import Broadcast
 from beatrix_zenoh.node.claim import claim
 from beatrix_zenoh.node.course import Course
-<<<<<<< HEAD
 from beatrix_zenoh.node.driver import Driver
 from beatrix_zenoh.node.legacy import Legacy
-=======
-from beatrix_zenoh.node.driver import REFLECTED_S, Driver
->>>>>>> three
 from beatrix_zenoh.node.mailbox import Mailbox, Task
 from beatrix_zenoh.node.previewer import Previewer
 from beatrix_zenoh.node.reporter import Reporter
@@ -92,17 +84,11 @@ class Node:
         self._last_state: tuple[int, ...] = ()
         self.board = Board(body.open_port, self._on_telemetry, self._on_link, self._on_text)
         self.driver = Driver(body, self.board, self._course)
-<<<<<<< HEAD
         self.reporter = Reporter(
             self.name, body, self.board, self.driver, self._course, roads.commands.endpoint
         )
         self._previewer = Previewer(body, self.board, self._course)
         self._stop_desk = StopDesk(self.board.request, self._stopped)
-=======
-        self.reporter = Reporter(self.name, body, self.board, self.driver, self._course)
-        self._previewer = Previewer(body, self.driver, self._course)
-        self._stop_desk = StopDesk(self._halt_board, self._stopped)
->>>>>>> three
         self._front_desk = Desk("front")
         self._thread = threads.start(self._work, "driver")
         self.board.start()
@@ -225,19 +211,9 @@ class Node:
         if key.endswith("/stop"):
             self._stop(None, FrameType.STOP)
 
-<<<<<<< HEAD
     def _stopped(self, road: FrameType, asker: Asker | None, error: BeatrixError | None) -> None:
         emergency = road is FrameType.EMERGENCY_STOP
         self._mailbox.post_event(lambda: self.driver.stopped(asker, error, emergency=emergency))
-=======
-    def _halt_board(self, road: FrameType) -> None:
-        self.board.request(road)
-        if road is FrameType.EMERGENCY_STOP:  # who has asked shall not be told of motors that are on
-            self.board.wait_for(lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S)
-
-    def _stopped(self, asker: Asker | None, error: BeatrixError | None) -> None:
-        self._mailbox.post_event(lambda: self.driver.stopped(asker, error))
->>>>>>> three
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]
