@@ -25,6 +25,7 @@ from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
+from beatrix_zenoh.node.readiness import ready_telemetry
 
 ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
@@ -52,7 +53,7 @@ class Driver:
     """The state machine between requests and the board.
 
     All methods are called on one thread (the node's mailbox reader), except `halt`; `holder`,
-    `warnings` and `arms` may be read from others.
+    `warnings`, `calibrations` and `arms` may be read from others.
     """
 
     def __init__(self, body: Body, board: Board, course: Course) -> None:
@@ -66,6 +67,8 @@ class Driver:
         self._cause = Reason.STOPPED
         self._emergency_s = float("-inf")
         self._number = 0
+        self.calibrations = 0
+        """How often home was set."""
         self._ended_s = float("-inf")
         self._gone: deque[str] = deque(maxlen=GONE)
         self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
@@ -118,35 +121,9 @@ class Driver:
         if asker.session in self._gone:  # its motions may still be on their way when it has gone
             raise Refused(Reason.CLIENT_LOST, "The session that asked for this motion has ended.")
         self._lease.check(asker.who, now)
-        goal = self._course.goal(query, self.ready_telemetry())
+        goal = self._course.goal(query, ready_telemetry(self._board))
         self._halt.check(asker.who, asker.session, now, resting=not self._moving() and not self._stopping)
         return goal
-
-    def ready_telemetry(self) -> Telemetry:
-        """The newest telemetry of a robot that may move.
-
-        Raises:
-            Refused or NoAnswer: what is missing and what to do.
-        """
-        telemetry = self._board.telemetry
-        if telemetry is None or not self._board.link.connected:
-            trouble = self._board.link.trouble
-            raise NoAnswer(
-                Reason.BOARD_LOST,
-                f"The node does not hear its board: check cable and power. {trouble}".rstrip(),
-            )
-        if telemetry.state & State.EMERGENCY:
-            raise Refused(
-                Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."
-            )
-        if not telemetry.state & State.ENABLED:
-            raise Refused(Reason.NOT_ENABLED, "The motors are off: set the head upright, enable, calibrate.")
-        if not telemetry.state & State.CALIBRATED:
-            raise Refused(
-                Reason.NOT_CALIBRATED,
-                "Home is not known: if the head is upright, calibrate; else disable, set it upright, enable, calibrate.",
-            )
-        return telemetry
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
         now = time.monotonic()
@@ -241,6 +218,7 @@ class Driver:
             raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
         if telemetry is not None and not telemetry.state & State.ENABLED:
             raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+        self.calibrations += 1
         known = telemetry is not None and bool(telemetry.state & State.CALIBRATED)
         stood = self.arms()
         self._body.straighten()

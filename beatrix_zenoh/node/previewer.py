@@ -6,11 +6,12 @@ import queue
 
 from beatrix_zenoh import requests, threads
 from beatrix_zenoh._generated.messages import Head, PreviewReply, Reason
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.node.answers import Asker, preview_refused
 from beatrix_zenoh.node.body import PREVIEW_MAX_S, Body, Preview
 from beatrix_zenoh.node.course import Course, vector
-from beatrix_zenoh.node.driver import Driver
+from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.requests import Wording
 
 WAITING = 8
@@ -19,8 +20,8 @@ WAITING = 8
 class Previewer:
     """Answers preview queries one after the other; refuses when too many wait."""
 
-    def __init__(self, body: Body, driver: Driver, course: Course) -> None:
-        self._body, self._driver, self._course = body, driver, course
+    def __init__(self, body: Body, board: Board, course: Course) -> None:
+        self._body, self._board, self._course = body, board, course
         self._waiting: queue.Queue[tuple[Wording, Asker] | None] = queue.Queue(maxsize=WAITING)
         self._thread = threads.start(self._run, "preview")
 
@@ -44,7 +45,7 @@ class Previewer:
 
     def _look(self, wording: Wording) -> Preview:
         query = requests.read_motion_or_pose(wording)
-        goal = self._course.goal(query, self._driver.ready_telemetry())
+        goal = self._course.goal(query, ready_telemetry(self._board))
         if goal.duration > PREVIEW_MAX_S:
             raise Refused(
                 Reason.TIMED_OUT,

@@ -1,0 +1,35 @@
+"""Whether a robot may move, and what it lacks."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import State, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.errors import NoAnswer, Refused
+
+
+def ready_telemetry(board: Board) -> Telemetry:
+    """The newest telemetry of a robot that may move.
+
+    Raises:
+        Refused or NoAnswer: what is missing and what to do.
+    """
+    telemetry = board.telemetry
+    if telemetry is None or not board.link.connected:
+        trouble = board.link.trouble
+        raise NoAnswer(
+            Reason.BOARD_LOST,
+            f"The node does not hear its board: check cable and power. {trouble}".rstrip(),
+        )
+    if telemetry.state & State.EMERGENCY:
+        raise Refused(
+            Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."
+        )
+    if not telemetry.state & State.ENABLED:
+        raise Refused(Reason.NOT_ENABLED, "The motors are off: set the head upright, enable, calibrate.")
+    if not telemetry.state & State.CALIBRATED:
+        raise Refused(
+            Reason.NOT_CALIBRATED,
+            "Home is not known: if the head is upright, calibrate; else disable, set it upright, enable, calibrate.",
+        )
+    return telemetry
