@@ -31,7 +31,6 @@ from beatrix_zenoh.settings import resolve
 MARGIN_S = 3.0
 """How much longer than announced a motion may take before its end counts as lost."""
 SILENT = "{} did not say that the motion has ended: it is frozen, has gone, or this computer is very busy."
-HOME_S = 60.0
 STREAM_LENGTH = 3000
 """Positions a stream keeps for a slow reader: one minute."""
 
@@ -155,8 +154,8 @@ class Robot:
         self.command(Command.CALIBRATE)
 
     def home(self) -> None:
-        """Move home; returns when there."""
-        self.command(Command.HOME, timeout_s=HOME_S)
+        """Move all arms home; returns when there, and raises as `move`."""
+        self.move(0, 0, 0)
 
     def stop(self) -> CommandReply:
         """Stop at once, whoever drives; returns when the arms rest."""

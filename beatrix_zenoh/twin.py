@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
@@ -23,8 +23,16 @@ TURN_S = 0.02
 SAME_DEG = 0.1
 """A microstep is 0.086 deg."""
 
-Start = tuple[ArmAngles, ArmAngles | None]
-"""Set points of simulation and hardware; None if there was no hardware to ask."""
+
+class Stand(NamedTuple):
+    """Where a robot stands, and from which home that is counted."""
+
+    arms: ArmAngles
+    calibrations: int
+
+
+Start = tuple[Stand, Stand | None]
+"""Simulation and hardware; None if there was no hardware to ask."""
 
 
 class Plan:
@@ -44,9 +52,9 @@ class Plan:
         """Seconds until the arms rest."""
         self.verdict = preview.message
         """What the simulation thinks of it, and whether that holds for the hardware."""
-        if start[1] is not None and apart(start[0], start[1]) > SAME_DEG:
+        if start[1] is not None and apart(start[0].arms, start[1].arms) > SAME_DEG:
             self.verdict += (
-                f" The hardware stands {apart(start[0], start[1]):.0f} deg elsewhere: its way there is another, and not "
+                f" The hardware stands {apart(start[0].arms, start[1].arms):.0f} deg elsewhere: its way there is another, and not "
                 "previewed."
             )
         self.path = Path(
@@ -67,10 +75,10 @@ class Plan:
             Interrupted: one robot ended elsewhere.
         """
         self._settle("committed")
-        now = self._twin.sim.positions().commanded, self._twin.hw.positions().commanded
+        now = stand(self._twin.sim), stand(self._twin.hw)
         for robot, was, is_ in zip((self._twin.sim, self._twin.hw), self._start, now, strict=True):
-            if was is None or apart(was, is_) > SAME_DEG:
-                what = "was not on line at" if was is None else "has moved since"
+            if was is None or was.calibrations != is_.calibrations or apart(was.arms, is_.arms) > SAME_DEG:
+                what = "was not on line at" if was is None else "has moved, or got another home, since"
                 raise Refused(
                     Reason.REPLACED, f"{robot} {what} this preview, so its way is another: preview again."
                 )
@@ -168,10 +176,10 @@ class Twin:
     def _preview(self, road: str, query: MotionQuery | PoseQuery) -> Plan:
         key = keys.preview(self.name, self.client.settings.who)
         start = self._start()
-        if not query.absolute and start[1] is not None and apart(start[0], start[1]) > SAME_DEG:
+        if not query.absolute and start[1] is not None and apart(start[0].arms, start[1].arms) > SAME_DEG:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"The robots stand {apart(start[0], start[1]):.1f} deg apart, so a relative motion would leave them "
+                f"The robots stand {apart(start[0].arms, start[1].arms):.1f} deg apart, so a relative motion would leave them "
                 "apart: bring both to one place first, with home or without relative.",
             )
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
@@ -180,12 +188,12 @@ class Twin:
         return Plan(self, road, query, reply, start)
 
     def _start(self) -> Start:
-        hardware = None
+        hardware: Stand | None = None
         with contextlib.suppress(
             NoAnswer
         ):  # a preview needs the simulation only; commit will say who is missing
-            hardware = self.hw.positions().commanded
-        return self.sim.positions().commanded, hardware
+            hardware = stand(self.hw)
+        return stand(self.sim), hardware
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
@@ -237,6 +245,11 @@ def runs(motion: Motion) -> bool:
         return motion.poll(0) is None
     except NoAnswer:
         return True
+
+
+def stand(robot: Robot) -> Stand:
+    """Asked of the robot now."""
+    return Stand(robot.positions().commanded, robot.status().calibrations)
 
 
 def apart(one: ArmAngles, other: ArmAngles) -> float:

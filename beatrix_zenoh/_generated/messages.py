@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "d968c32e"
+CONTRACT: Final = "0c420772"
 """Hash of messages and keys."""
 
 
@@ -359,6 +359,8 @@ class Status(Struct, frozen=True, kw_only=True):
     """NONE, or what is wrong"""
     warnings: list[str]
     """what a person should know"""
+    calibrations: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """how often home was set since the node began: a plan made before is of another home"""
     holder: str
     """who drives, empty: free"""
     board: BoardStatus

@@ -55,7 +55,7 @@ class Driver:
     """The state machine between requests and the board.
 
     All methods are called on one thread (the node's mailbox reader), except `halt`; `holder`,
-    `warnings` and `arms` may be read from others.
+    `warnings`, `calibrations` and `arms` may be read from others.
     """
 
     def __init__(self, body: Body, board: Board, course: Course) -> None:
@@ -70,6 +70,8 @@ class Driver:
         self._cause = Reason.STOPPED
         self._emergency_s = self._ended_s = float("-inf")
         self._number = 0
+        self.calibrations = 0
+        """How often home was set."""
         self._gone: deque[str] = deque(maxlen=GONE)
         self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
 
@@ -245,6 +247,7 @@ class Driver:
             raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
         if telemetry is not None and not telemetry.state & State.ENABLED:
             raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+        self.calibrations += 1
         known = telemetry is not None and bool(telemetry.state & State.CALIBRATED)
         stood = self.arms()
         self._body.straighten()

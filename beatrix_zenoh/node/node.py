@@ -98,7 +98,7 @@ class Node:
             self._legacy = Legacy(terminal, self.board, self.driver, body, self._mailbox.post_event)
         self._broadcast = Broadcast(roads.commands, self.reporter, self.name, self.twin)
         roads.commands.announce(self.alive_key)
-        self._vigil = Vigil(roads, self.name, self.twin, self.driver.warn)
+        self._vigil = Vigil(roads, self.name, self.twin, self._cut)
 
     @property
     def alive_key(self) -> str:
@@ -219,6 +219,11 @@ class Node:
         arm = key.removesuffix("/target").rpartition("/")[2]
 
         def run() -> None:
+            if key != keys.arm_target(self.name, self.twin, arm):
+                self.driver.warn(
+                    f"{quoted(key)} is no one robot's key: nothing was moved. Only a stop may go to many."
+                )
+                return
             if arm not in ARMS:
                 self.driver.warn(f"There is no arm {quoted(arm)}; there are {', '.join(ARMS)}.")
                 return
@@ -242,6 +247,11 @@ class Node:
     def _router(self, there: bool) -> None:  # noqa: FBT001
         if not there:
             self._mailbox.post_event(self.driver.router_gone)
+
+    def _cut(self, text: str) -> None:
+        """Who asked through a session that was renewed waits in vain, and its going may not have been heard."""
+        self.driver.warn(text)
+        self._mailbox.post_event(self.driver.router_gone)
 
     # -- the board's thread ---------------------------------------------------------------------
 

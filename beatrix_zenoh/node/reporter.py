@@ -70,6 +70,7 @@ class Reporter:
             motion=telemetry.motion,
             fault=self._fault(telemetry),
             warnings=[*filter(None, [link.trouble]), *self._driver.warnings],
+            calibrations=self._driver.calibrations,
             holder=self._driver.holder,
             board=msg.BoardStatus(
                 connected=link.connected,

@@ -23,11 +23,11 @@ class Vigil:
     """Renews a session that the router has forgotten.
 
     A session that was cut off in a flood can come back without its declarations (zenoh 1.10, about once in ten
-    times): connected, alive, and deaf for ever. `tell` gets a sentence for people.
+    times): connected, alive, and deaf for ever. `cut` is told of it, in a sentence for people.
     """
 
-    def __init__(self, roads: Roads, name: str, twin: str, tell: Callable[[str], None]) -> None:
-        self._tell = tell
+    def __init__(self, roads: Roads, name: str, twin: str, cut: Callable[[str], None]) -> None:
+        self._cut = cut
         self._rounds = (
             (roads.questions, roads.commands, keys.command(name, twin, SEAT)),
             (roads.commands, roads.motions, keys.motion(name, twin, SEAT)),
@@ -63,7 +63,7 @@ class Vigil:
             bus.renew()
         except NoAnswer:
             return  # the router has gone just now
-        self._tell(f"The router had forgotten {key}: connected anew.")
+        self._cut(f"The router had forgotten {key}: connected anew.")
 
     def close(self) -> None:
         """Ask no more."""

@@ -226,6 +226,17 @@ def test_a_put_on_many_keys_at_once_does_no_harm(robot: Robot, key: str) -> None
     robot.look(yaw=1, speed=60)
 
 
+def test_a_per_arm_topic_with_wildcards_moves_nobody(robot: Robot) -> None:
+    for key in (
+        "beatrix/*/*/arm/short/target",
+        f"beatrix/{robot.name}/{robot.twin}/arm/*/target",
+        "beatrix/**/target",
+    ):
+        robot.client.bus.put(key, b"0.2", "text/plain")
+        until(lambda: any("no one robot's key" in line for line in robot.status().warnings), "told")
+    assert robot.positions().commanded == (0, 0, 0)
+
+
 def test_bad_per_arm_target_becomes_a_warning(robot: Robot) -> None:
     robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"far", "text/plain")
     until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")

@@ -10,7 +10,7 @@ import pytest
 import zenoh
 from stage import Stage, free_endpoint, ready, until
 
-from beatrix_zenoh import NoAnswer, Refused, Robot
+from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.node import Node, Roads
@@ -111,11 +111,16 @@ def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, road: 
     robot = ready(stage.robot("bea", "hw"))
     stream = robot.stream()
     robot.look(yaw=2)
+    motion = robot.look(yaw=170, speed=10, wait=False)
     bus = getattr(node._roads, road)
     for declared in [*bus._declared, *bus._tokens.values()]:
         if not isinstance(declared, zenoh.Publisher):
             declared.undeclare()  # as after a reconnection that lost them
     until(lambda: any("connected anew" in warning for warning in node.driver.warnings), "noticed", 10.0)
+    until(lambda: not node.reporter.status().moving, "its asker may wait in vain: stopped")
+    with pytest.raises((Interrupted, NoAnswer)):
+        motion.wait()
+    until(lambda: not node.driver.holder, "free")
     stream.take(0)
     robot.look(yaw=4)
     assert robot.stop().result

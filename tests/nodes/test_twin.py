@@ -84,6 +84,12 @@ def test_a_plan_from_where_the_robot_no_longer_is_is_refused(twin: Twin) -> None
     with pytest.raises(Refused, match=r"bea \(hw\) has moved.*preview again"):
         plan.commit()
     assert commanded(twin.sim) == (0, 0, 0)
+    twin.hw.home()
+    plan = twin.preview(yaw=10)
+    twin.hw.look(yaw=-3, speed=60)
+    twin.hw.calibrate()
+    with pytest.raises(Refused, match=r"bea \(hw\) has moved, or got another home"):
+        plan.commit()
 
 
 def test_a_relative_plan_of_robots_apart_is_refused_an_absolute_one_brings_them_together(twin: Twin) -> None:
