@@ -259,7 +259,7 @@ def flood(robot: Robot, seen: Seen) -> None:
             f"{robot.name}: wire two thirds full, bytes lost by the UART",
             figures,
             "0",
-            good=mega.avr.overruns == 0,
+            good=mega.avr.overruns == 0 and len(mega.others) == count,
         )
         robot.finish(mega, seen)
 

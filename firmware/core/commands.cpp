@@ -26,8 +26,8 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
       stop();
       return ERROR_OK;
     case FRAME_EMERGENCY_STOP:
-      text_.call_off();
       emergency_stop();
+      text_.call_off();
       return ERROR_OK;
     case FRAME_ENABLE:
       if (payload[0] == 0) text_.call_off();

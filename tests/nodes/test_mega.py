@@ -10,8 +10,8 @@ from stage import Stage, ready, until, wait_status
 from beatrix_zenoh import Interrupted
 from beatrix_zenoh._generated.messages import Reason
 
-KEPT_MS = 20.0
-"""Behind real time in one slice of 1000; on a machine of its own it is less than one."""
+KEPT_MS = 5.0
+"""Behind real time in half of all slices, on however busy a machine; on one of its own it is 0.1."""
 
 
 def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
@@ -31,7 +31,7 @@ def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
         assert robot.status().enabled
         mega.say("quit")
         behind = mega.expect("behind real time").rpartition(":")[2]
-        assert float(behind.split(",")[2]) < KEPT_MS
+        assert float(behind.split(",")[0]) < KEPT_MS
 
 
 def test_node_finds_the_board_again_after_a_reset_in_mid_move(tmp_path: Path) -> None:
