@@ -25,6 +25,7 @@ from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
+from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
 
 ARM_TOPICS = "arm-topics"
@@ -32,7 +33,6 @@ ARM_TOPICS = "arm-topics"
 TEXT, TEXT_SESSION = "legacy", "text-port"
 """Seat under which old programs drive, and what stands for their session."""
 REFLECTED_S = 0.3
-WARNING_S = 10.0
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 GONE = 256
 """Sessions that have ended and are remembered."""
@@ -73,7 +73,7 @@ class Driver:
         self.calibrations = 0
         """How often home was set."""
         self._gone: deque[str] = deque(maxlen=GONE)
-        self._warnings: deque[tuple[float, str]] = deque(maxlen=5)
+        self._notices = Notices()
 
     # -- read by the reporter -------------------------------------------------------------------
 
@@ -85,8 +85,7 @@ class Driver:
     @property
     def warnings(self) -> list[str]:
         """What went wrong lately without anybody to tell."""
-        now = time.monotonic()
-        return [text for at, text in list(self._warnings) if now - at < WARNING_S]
+        return self._notices.recent()
 
     def arms(self) -> Arms:
         """The firmware's set points, rad."""
@@ -190,7 +189,7 @@ class Driver:
 
     def warn(self, text: str) -> None:
         """Show something in status for a while."""
-        self._warnings.append((time.monotonic(), text))
+        self._notices.add(text)
 
     # -- commands -------------------------------------------------------------------------------
 

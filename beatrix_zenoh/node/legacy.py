@@ -153,6 +153,7 @@ class Legacy:
                 self._driver.text_check(moves=line.moves)
             if line.text == CALIBRATE and not self._calibrated():
                 self._body.straighten()
+                self._driver.calibrations += 1
             self._board.send_text(line.text)
         except BeatrixError as error:
             line.refusal = REFUSED
