@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from beatrix_zenoh._generated.messages import (
     Command,
@@ -27,6 +26,7 @@ from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
+from beatrix_zenoh.node.running import Running
 
 ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
@@ -38,17 +38,6 @@ GONE = 256
 """Sessions that have ended and are remembered."""
 STREAM_S = 0.5
 """Short motions that follow each other within this long are a stream of targets."""
-
-
-@dataclass(frozen=True)
-class Running:
-    """The motion the firmware carries out, and what to do when it has ended."""
-
-    number: int
-    asker: Asker
-    goal: Goal
-    boot: int
-    end: Callable[[Reason, str], None]
 
 
 class Driver:
