@@ -19,6 +19,8 @@ from sim_node.preview import run_ahead
 
 ALARM_EVERY = 5
 """Turns between two looks at the assembly: every 20 ms."""
+RESTING_STEPS = 4
+"""In 8 ms a motion that begins makes less than a microstep."""
 FAULT_SHOWN_S = 5.0
 
 
@@ -34,6 +36,7 @@ class Simulation:
         self._pace = Pace(TIMESTEP_MS / 1000, time.monotonic())
         self._pose = Pose(self._plant.arms(), self._plant.velocities())
         self._left_s = float("-inf")
+        self._pulses, self._resting = self._firmware.pulses(), True
         self._lock = threading.Lock()
         self._closed = threading.Event()
         self._thread = threads.start(self._run, "physics")
@@ -47,18 +50,23 @@ class Simulation:
         while not self._closed.wait(self._pace.wait_s(time.monotonic())):
             turn += 1
             with self._lock:
-                for _ in range(self._pace.due(time.monotonic())):
-                    self._step()
+                self._advance(self._pace.due(time.monotonic()))
                 if turn % ALARM_EVERY == 0 and self._plant.home_assembly_left():
                     self._plant.re_place()
                     self._left_s = time.monotonic()
                 self._pose = Pose(self._plant.arms(), self._plant.velocities())
 
-    def _step(self) -> None:
-        with self._board.lock:
-            self._board.advance(TIMESTEP_MS)
-            pulses, drivers_on = self._firmware.outputs()
-        self._plant.step(pulses, drivers_on=drivers_on)
+    def _advance(self, steps: int) -> None:
+        """Board and plant in turn; with arms that rest the board some steps at once, which halves what idling costs."""
+        while steps > 0:
+            together = min(steps, RESTING_STEPS if self._resting else 1)
+            with self._board.lock:
+                self._board.advance(together * TIMESTEP_MS)
+                pulses, drivers_on = self._firmware.outputs()
+            for _ in range(together):
+                self._plant.step(pulses, drivers_on=drivers_on)
+            self._resting, self._pulses = pulses == self._pulses, pulses
+            steps -= together
 
     def pose(self, telemetry: Telemetry) -> Pose:  # noqa: ARG002
         """Arms measured in the plant."""

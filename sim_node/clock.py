@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-PERIOD_S = 0.004
+PERIOD_S = 0.006
 """How often the simulation runs; each time it makes the steps that are due."""
 LATE_S = 0.010
 SLICE_S = 0.1
