@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from bench_node import ROOT, Row, Served, rows, spread_ms
+from bench_node import ROOT, Row, Served, on_a_board, rows, spread_ms
 from rich.console import Console
 from rich.table import Table
 
@@ -61,6 +61,7 @@ def main() -> None:
         figures = [("floor: raw TCP round trip in Python [ms]", spread_ms(raw_tcp()), "")]
         figures += rows("sim", "sim_node", endpoint)
         figures += rows("hw", "hw_node", endpoint, "--port", "virtual:")
+        figures += on_a_board(endpoint)
     finally:
         router.end()
     show(console, figures)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from beatrix_zenoh import Refused, Robot, codec
 from beatrix_zenoh._generated import keys
@@ -192,3 +193,26 @@ def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row
     for client in clients:
         client.close()
     yield f"{twin}: ready, clean exit [s]", f"{node.ready_s:.2f}, {node.end():.2f}", "< 2, < 1"
+
+
+def on_a_board(endpoint: str) -> Iterator[Row]:
+    """A motion's way through a node and the Mega's own firmware, simulated cycle by cycle, at the wire's real speed."""
+    with TemporaryDirectory() as folder:
+        board = Path(folder) / "board"
+        mega = subprocess.Popen(
+            [sys.executable, str(ROOT / "tests/avr/live.py"), "--path", str(board)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert mega.stdin is not None
+        assert mega.stdout is not None
+        mega.stdout.readline()
+        node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", str(board))
+        with Client(Settings(NAME, endpoint, "ana")) as client:
+            robot = Robot(NAME, "hw", client=client)
+            robot.enable()
+            robot.calibrate()
+            yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
+        node.end()
+        mega.communicate("quit\n", timeout=10)
