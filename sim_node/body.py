@@ -18,7 +18,7 @@ from sim_node.plant import Plant
 from sim_node.preview import run_ahead
 
 ALARM_EVERY = 5
-"""Turns between two looks at the assembly: every 20 ms."""
+"""Turns between two looks at the assembly while arms move: every 30 ms."""
 RESTING_STEPS = 4
 """In 8 ms a motion that begins makes less than a microstep."""
 FAULT_SHOWN_S = 5.0
@@ -46,12 +46,17 @@ class Simulation:
         return self._board
 
     def _run(self) -> None:
-        turn = 0
-        while not self._closed.wait(self._pace.wait_s(time.monotonic())):
+        turn, spoken = 0, False
+        spoken_to = self._board.spoken_to
+        while not self._closed.is_set():
+            # What was said a moment ago may begin to move the arms with the next step only.
+            resting = self._resting and not spoken
+            spoken = spoken_to.wait(self._pace.wait_s(time.monotonic(), resting=resting))
+            spoken_to.clear()
             turn += 1
             with self._lock:
                 self._advance(self._pace.due(time.monotonic()))
-                if turn % ALARM_EVERY == 0 and self._plant.home_assembly_left():
+                if (turn % ALARM_EVERY == 0 or self._resting) and self._plant.home_assembly_left():
                     self._plant.re_place()
                     self._left_s = time.monotonic()
                 self._pose = Pose(self._plant.arms(), self._plant.velocities())
@@ -102,5 +107,6 @@ class Simulation:
     def close(self) -> None:
         """Stop time."""
         self._closed.set()
+        self._board.spoken_to.set()
         self._thread.join(timeout=2.0)
         self._board.close()

@@ -6,6 +6,8 @@ from collections import deque
 
 PERIOD_S = 0.006
 """How often the simulation runs; each time it makes the steps that are due."""
+RESTING_S = 0.020
+"""The same with arms at rest and nobody speaking to the board."""
 LATE_S = 0.010
 SLICE_S = 0.1
 """At most this much is made at once, so that the board hears its heartbeat in between."""
@@ -23,6 +25,7 @@ class Pace:
         self._step_s = step_s
         self._due_s = now_s
         self._simulated_s = 0.0
+        self._period_s, self._turned_s = PERIOD_S, now_s
         self._marks: deque[tuple[float, float]] = deque([(now_s, 0.0)])
         self.late = 0
         """Steps made more than LATE_S late."""
@@ -34,8 +37,9 @@ class Pace:
             self._due_s = now_s
             return 0
         steps = max(0, int(min(behind_s, SLICE_S) / self._step_s + 1e-6))
-        if behind_s > LATE_S + PERIOD_S:
+        if behind_s > LATE_S + self._period_s:
             self.late += min(steps, int((behind_s - LATE_S) / self._step_s))
+        self._turned_s = now_s
         self._due_s += steps * self._step_s
         self._simulated_s += steps * self._step_s
         if now_s - self._marks[-1][0] > WINDOW_S / 10:
@@ -44,12 +48,15 @@ class Pace:
                 self._marks.popleft()
         return steps
 
-    def wait_s(self, now_s: float) -> float:
+    def wait_s(self, now_s: float, *, resting: bool) -> float:
         """Seconds until there is something to do."""
-        return max(BREATH_S, self._due_s + PERIOD_S - now_s)
+        self._period_s = RESTING_S if resting else PERIOD_S
+        return max(BREATH_S, self._due_s + self._period_s - now_s)
 
     def real_time_factor(self, now_s: float) -> float:
         """Simulated seconds per second over the last seconds."""
         then_s, simulated_s = self._marks[0]
-        elapsed_s = now_s - then_s
+        # Up to the last turn: between two turns no time has been lost yet, unless the next is overdue.
+        overdue = now_s - self._turned_s > STALL_S
+        elapsed_s = (now_s if overdue else self._turned_s) - then_s
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s

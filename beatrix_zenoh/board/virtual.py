@@ -164,6 +164,8 @@ class VirtualBoard:
         self._arrived = threading.Condition(self.lock)
         self._unread = bytearray()
         self._closed = False
+        self.spoken_to = threading.Event()
+        """Set by every write: whoever advances an idle board need not let it wait."""
         with self.lock:
             self._collect()
 
@@ -174,6 +176,7 @@ class VirtualBoard:
                 raise OSError("the virtual board is closed")
             self.firmware.receive(data)
             self._collect()
+        self.spoken_to.set()
 
     def read(self, timeout_s: float) -> bytes:
         """All bytes that are there, waiting up to `timeout_s` for the first; empty if none came or after `close`."""
