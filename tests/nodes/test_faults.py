@@ -244,6 +244,7 @@ def test_a_motion_accepted_when_nobody_waits_any_more_is_stopped(stage: Stage) -
     process = stage.hardware("bea")
     watcher = ready(stage.robot("bea", "hw", "ben"))
     with Robot("bea", "hw", connect=stage.endpoint, who="ana", timeout_s=0.3) as robot:
+        until(lambda: robot.status().calibrated, "heard: what follows must be quicker than the lease of 2 s")
         process.send(signal.SIGSTOP)
         with pytest.raises(NoAnswer, match="did not answer within"):
             robot.look(yaw=60)
