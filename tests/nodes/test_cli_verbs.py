@@ -268,8 +268,9 @@ def test_an_angle_that_is_no_number_is_wrong_usage(shell: Shell) -> None:
 
 def test_interrupted_look_stops_the_robot(free: Shell) -> None:
     with free.robot("hw") as robot:
+        start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
-        until(lambda: robot.status().moving, "the motion begins")
+        until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=10)
         assert look.returncode == 130
@@ -280,8 +281,9 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
 
 def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
     with free.robot("hw") as robot:
+        start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
-        until(lambda: robot.status().moving, "the motion begins")
+        until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=10)
         document = json.loads(output.splitlines()[-1])
@@ -291,10 +293,14 @@ def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
 
 def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
+        starts = yaw_deg(hardware), yaw_deg(simulation)
         look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
         until(
-            lambda: look.poll() is not None or (hardware.status().moving and simulation.status().moving),
-            "both move",
+            lambda: (
+                look.poll() is not None
+                or (yaw_deg(hardware) < starts[0] - 2 and yaw_deg(simulation) < starts[1] - 2)
+            ),
+            "both move, and their asker knows",
         )
         assert look.poll() is None, look.communicate()
         look.send_signal(signal.SIGINT)
