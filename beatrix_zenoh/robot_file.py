@@ -26,12 +26,14 @@ COMPILED = {
 """What the firmware counts with: other values here would make its guard wrong."""
 
 
-def load(path: Path) -> RobotData:
-    """The shipped robot with the values of this file: tables and names as in docs/reference/robot.md.
+def load(path: Path | None) -> RobotData:
+    """The shipped robot, with the values of this file if there is one: tables and names as in docs/reference/robot.md.
 
     Raises:
         WrongUsage: BAD_VALUE, naming what is wrong and what there is.
     """
+    if path is None:
+        return ROBOT
     try:
         given = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:

@@ -52,11 +52,8 @@ class Plan:
         """Seconds until the arms rest."""
         self.verdict = preview.message
         """What the simulation thinks of it, and whether that holds for the hardware."""
-        if start[1] is not None and apart(start[0].arms, start[1].arms) > SAME_DEG:
-            self.verdict += (
-                f" The hardware stands {apart(start[0].arms, start[1].arms):.0f} deg elsewhere: its way there is another, and not "
-                "previewed."
-            )
+        if (elsewhere := between(start)) > SAME_DEG:
+            self.verdict += f" The hardware stands {elsewhere:.0f} deg elsewhere: its way there is another, and not previewed."
         self.path = Path(
             preview.t,
             [arm_angles(arms) for arms in preview.arms],
@@ -176,11 +173,11 @@ class Twin:
     def _preview(self, road: str, query: MotionQuery | PoseQuery) -> Plan:
         key = keys.preview(self.name, self.client.settings.who)
         start = self._start()
-        if not query.absolute and start[1] is not None and apart(start[0].arms, start[1].arms) > SAME_DEG:
+        if not query.absolute and (distance := between(start)) > SAME_DEG:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"The robots stand {apart(start[0].arms, start[1].arms):.1f} deg apart, so a relative motion would leave them "
-                "apart: bring both to one place first, with home or without relative.",
+                f"The robots stand {distance:.1f} deg apart, so a relative motion would leave them apart: bring both to "
+                "one place first, with home or without relative.",
             )
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
@@ -189,9 +186,8 @@ class Twin:
 
     def _start(self) -> Start:
         hardware: Stand | None = None
-        with contextlib.suppress(
-            NoAnswer
-        ):  # a preview needs the simulation only; commit will say who is missing
+        # A preview needs the simulation only; commit will say who is missing.
+        with contextlib.suppress(NoAnswer):
             hardware = stand(self.hw)
         return stand(self.sim), hardware
 
@@ -250,6 +246,12 @@ def runs(motion: Motion) -> bool:
 def stand(robot: Robot) -> Stand:
     """Asked of the robot now."""
     return Stand(robot.positions().commanded, robot.status().calibrations)
+
+
+def between(start: Start) -> float:
+    """How far the robots stand from each other, deg; 0 without hardware."""
+    simulation, hardware = start
+    return 0.0 if hardware is None else apart(simulation.arms, hardware.arms)
 
 
 def apart(one: ArmAngles, other: ArmAngles) -> float:

@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import robot_file as lab
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
@@ -26,7 +25,7 @@ def hw(
 ) -> None:
     """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
     settings = resolve(name, connect)
-    robot = ROBOT if robot_file is None else lab.load(robot_file)
+    robot = lab.load(robot_file)
     raise typer.Exit(serve(lambda: build(port, settings.robot, robot), settings, robot=robot, legacy=legacy))
 
 

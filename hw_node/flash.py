@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
 from typing import Annotated
 
-import serial
 import typer
 from rich.console import Console
 from rich.progress import Progress as Bar
@@ -19,12 +17,10 @@ from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from hw_node import hexfile, stk500
-from hw_node.port import find
+from hw_node.port import SerialPort, find
 from hw_node.stk500 import Programmer, Wire
 
 HEX = "beatrix-mega2560.hex"
-RESET_S = 0.05
-"""The reset line is let go for this long before it is pulled (as Arduino's own tools do)."""
 HALF = (
     "The board now holds only half of a firmware, which it will not start: run `beatrix flash` again before you use it. "
     "Its boot loader is unharmed."
@@ -32,34 +28,6 @@ HALF = (
 
 Progress = Callable[[str, int, int], None]
 """What is being done, bytes done, bytes in all."""
-
-
-class SerialWire:
-    """The board's serial port at the boot loader's speed; opening it resets the board."""
-
-    def __init__(self, device: str) -> None:
-        self._serial = serial.serial_for_url(
-            device, baudrate=stk500.BAUD, timeout=0.1, write_timeout=2.0, exclusive=True
-        )
-        self._serial.dtr = self._serial.rts = False
-        time.sleep(RESET_S)
-        self._serial.dtr = self._serial.rts = True
-        time.sleep(RESET_S)
-        self._serial.reset_input_buffer()
-
-    def write(self, data: bytes) -> object:
-        """Send all of it."""
-        return self._serial.write(data)
-
-    def read(self, timeout_s: float) -> bytes:
-        """What has come, waiting up to `timeout_s` for the first byte."""
-        self._serial.timeout = timeout_s
-        first: bytes = self._serial.read(1)
-        return first + self._serial.read(self._serial.in_waiting) if first else b""
-
-    def close(self) -> None:
-        """Free the device."""
-        self._serial.close()
 
 
 def program(wire: Wire, image: bytes, tell: Progress) -> None:
@@ -113,13 +81,14 @@ def flash(
     image = firmware(file)
     device = port or find()
     try:
-        wire = SerialWire(device)
+        wire = SerialPort(device, stk500.BAUD)
     except (OSError, ValueError) as error:
         raise Refused(
             Reason.BOARD_LOST,
             f"{device} cannot be opened ({error}): end what uses it, `beatrix hw` for example.",
         ) from error
     try:
+        wire.reset_board()
         with progress() as tell:
             program(wire, image, tell)
     finally:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import serial
 from serial.tools import list_ports
 
@@ -12,17 +14,25 @@ from beatrix_zenoh.errors import NoAnswer
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
 WRITE_S = 0.5
+RESET_S = 0.05
 
 
 class SerialPort:
     """Bytes to and from a serial device; the port protocol of `beatrix_zenoh.board`."""
 
-    def __init__(self, device: str) -> None:
+    def __init__(self, device: str, baud: int = BAUD) -> None:
         """Open `device` for this process alone; serial.SerialException (an OSError) if that fails."""
         self.name = device
         self._serial = serial.serial_for_url(
-            device, baudrate=BAUD, timeout=0.05, write_timeout=WRITE_S, exclusive=True
+            device, baudrate=baud, timeout=0.05, write_timeout=WRITE_S, exclusive=True
         )
+
+    def reset_board(self) -> None:
+        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten."""
+        for pulled in (False, True):
+            self._serial.dtr = self._serial.rts = pulled
+            time.sleep(RESET_S)
+        self._serial.reset_input_buffer()
 
     def write(self, data: bytes) -> None:
         """Send all of it; OSError if the device has gone or takes nothing for half a second."""

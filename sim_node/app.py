@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import robot_file as lab
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
 from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.node.serve import serve
@@ -25,7 +24,7 @@ def sim(
 ) -> None:
     """Simulate a robot. Ends with Ctrl-C."""
     settings = resolve(name, connect)
-    robot = ROBOT if robot_file is None else lab.load(robot_file)
+    robot = lab.load(robot_file)
     raise typer.Exit(
         serve(lambda: Simulation(settings.robot, robot), settings, robot=robot, ready=ready, legacy=legacy)
     )

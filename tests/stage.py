@@ -29,6 +29,8 @@ END_S = 10.0
 PATIENCE_S = 10.0
 """For an answer on a machine that runs two test processes."""
 ROOT = Path(__file__).resolve().parent.parent
+UNTRACED = {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
+"""For who is interrupted while busy: a KeyboardInterrupt inside coverage's tracer leaves its lock taken for ever."""
 
 
 def free_endpoint() -> str:
@@ -50,7 +52,7 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = 5.0) -> None:
 class Process:
     """A child process whose output lines are read as they come."""
 
-    def __init__(self, *command: str, listens: bool = False) -> None:
+    def __init__(self, *command: str, listens: bool = False, traced: bool = True) -> None:
         self._child = subprocess.Popen(
             [sys.executable, *command],
             stdin=subprocess.PIPE if listens else None,
@@ -58,7 +60,7 @@ class Process:
             stderr=subprocess.STDOUT,
             text=True,
             cwd=ROOT,
-            env=dict(os.environ, PYTHONUNBUFFERED="1"),
+            env=dict(os.environ if traced else UNTRACED, PYTHONUNBUFFERED="1"),
         )
         self.pid = self._child.pid
         self.lines: list[str] = []

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import os
 
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.endpoint import ours
-from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, TCP, WAIT_CLOSE_US, WAIT_DROP_US, short
+from beatrix_zenoh.bus.transport import (
+    HALF_OPEN,
+    LEASE_MS,
+    RUNTIME,
+    TCP,
+    WAIT_CLOSE_US,
+    WAIT_DROP_US,
+    configured,
+    short,
+)
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 
@@ -27,7 +35,6 @@ def open_router(listen: str) -> zenoh.Session:
             "only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
         )
     os.environ.setdefault(*RUNTIME)
-    config = zenoh.Config()
     settings = {
         "mode": "router",
         "listen/endpoints": [listen],
@@ -43,8 +50,7 @@ def open_router(listen: str) -> zenoh.Session:
         "transport/unicast/accept_pending": HALF_OPEN,
         "transport/unicast/accept_timeout": LEASE_MS,
     }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
+    config = configured(settings)
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:

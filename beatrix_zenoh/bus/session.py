@@ -8,7 +8,6 @@ up the others.
 from __future__ import annotations
 
 import contextlib
-import json
 import time
 from collections.abc import Callable, Iterator
 from typing import Self
@@ -20,7 +19,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.endpoint import parts, probe
 from beatrix_zenoh.bus.question import PRIORITIES, Answer, Question
-from beatrix_zenoh.bus.transport import LEASE_MS, TCP, WAIT_DROP_US, short
+from beatrix_zenoh.bus.transport import LEASE_MS, TCP, WAIT_DROP_US, configured, short
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.requests import Wording
 
@@ -244,7 +243,6 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
         NoAnswer: NO_ROUTER, with what to do.
     """
     parts(endpoint)
-    config = zenoh.Config()
     settings = {
         "mode": "client",
         "connect/endpoints": [endpoint],
@@ -258,8 +256,7 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
         "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
         "metadata": {"name": label},
     }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
+    config = configured(settings)
 
     def open_session() -> zenoh.Session:
         probe(endpoint)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
+
 import zenoh
 
 LEASE_MS = 2000
@@ -18,6 +21,14 @@ RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 client that floods cut robots off for seconds (measured). Read by Zenoh once, at a process's first session."""
 HALF_OPEN = 1000
 """Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
+
+
+def configured(settings: Mapping[str, object]) -> zenoh.Config:
+    """Zenoh's defaults, but for these."""
+    config = zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
 
 
 def short(error: zenoh.ZError) -> str:

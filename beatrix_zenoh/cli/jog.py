@@ -12,9 +12,10 @@ from beatrix_zenoh.cli.line import Where, on_line
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.verb import say
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.readings import ArmAngles
 from beatrix_zenoh.robot import Robot
 
-ARMS = ("short", "middle", "long")
+ARMS = ArmAngles._fields
 PLUGS = ("X", "Y", "Z")
 JOG_DEG, SPEED_DEG_S = 15.0, 20.0
 

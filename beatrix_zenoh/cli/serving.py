@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import signal
-import threading
 from importlib import metadata
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -14,6 +11,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.hurry import nothing_to_undo
 from beatrix_zenoh.cli.verb import say
+from beatrix_zenoh.ending import Ending
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
@@ -21,8 +19,6 @@ PROCESSES = "beatrix.processes"
 """Entry points of the programs that stand above this package; it never imports them."""
 EXTRAS = {"flash": "hw"}
 """Where a program is not in the extra of its own name."""
-TURN_S = 0.5
-"""Windows delivers Ctrl-C only between waits."""
 
 
 def router(
@@ -35,18 +31,12 @@ def router(
     Robots, simulations and programs connect to it; it ends with Ctrl-C. Other computers reach it with --listen tcp/0.0.0.0:7447. It asks nobody who they are: do that only
     in a network you trust.
     """
-    over = threading.Event()
-
-    def end(_signal: int, _frame: FrameType | None) -> None:
-        over.set()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, end)
+    ending = Ending()
+    ending.heed_signals()
     session = zbus.open_router(listen)
     try:
         say(f"ready {listen}")
-        while not over.wait(TURN_S):
-            pass
+        ending.wait()
     finally:
         session.close()
 

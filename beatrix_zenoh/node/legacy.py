@@ -65,13 +65,8 @@ class Legacy:
         body: Body,
         post: Callable[[Callable[[], None]], None],
     ) -> None:
-        self._terminal, self._board, self._driver, self._body, self._post = (
-            terminal,
-            board,
-            driver,
-            body,
-            post,
-        )
+        self._terminal, self._board, self._driver = terminal, board, driver
+        self._body, self._post = body, post
         self._room = threading.Semaphore(HANDED_OVER)
         self._lines: deque[Line] = deque()
         self._heard_s = 0.0
@@ -106,7 +101,7 @@ class Legacy:
         try:
             self._board.request(FrameType.TEXT_OPEN)
         except BeatrixError as error:
-            self._driver.warn(f"old program: {error.message}")
+            self._warn(error.message)
         self._openings += 1
         self._lines.clear()
         self._terminal.forget()
@@ -121,7 +116,7 @@ class Legacy:
             self._stop(line)
         elif len(self._lines) >= CAPACITY:
             line.refusal = REFUSED
-            self._driver.warn(f"old program: {WARNING_TEXT[WarningCode.BUSY]}")
+            self._warn(WARNING_TEXT[WarningCode.BUSY])
         self._lines.append(line)
         self._advance()
 
@@ -157,7 +152,7 @@ class Legacy:
             self._board.send_text(line.text)
         except BeatrixError as error:
             line.refusal = REFUSED
-            self._driver.warn(f"old program: {error.message}")
+            self._warn(error.message)
             return
         line.sent = True
         self._heard_s = time.monotonic()
@@ -165,6 +160,9 @@ class Legacy:
     def _calibrated(self) -> bool:
         telemetry = self._board.telemetry
         return telemetry is not None and bool(telemetry.state & State.CALIBRATED)
+
+    def _warn(self, text: str) -> None:
+        self._driver.warn(f"old program: {text}")
 
     def _refuse(self, line: Line) -> None:
         for text in line.refusal[line.told :]:
@@ -174,7 +172,7 @@ class Legacy:
         if isinstance(frame, TextWarning):
             known = frame.code in WARNING_TEXT
             told = WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}"
-            self._driver.warn(f"old program: {told}")
+            self._warn(told)
             return
         if opening != self._openings or not self._lines or not self._lines[0].sent:
             return  # an answer to a program that has gone
@@ -198,7 +196,7 @@ class Legacy:
         patience_s = SILENT_S if state & State.ENABLED else PRETENDED_S
         silent = not state & State.MOVING and time.monotonic() - self._heard_s > patience_s
         if not self._board.link.connected or silent:
-            self._driver.warn("old program: the board has not answered a line.")
+            self._warn("the board has not answered a line.")
             for line in self._lines:
                 if line.sent:
                     line.sent, line.refusal = False, REFUSED

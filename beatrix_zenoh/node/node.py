@@ -144,7 +144,7 @@ class Node:
         """The way back to who asked, on the robot's own concrete key."""
         parts = incoming.key.split("/")
         who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
-        key = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}" if who else keys.stop(self.name, self.twin)
+        key = self._own_key(who, road) if who else keys.stop(self.name, self.twin)
         wording = incoming.wording
 
         def answer(message: msgspec.Struct) -> None:
@@ -152,9 +152,12 @@ class Node:
 
         return Asker(who, incoming.session, answer, incoming.finish)
 
+    def _own_key(self, who: str, road: str) -> str:
+        return f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}"
+
     def _check_key(self, incoming: Incoming, who: str, road: str) -> None:
         """Refuse a wildcard: who means many robots at once, or looks around, does not mean to drive this one."""
-        own = f"beatrix/{self.name}/{self.twin}/cmd/{who}/{road}"
+        own = self._own_key(who, road)
         if incoming.key != own:
             raise Refused(
                 Reason.BAD_VALUE,
@@ -250,8 +253,12 @@ class Node:
 
     def _cut(self, text: str) -> None:
         """Who asked through a session that was renewed waits in vain, and its going may not have been heard."""
-        self.driver.warn(text)
-        self._mailbox.post_event(self.driver.router_gone)
+
+        def end() -> None:
+            self.driver.warn(text)
+            self.driver.router_gone()
+
+        self._mailbox.post_event(end)
 
     # -- the board's thread ---------------------------------------------------------------------
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 import threading
 import traceback
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from types import FrameType
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.ending import Ending
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
@@ -42,24 +41,20 @@ def serve(
     Raises:
         BeatrixError: it cannot serve: its name is taken, or its router goes while it begins.
     """
-    over = threading.Event()
+    ending = Ending()
     broken: list[threading.ExceptHookArgs] = []
 
     def give_up(died: threading.ExceptHookArgs) -> None:
         """A node with a dead thread would answer only half: better to end, loudly."""
         traceback.print_exception(died.exc_type, died.exc_value, died.exc_traceback)
         broken.append(died)
-        over.set()
+        ending.ask()
 
     threading.excepthook = give_up
 
-    def end(_signal: int, _frame: FrameType | None) -> None:
-        over.set()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, end)
+    ending.heed_signals()
     sys.setswitchinterval(SWITCH_S)
-    roads = _connect(settings, over)
+    roads = _connect(settings, ending)
     if roads is None:
         return 0
     node = _open(roads, build(), settings, robot, legacy)
@@ -67,9 +62,7 @@ def serve(
         if ready:
             node.make_ready()
         _greet(node, legacy)
-        # Not one long wait: a signal that another thread receives, as after SIGCONT, would not end it.
-        while not over.wait(RETRY_S):
-            pass
+        ending.wait()
     finally:
         node.close()
     return 1 if broken else 0
@@ -97,15 +90,15 @@ def _open(roads: Roads, body: Body, settings: Settings, robot: RobotData, legacy
         return node
 
 
-def _connect(settings: Settings, over: threading.Event) -> Roads | None:
+def _connect(settings: Settings, ending: Ending) -> Roads | None:
     """Sessions, waiting for the router if need be; None if told to end before it came."""
     told = False
-    while not over.is_set():
+    while True:
         try:
             return Roads.open(lambda: zbus.connect(settings.connect, label=settings.robot))
         except NoAnswer as error:
             if not told:
                 print(f"{error.message} Waiting for it; Ctrl-C ends.", file=sys.stderr, flush=True)
             told = True
-            over.wait(RETRY_S)
-    return None
+            if ending.asked(RETRY_S):
+                return None

@@ -73,6 +73,8 @@ class Terminal:
             os.close(self._master)
             raise
         self._lock = threading.Lock()
+        self._begun = b""
+        """What is left of a line that is half written: it must not be lost, or the next would be cut."""
         self._waiting: deque[bytes] = deque(maxlen=KEPT)
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
@@ -88,19 +90,20 @@ class Terminal:
             self._flush()
 
     def _flush(self) -> None:
-        while self._waiting:
-            line = self._waiting.popleft()
+        while self._begun or self._waiting:
+            line = self._begun or self._waiting.popleft()
             try:
-                taken = os.write(self._master, line)
+                self._begun = line[os.write(self._master, line) :]
             except BlockingIOError:
-                taken = 0
+                self._begun = line
             except OSError:  # nobody has it open
-                self._waiting.clear()
+                self._clear()
+            if self._begun:
                 return
-            if taken < len(line):
-                if len(self._waiting) < KEPT:
-                    self._waiting.appendleft(line[taken:])
-                return
+
+    def _clear(self) -> None:
+        self._begun = b""
+        self._waiting.clear()
 
     # -- the terminal's own thread --------------------------------------------------------------
 
@@ -151,7 +154,7 @@ class Terminal:
     def forget(self) -> None:
         """What was written and not read is not for the program that comes next."""
         with self._lock, contextlib.suppress(OSError):
-            self._waiting.clear()
+            self._clear()
             slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY)
             try:
                 termios.tcflush(slave, termios.TCIFLUSH)

@@ -46,7 +46,7 @@ def test_demo_makes_one_movement_on_both_robots_in_less_than_a_minute(tmp_path: 
 
 
 def test_interrupted_demo_stops_and_ends_everything(tmp_path: Path) -> None:
-    demo = Process(*CLI, "demo", "--out", str(tmp_path))
+    demo = Process(*CLI, "demo", "--out", str(tmp_path), traced=False)
     demo.expect("Both: nod")
     begin = time.monotonic()
     assert demo.end(signal.SIGINT) == 130
