@@ -40,7 +40,8 @@ class SerialPort:
 
     def read(self, timeout_s: float) -> bytes:
         """What has come, waiting up to `timeout_s` for the first byte; OSError if the device has gone."""
-        self._serial.timeout = timeout_s
+        if self._serial.timeout != timeout_s:  # setting it sets up the whole port again
+            self._serial.timeout = timeout_s
         first: bytes = self._serial.read(1)
         return first + self._serial.read(self._serial.in_waiting) if first else b""
 

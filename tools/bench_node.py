@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,8 +18,11 @@ from tempfile import TemporaryDirectory
 from beatrix_zenoh import Refused, Robot, codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions
+from beatrix_zenoh._generated.serial import FrameType, Move
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.client import Client, Conversation
 from beatrix_zenoh.settings import Settings
+from hw_node.port import SerialPort
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "bench"
@@ -195,24 +198,81 @@ def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row
     yield f"{twin}: ready, clean exit [s]", f"{node.ready_s:.2f}, {node.end():.2f}", "< 2, < 1"
 
 
+class Mega:
+    """The shipped firmware on a simulated Mega behind a pseudo-terminal, in real time (tests/avr/live.py)."""
+
+    def __init__(self, port: Path) -> None:
+        command = [sys.executable, str(ROOT / "tests/avr/live.py"), "--path", str(port)]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdout is not None
+        self._process.stdout.readline()
+
+    def say(self, word: str) -> None:
+        """Work it; returns when done."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(word + "\n")
+        self._process.stdin.flush()
+        self._process.stdout.readline()
+
+    def end(self) -> str:
+        """What it says of how it kept time."""
+        out, _ = self._process.communicate("quit\n", timeout=10)
+        return out.strip().rpartition("\n")[2]
+
+
+def round_trips(port: Path, count: int = 300) -> list[float]:
+    """Seconds from a request's writing to its answer, without any node: wire, firmware, pyserial."""
+    board = Board(lambda: SerialPort(str(port)), lambda _: None, lambda: None)
+    board.start()
+    while not board.link.connected:
+        time.sleep(0.01)
+    move, took = Move(0, 1, (100, 100, 100), (800, 800, 800)).pack(), []
+    for _ in range(count):
+        began = time.perf_counter()
+        with suppress(Refused):
+            board.request(FrameType.MOVE, move)
+        took.append(time.perf_counter() - began)
+        time.sleep(0.005)
+    board.close()
+    return took
+
+
+def lost_s(mega: Mega, robot: Robot, word: str) -> float:
+    """From a board's loss in mid-move to a status that says so, seconds."""
+    robot.enable()
+    robot.calibrate()
+    robot.look(yaw=30, wait=False)
+    time.sleep(0.3)
+    began = time.perf_counter()
+    mega.say(word)
+    while (status := robot.status()).board.connected and status.calibrated:
+        time.sleep(0.005)
+    return time.perf_counter() - began
+
+
 def on_a_board(endpoint: str) -> Iterator[Row]:
     """A motion's way through a node and the Mega's own firmware, simulated cycle by cycle, at the wire's real speed."""
     with TemporaryDirectory() as folder:
-        board = Path(folder) / "board"
-        mega = subprocess.Popen(
-            [sys.executable, str(ROOT / "tests/avr/live.py"), "--path", str(board)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        assert mega.stdin is not None
-        assert mega.stdout is not None
-        mega.stdout.readline()
-        node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", str(board))
+        port = Path(folder) / "board"
+        mega = Mega(port)
+        yield "Mega at 250 000 baud: MOVE -> its answer, no node [ms]", spread_ms(round_trips(port)), ""
+        node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", str(port))
         with Client(Settings(NAME, endpoint, "ana")) as client:
             robot = Robot(NAME, "hw", client=client)
             robot.enable()
             robot.calibrate()
             yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
+            for word, cure in (("reset", ""), ("freeze", "go"), ("unplug", "plug")):
+                yield (
+                    f"Mega: {word} in mid-move -> status says so [s]",
+                    f"{lost_s(mega, robot, word):.2f}",
+                    "< 0.5",
+                )
+                if cure:
+                    mega.say(cure)
+                while not robot.status().board.connected:
+                    time.sleep(0.05)
+                robot.disable()
         node.end()
-        mega.communicate("quit\n", timeout=10)
+        yield "the same: " + (told := mega.end()).partition(":")[0], told.partition(":")[2].strip(), ""

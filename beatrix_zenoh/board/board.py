@@ -289,5 +289,5 @@ def mismatch_text(hello: HelloReply) -> str:
     """What to tell people whose firmware is of another version."""
     return (
         f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
-        f"{wire.CONTRACT:08x}: put both on one version (flash the firmware that came with this package)."
+        f"{wire.CONTRACT:08x}: end what uses the board and put this firmware onto it with `beatrix flash`."
     )
