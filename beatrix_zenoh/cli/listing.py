@@ -173,6 +173,6 @@ def describe(info: Info) -> None:
         f"speed: {limits['speed_default']:g}°/s unless told otherwise, at most {limits['speed_max']:g}°/s; "
         f"{limits['acceleration']:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
     )
-    say("commands: " + "; ".join(info.commands))
+    say("\ncommands:\n  " + "\n  ".join(info.commands))
     say("\n" + columns(("key", "kind", "what for"), [(row.key, row.kind, row.doc_) for row in info.keys]))
     say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))

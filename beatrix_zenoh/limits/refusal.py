@@ -17,6 +17,8 @@ from beatrix_zenoh.trajectory import Trajectory, plan
 
 _SAMPLES: Final = 24
 _TRIES: Final = 5
+_SEEN: Final = math.radians(0.05)
+"""Smallest angle that a tenth of a degree shows."""
 _PAIRS: Final = ("short and middle", "middle and long", "long and short")
 
 
@@ -153,11 +155,13 @@ class Judge:
         value = self._value(index, arms)
         if value is None:
             return f"no head fits the arms, at {degrees(arms)} deg"
-        angle = f"{math.degrees(value):.1f} deg"
+        angle = f"{math.degrees(value):z.1f} deg"
         if index == TILT:
             return f"the head would tilt {angle}"
         if index >= GAP:
-            return f"the {_PAIRS[index - GAP]} arms would be {angle} apart"
+            pair = f"the {_PAIRS[index - GAP]} arms would"
+            apart = value > -_SEEN
+            return f"{pair} be {angle} apart" if apart else f"{pair} have passed each other"
         return f"the head would turn to yaw {angle}"
 
     def _allowed(self, index: int) -> str:
@@ -181,4 +185,4 @@ def listed(values: Sequence[float]) -> str:
 
 def degrees(angles: Sequence[float]) -> str:
     """Angles (rad) as degrees for people."""
-    return ", ".join(f"{math.degrees(angle):.1f}" for angle in angles)
+    return ", ".join(f"{math.degrees(angle):z.1f}" for angle in angles)

@@ -89,6 +89,11 @@ class Course:
                 f"Yaw {degrees([yaw])}, pitch {degrees([pitch])}, roll {degrees([roll])} tilts the head by "
                 f"{degrees([tilt])}; at most {degrees([most])} is allowed.",
             )
+        if abs(yaw) > max(self.limits.yaw_max + math.pi, *map(abs, start)):  # less is judged with its way
+            raise Refused(
+                Reason.YAW_LIMIT,
+                f"Yaw {degrees([yaw])}: the head's cables allow {degrees([self.limits.yaw_max])} either way.",
+            )
         return self.neck.inverse(yaw, pitch, roll)
 
     def _arms_asked(self, query: MotionQuery, start: Arms) -> Arms:

@@ -162,6 +162,18 @@ def test_unreachable_pose_names_the_limit(robot: Robot, pitch: float, word: str)
     assert word in refusal.value.message
 
 
+@pytest.mark.parametrize("yaw", [200.0, 500.0])
+def test_a_turn_too_far_speaks_of_the_head(robot: Robot, yaw: float) -> None:
+    with pytest.raises(Refused, match=r"(?i)yaw [25]00\.0 deg.* cables allow .*180\.0 deg") as refusal:
+        robot.look(yaw=yaw)
+    assert refusal.value.reason is Reason.YAW_LIMIT
+
+
+def test_arms_that_would_cross_are_told_so(robot: Robot) -> None:
+    with pytest.raises(Refused, match="short and middle arms would have passed each other"):
+        robot.move(92, -92, 0)
+
+
 def test_the_whole_path_is_checked_not_only_its_end(robot: Robot) -> None:
     robot.look(pitch=30, speed=60)
     with pytest.raises(Refused):

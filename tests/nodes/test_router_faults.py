@@ -113,10 +113,12 @@ def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, road: 
     robot.look(yaw=2)
     motion = robot.look(yaw=170, speed=10, wait=False)
     bus = getattr(node._roads, road)
+    forgotten = bus._session
     for declared in [*bus._declared, *bus._tokens.values()]:
         if not isinstance(declared, zenoh.Publisher):
             declared.undeclare()  # as after a reconnection that lost them
     until(lambda: any("connected anew" in warning for warning in node.driver.warnings), "noticed", 10.0)
+    until(lambda: bool(forgotten.is_closed()), "nothing is left of it")
     until(lambda: not node.reporter.status().moving, "its asker may wait in vain: stopped")
     with pytest.raises((Interrupted, NoAnswer)):
         motion.wait()

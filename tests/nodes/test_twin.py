@@ -13,7 +13,7 @@ from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.robot import Motion
+from beatrix_zenoh.robot import Motion, stop_together
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +167,16 @@ def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert "bea (hw)" in ended[0].message
     assert not twin.sim.status().moving
     assert commanded(twin.sim)[0] < 60
+
+
+def test_both_are_told_to_stop_before_either_is_waited_for(twin: Twin) -> None:
+    motions = [robot.look(yaw=90, wait=False) for robot in (twin.sim, twin.hw)]
+    answers = stop_together((twin.sim, twin.hw))
+    robot, _ = next(answers)
+    assert robot is twin.sim
+    with pytest.raises(Interrupted):
+        motions[1].wait()
+    assert [robot for robot, _ in answers] == [twin.hw]
 
 
 def test_what_stops_both_stops_the_hardware_though_the_simulation_is_gone() -> None:
