@@ -71,14 +71,14 @@ class Axis {
   Fine rest_;   // where braking from the next tick on ends
   Fine position_;
   Fine target_;
-  Fine next_speed_;  // of the planned tick
-  Fine next_rest_;   // at speed 0 the place where it ends
-  Fine start_;
-  Ramp ramp_ = Ramp();
-  int32_t steps_ = 0;
-  int32_t next_rest_steps_ = 0;
+  Fine next_rest_;  // at speed 0 the place where it ends
   int8_t direction_ = 1;  // of the last tick that moved
   int8_t next_direction_ = 1;
+  int32_t next_rest_steps_ = 0;
+  Ramp ramp_ = Ramp();
+  Fine next_speed_;  // of the planned tick
+  Fine start_;
+  int32_t steps_ = 0;
 };
 
 }  // namespace beatrix
