@@ -90,7 +90,7 @@ inline __attribute__((always_inline)) void schedule_early(uint16_t due) {
 
 // All but the count, which makes the interrupt see the train.
 template <uint8_t ARM, typename Waiting>
-inline __attribute__((always_inline)) void begin(Waiting &train) {
+inline __attribute__((always_inline)) void prepare(Waiting &train) {
   volatile Queue &queue = queues[ARM];
   turn<ARM>(train.forward);
   queue.interval = train.interval;
@@ -108,7 +108,7 @@ inline __attribute__((always_inline)) void begin_next() {
   volatile Queue &queue = queues[ARM];
   queue.left = queue.next.count;
   queue.next.count = 0;
-  begin<ARM>(queue.next);
+  prepare<ARM>(queue.next);
 }
 
 // The whole interrupt: 90 cycles, 140 where a train begins, and before a rare step up to 140 of waiting. A pulse of at
@@ -141,7 +141,7 @@ inline __attribute__((always_inline)) void make_step() {
 template <uint8_t ARM>
 bool begin_from_rest(const Train &train) {
   volatile Queue &queue = queues[ARM];
-  begin<ARM>(train);
+  prepare<ARM>(train);
   if (TIFR1 & Wires<ARM>::FLAG) return false;
   queue.left = train.count;
   return true;
