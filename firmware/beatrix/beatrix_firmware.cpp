@@ -446,12 +446,12 @@ class Axis {
   bool beyond_target(const Fine &rest) const;
   void set_next(const Fine &speed, const Fine &rest);
 
-  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
+  // In this order, nearly all that a tick adds and compares lies in the 64 bytes that an AVR reaches from one address.
   Fine speed_;  // of the last tick, >= 0
   Fine rest_;   // where braking from the next tick on ends
   Fine position_;
   Fine target_;
-  Fine next_rest_;  // at speed 0 the place where it ends
+  Fine next_rest_;        // at speed 0 the place where it ends
   int8_t direction_ = 1;  // of the last tick that moved
   int8_t next_direction_ = 1;
   int32_t next_rest_steps_ = 0;
@@ -3220,7 +3220,7 @@ namespace {
 
 const uint8_t WAY_BITS = 24;  // the way of a tick in 32 bits: up to 256 steps
 const uint32_t WAY_ONE = uint32_t(1) << WAY_BITS;
-// Steps from this many cycles apart are rare: three arms wait for less than a tenth of the time.
+// Cycles. Steps that are further apart are rare: with three arms, waiting for them takes a tenth of the time at most.
 const uint16_t RARE = 4096;
 
 uint32_t to_way(const Fine &value) { return uint32_t(value.high) << (WAY_BITS - 8) | value.low >> (40 - WAY_BITS); }

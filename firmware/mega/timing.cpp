@@ -12,7 +12,7 @@ namespace {
 
 const uint8_t WAY_BITS = 24;  // the way of a tick in 32 bits: up to 256 steps
 const uint32_t WAY_ONE = uint32_t(1) << WAY_BITS;
-// Steps from this many cycles apart are rare: three arms wait for less than a tenth of the time.
+// Cycles. Steps that are further apart are rare: with three arms, waiting for them takes a tenth of the time at most.
 const uint16_t RARE = 4096;
 
 uint32_t to_way(const Fine &value) { return uint32_t(value.high) << (WAY_BITS - 8) | value.low >> (40 - WAY_BITS); }

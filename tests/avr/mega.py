@@ -46,14 +46,14 @@ class MegaCore:
         return self.avr.pulses()
 
 
-class MegaPort:
+class MegaPort(MegaCore):
     """The Mega as a Core for Program: bytes take their time on the wire, and nobody waits for them.
 
     Use it in `with`: its pins are looked at in the end.
     """
 
     def __init__(self, firmware: Path = HEX, baud: int = 250_000) -> None:
-        self.avr = Avr(firmware, baud=baud)
+        super().__init__(Avr(firmware, baud=baud))
         self.avr.run_ms(START_MS)
 
     def __enter__(self) -> Self:
@@ -65,18 +65,6 @@ class MegaPort:
     def receive(self, data: bytes) -> None:
         """Put bytes on the wire."""
         self.avr.send(data)
-
-    def transmit(self) -> bytes:
-        """All that was sent since the last call."""
-        return self.avr.receive()
-
-    def tick(self, ms: int) -> None:
-        """Let time pass."""
-        self.avr.run_ms(ms)
-
-    def steps(self) -> Steps:
-        """Steps on the pins."""
-        return self.avr.pulses()
 
 
 class Mega(Rig):
