@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rig import Steps
+from rig import Core, Steps
 
 from beatrix_zenoh._generated.serial import (
     FrameType,
@@ -28,8 +28,8 @@ class Program:
     `framed`: through a host that speaks frames all the time; then flags, warnings and telemetry are collected as well.
     """
 
-    def __init__(self, core: Firmware | None = None, *, framed: bool = False) -> None:
-        self.core = core or Firmware()
+    def __init__(self, core: Core | None = None, *, framed: bool = False) -> None:
+        self.core: Core = core or Firmware()
         self.framed = framed
         self.ms = 0
         self.lines: list[tuple[int, str]] = []

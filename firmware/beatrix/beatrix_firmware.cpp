@@ -366,10 +366,10 @@ inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 
 
 // Proportions: 32 binary places, from 0 to WHOLE.
 static const uint64_t WHOLE = uint64_t(1) << 32;
-// part / whole, part <= whole < 2^24.
+// part / whole, part <= whole < 2^23.
 uint64_t ratio_of(uint32_t part, uint32_t whole);
 uint64_t rough_ratio_of(uint32_t part, uint32_t whole);  // 16 places of it, in half the time
-// The first 16 binary places of rest / whole, rest < whole, and for the next ones what is left.
+// The first 16 binary places of rest / whole, rest < whole < 2^23, and for the next ones what is left.
 #ifdef __AVR__
 typedef __uint24 uint24;  // a third faster than 32 bits
 #else
@@ -446,19 +446,19 @@ class Axis {
   bool beyond_target(const Fine &rest) const;
   void set_next(const Fine &speed, const Fine &rest);
 
-  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
+  // In this order, nearly all that a tick adds and compares lies in the 64 bytes that an AVR reaches from one address.
   Fine speed_;  // of the last tick, >= 0
   Fine rest_;   // where braking from the next tick on ends
   Fine position_;
   Fine target_;
-  Fine next_speed_;  // of the planned tick
-  Fine next_rest_;   // at speed 0 the place where it ends
-  Fine start_;
-  Ramp ramp_ = Ramp();
-  int32_t steps_ = 0;
-  int32_t next_rest_steps_ = 0;
+  Fine next_rest_;        // at speed 0 the place where it ends
   int8_t direction_ = 1;  // of the last tick that moved
   int8_t next_direction_ = 1;
+  int32_t next_rest_steps_ = 0;
+  Ramp ramp_ = Ramp();
+  Fine next_speed_;  // of the planned tick
+  Fine start_;
+  int32_t steps_ = 0;
 };
 
 }  // namespace beatrix
@@ -655,12 +655,12 @@ class Receiver {
   bool correct() const;
   Got take_text(uint8_t byte);
 
-  uint8_t body_[TEXT_LINE_MAX] = {};
   uint8_t length_ = 0;
   uint8_t run_ = 0;  // bytes until the next COBS code
   uint16_t crc_ = 0;
   Mode mode_ = BETWEEN;
   uint16_t rejected_ = 0;
+  uint8_t body_[TEXT_LINE_MAX] = {};  // last: an AVR reaches 64 bytes from one address
 };
 
 }  // namespace beatrix
@@ -684,7 +684,9 @@ class Receiver {
 //                           steps() also changes in receive() (CALIBRATE), never the number of steps to make.
 //
 // Interrupts on the AVR, 16 000 cycles per millisecond, in order of their claims:
-//   step (a compare match per arm)   at most 150 cycles: sets a pin, counts, loads the next compare time; no planning
+//   step (a compare match per arm)   at most 150 cycles: sets a pin, counts, loads the next compare time; no planning.
+//                                    Up to 300 where steps are rare: it waits for their very cycle. Three of these in a
+//                                    row still leave a byte its time: the UART holds two
 //   receive, transmit (a byte)       at most 100 cycles: ring buffer only; at 250 000 baud a byte comes every 640
 //   tick (1 kHz)                     at most 8 000 cycles, with interrupts on: plans one millisecond ahead of the steps
 //   main loop                        the rest; a whole MOVE within 5 ms, of which at most 8 000 cycles hold the tick
@@ -1086,6 +1088,7 @@ class Machine {
   void warn(uint8_t code);
 
  private:
+  void take(Got got);
   void answer();
   bool has_host() const;
   void look_for_silence(uint16_t tick, uint16_t silence);
@@ -1577,6 +1580,11 @@ void Machine::start() {
 void Machine::receive(uint8_t byte) {
   byte_came_ = true;
   Got got = receiver_.take(byte);
+  if (got != GOT_NOTHING) take(got);
+}
+
+// Not part of receive(): every byte would have to make room for a frame on the stack.
+__attribute__((noinline)) void Machine::take(Got got) {
   if (got == GOT_LINE) text_.take(*this, receiver_.line(), receiver_.line_size());
   if (got != GOT_FRAME || receiver_.type() >= REQUEST_END) return;
   {
@@ -2376,11 +2384,11 @@ uint16_t places(uint24 *rest, uint24 whole) {
   uint24 left = *rest;
   uint16_t result = 0;
   for (uint8_t i = 0; i < 16; i++) {
-    bool carry = left & 0x800000;
     left = uint24(left << 1);
     result = uint16_t(result << 1);
-    if (carry || left >= whole) {
+    if (left >= whole) {
       left = uint24(left - whole);
+      __asm__("" : "+r"(left));  // keeps the branch: the compiler's way without it takes twice as long
       result++;
     }
   }
@@ -2466,10 +2474,27 @@ void work_on_memory();
 namespace beatrix {
 namespace mega {
 
+// 256 bytes, indexed by bytes that wrap by themselves. Each index is written on one side only, so no side has to keep
+// interrupts off.
+struct Ring {
+  volatile uint8_t head;  // next to be written
+  volatile uint8_t tail;  // next to be read
+  uint8_t bytes[256];
+};
+
+extern Ring received;
+
 void start_serial(uint32_t baud);
-bool has_byte();
+
+// Inline: the main loop calls them for every byte.
+inline bool has_byte() { return received.head != received.tail; }
 // Of those received, the oldest; only if there is one.
-uint8_t take_byte();
+inline uint8_t take_byte() {
+  uint8_t tail = received.tail;
+  uint8_t byte = received.bytes[tail];
+  received.tail = uint8_t(tail + 1);
+  return byte;
+}
 
 }  // namespace mega
 }  // namespace beatrix
@@ -2494,6 +2519,7 @@ struct Train {
   uint16_t interval;
   uint8_t count;
   bool forward;
+  bool rare;  // so few that each can be made in its very cycle
 };
 
 void start_steps();
@@ -2716,9 +2742,6 @@ void store_name(const char name[NAME_SIZE]) {
 
 // --- mega/serial.cpp
 // The wire to the host.
-//
-// Two rings of 256 bytes, indexed by bytes that wrap by themselves. Each index is written on one side only, so no side
-// has to keep interrupts off.
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
@@ -2731,30 +2754,17 @@ namespace {
 
 const uint8_t LAST = 255;  // one place stays empty: a full ring must not look like an empty one
 
-struct Ring {
-  volatile uint8_t head;  // next to be written
-  volatile uint8_t tail;  // next to be read
-  uint8_t bytes[256];
-};
-
-Ring received, sent;
+Ring sent;
 
 }  // namespace
+
+Ring received;
 
 void start_serial(uint32_t baud) {
   UCSR0A = _BV(U2X0);
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UBRR0 = uint16_t((F_CPU / 8 + baud / 2) / baud - 1);
   UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
-}
-
-bool has_byte() { return received.head != received.tail; }
-
-uint8_t take_byte() {
-  uint8_t tail = received.tail;
-  uint8_t byte = received.bytes[tail];
-  received.tail = uint8_t(tail + 1);
-  return byte;
 }
 
 }  // namespace mega
@@ -2802,6 +2812,10 @@ ISR(USART0_UDRE_vect) {
 // Timer 1 runs through, one cycle a count. A channel whose arm has nothing to do matches every 4 ms; its interrupt
 // then finds nothing and ends. So no flag is ever cleared by hand, which would lose the matches of other arms in
 // simulators and in read-modify-write mistakes alike.
+//
+// A byte on the wire, the tick or another arm can hold up an interrupt by a hundred cycles. Where steps are rare, the
+// match therefore comes early and the interrupt waits for the very cycle. Where they are dense nothing is waited for: the
+// processor has no time to spare.
 
 #include <avr/interrupt.h>
 #include <util/atomic.h>
@@ -2878,24 +2892,53 @@ namespace {
 
 // From reading the counter to a match that is surely not missed; also the least pause between two pulses.
 const uint16_t SOON = 32;
+// How much earlier the match of a rare step is than its moment: the way to the pin takes 60 cycles, and what may go on
+// before it, a byte or an end of the tick with interrupts off, less than 100. The wire bears it: three arms that wait one
+// after another hold it up by 850 cycles; a byte takes 640 and the UART holds two.
+const uint8_t EARLY = 160;
 
 struct Queue {
   uint8_t left;  // steps of the train being made
-  uint16_t interval;
+  bool rare;
   bool forward;
-  Train next;  // next.count 0: none
+  uint16_t interval;
+  uint16_t due;  // the moment of the next step, where they are rare
+  Train next;    // next.count 0: none
 };
 
 volatile Queue queues[ARMS];
 int16_t thrown[ARMS];
 bool powered = false;
 
-inline bool before(uint16_t a, uint16_t b) { return int16_t(a - b) < 0; }
-
+// The compiler must not know what `late` is made of: it would keep both parts, and the interrupt save more registers.
 template <uint8_t ARM>
 inline __attribute__((always_inline)) void schedule(uint16_t when) {
-  uint16_t soon = uint16_t(TCNT1 + SOON);
-  Wires<ARM>::match() = before(when, soon) ? soon : when;
+  int16_t late = int16_t(TCNT1 + SOON - when);
+  __asm__("" : "+r"(late));
+  if (late >= 0) when = uint16_t(when + late);
+  Wires<ARM>::match() = when;
+}
+
+// Exactly n + 9 cycles: a turn takes four, the last one three, and 0 to 3 are left in two bits.
+inline __attribute__((always_inline)) void wait_cycles(uint8_t n) {
+  __asm__ volatile(
+      "1: nop\n\t"
+      "subi %0, 4\n\t"
+      "brcc 1b\n\t"
+      "sbrc %0, 0\n\t"  // with its jump 2 cycles, or 3 if the bit is set
+      "rjmp .+0\n\t"
+      "sbrc %0, 1\n\t"
+      "rjmp .+0\n\t"
+      "sbrc %0, 1\n\t"
+      "rjmp .+0"
+      : "+d"(n));
+}
+
+// At once, if it has passed.
+inline __attribute__((always_inline)) void wait_for(uint16_t due) {
+  int16_t left = int16_t(due - TCNT1);
+  if (left < 0) left = 0;
+  wait_cycles(uint8_t(left));
 }
 
 template <uint8_t ARM>
@@ -2909,29 +2952,55 @@ inline __attribute__((always_inline)) void turn(bool forward) {
 }
 
 template <uint8_t ARM>
-inline __attribute__((always_inline)) void begin_next() {
-  volatile Queue &queue = queues[ARM];
-  turn<ARM>(queue.next.forward);
-  queue.interval = queue.next.interval;
-  queue.left = queue.next.count;
-  queue.next.count = 0;
-  schedule<ARM>(queue.next.first);
+inline __attribute__((always_inline)) void schedule_early(uint16_t due) {
+  queues[ARM].due = due;
+  schedule<ARM>(uint16_t(due - EARLY));
 }
 
-// The whole interrupt: about 110 cycles. A pulse of at least 16 cycles (1 us) lies between rise and fall.
+// All but the count, which makes the interrupt see the train.
+template <uint8_t ARM, typename Waiting>
+inline __attribute__((always_inline)) void prepare(Waiting &train) {
+  volatile Queue &queue = queues[ARM];
+  turn<ARM>(train.forward);
+  queue.interval = train.interval;
+  bool rare = train.rare;
+  queue.rare = rare;
+  if (rare) {
+    schedule_early<ARM>(train.first);
+  } else {
+    schedule<ARM>(train.first);
+  }
+}
+
+template <uint8_t ARM>
+inline __attribute__((always_inline)) void begin_next() {
+  volatile Queue &queue = queues[ARM];
+  queue.left = queue.next.count;
+  queue.next.count = 0;
+  prepare<ARM>(queue.next);
+}
+
+// The whole interrupt: 90 cycles, 140 where a train begins, and before a rare step up to 140 of waiting. A pulse of at
+// least 16 cycles (1 us) lies between rise and fall.
 template <uint8_t ARM>
 inline __attribute__((always_inline)) void make_step() {
   volatile Queue &queue = queues[ARM];
-  uint8_t left = queue.left;
-  if (!left) return;
+  if (!queue.left) return;
+  bool rare = __builtin_expect(queue.rare, false);
+  if (rare) wait_for(queue.due);
   Wires<ARM>::rise();
-  queue.left = --left;
-  if (left) {
-    schedule<ARM>(uint16_t(Wires<ARM>::match() + queue.interval));
-  } else if (queue.next.count) {
-    begin_next<ARM>();
+  uint8_t left = uint8_t(queue.left - 1);
+  queue.left = left;
+  if (__builtin_expect(!left, false)) {
+    if (queue.next.count) {
+      begin_next<ARM>();
+    } else {
+      __builtin_avr_delay_cycles(12);
+    }
+  } else if (rare) {
+    schedule_early<ARM>(uint16_t(queue.due + queue.interval));
   } else {
-    __builtin_avr_delay_cycles(12);
+    schedule<ARM>(uint16_t(Wires<ARM>::match() + queue.interval));
   }
   Wires<ARM>::fall();
 }
@@ -2941,10 +3010,8 @@ inline __attribute__((always_inline)) void make_step() {
 template <uint8_t ARM>
 bool begin_from_rest(const Train &train) {
   volatile Queue &queue = queues[ARM];
-  turn<ARM>(train.forward);
-  schedule<ARM>(train.first);
+  prepare<ARM>(train);
   if (TIFR1 & Wires<ARM>::FLAG) return false;
-  queue.interval = train.interval;
   queue.left = train.count;
   return true;
 }
@@ -2959,6 +3026,7 @@ void queue_for(const Train &train) {
       } else if (queue.left) {
         queue.next.first = train.first;
         queue.next.interval = train.interval;
+        queue.next.rare = train.rare;
         queue.next.forward = train.forward;
         queue.next.count = train.count;
         done = true;
@@ -3030,7 +3098,7 @@ ISR(TIMER1_COMPC_vect) { beatrix::mega::make_step<2>(); }
 //
 // Timer 3 calls it every 16 000 cycles, with interrupts on, to plan the millisecond that begins 16 000 cycles after it
 // was due. Should it ever be ready later than that, time is stretched: all further ticks and steps come later, none is
-// lost. Cost: about 1 500 cycles beside Machine::tick().
+// lost. Cost: about 2 000 cycles beside Machine::tick().
 
 #include <avr/interrupt.h>
 #include <util/atomic.h>
@@ -3064,6 +3132,9 @@ namespace mega {
 namespace {
 
 const uint16_t SPARE = 64;  // from looking at the clock to the first train's queueing
+// Each arm's millisecond begins so much later than that of the arm before, so that arms that go alike do not hold each
+// other up: a rare step's interrupt, and the end of a tick behind it.
+const uint16_t STAGGER = 264;
 
 Machine *machine;
 volatile bool made = false;
@@ -3089,7 +3160,7 @@ void plan() {
   begin_millisecond();
   for (uint8_t i = 0; i < ARMS; i++) {
     Train train;
-    if (make_train(machine->motion().axis(i), before[i], begin, &train)) queue_train(i, train);
+    if (make_train(machine->motion().axis(i), before[i], uint16_t(begin + i * STAGGER), &train)) queue_train(i, train);
   }
 }
 
@@ -3149,6 +3220,8 @@ namespace {
 
 const uint8_t WAY_BITS = 24;  // the way of a tick in 32 bits: up to 256 steps
 const uint32_t WAY_ONE = uint32_t(1) << WAY_BITS;
+// Cycles. Steps that are further apart are rare: with three arms, waiting for them takes a tenth of the time at most.
+const uint16_t RARE = 4096;
 
 uint32_t to_way(const Fine &value) { return uint32_t(value.high) << (WAY_BITS - 8) | value.low >> (40 - WAY_BITS); }
 
@@ -3161,7 +3234,7 @@ uint32_t way_to_first(const Fine &start, int32_t before, bool forward) {
 // 65536 * part / whole in whole numbers; at most 65535.
 uint16_t fraction(uint32_t part, uint32_t whole) {
   if (part >= whole) return 0xFFFF;
-  if (whole >> 24) {
+  if (whole >= uint32_t(1) << 23) {
     whole >>= 8;
     part >>= 8;
   }
@@ -3169,7 +3242,7 @@ uint16_t fraction(uint32_t part, uint32_t whole) {
   return places(&rest, uint24(whole));
 }
 
-uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t((uint32_t(fraction_of) * cycles) >> 16); }
+uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t(wide(fraction_of, cycles) >> 16); }
 
 }  // namespace
 
@@ -3185,9 +3258,11 @@ bool make_train(const Axis &axis, int32_t before, uint16_t begin, Train *train) 
   if (train->count == 1) {
     // Settled arms have no way left: their last step is made at once.
     train->interval = 0;
+    train->rare = true;
     train->first = uint16_t(begin + (way ? times(fraction(first, way), TICK_CYCLES) : 0));
   } else {
     train->interval = times(fraction(WAY_ONE, way), TICK_CYCLES);
+    train->rare = train->interval >= RARE;
     train->first = uint16_t(begin + times(uint16_t(first >> (WAY_BITS - 16)), train->interval));
   }
   return true;

@@ -66,19 +66,19 @@ class Axis {
   bool beyond_target(const Fine &rest) const;
   void set_next(const Fine &speed, const Fine &rest);
 
-  // In this order, the sums of every tick lie in the 64 bytes that an AVR reaches from one address.
+  // In this order, nearly all that a tick adds and compares lies in the 64 bytes that an AVR reaches from one address.
   Fine speed_;  // of the last tick, >= 0
   Fine rest_;   // where braking from the next tick on ends
   Fine position_;
   Fine target_;
-  Fine next_speed_;  // of the planned tick
-  Fine next_rest_;   // at speed 0 the place where it ends
-  Fine start_;
-  Ramp ramp_ = Ramp();
-  int32_t steps_ = 0;
-  int32_t next_rest_steps_ = 0;
+  Fine next_rest_;        // at speed 0 the place where it ends
   int8_t direction_ = 1;  // of the last tick that moved
   int8_t next_direction_ = 1;
+  int32_t next_rest_steps_ = 0;
+  Ramp ramp_ = Ramp();
+  Fine next_speed_;  // of the planned tick
+  Fine start_;
+  int32_t steps_ = 0;
 };
 
 }  // namespace beatrix

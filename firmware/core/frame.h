@@ -46,12 +46,12 @@ class Receiver {
   bool correct() const;
   Got take_text(uint8_t byte);
 
-  uint8_t body_[TEXT_LINE_MAX] = {};
   uint8_t length_ = 0;
   uint8_t run_ = 0;  // bytes until the next COBS code
   uint16_t crc_ = 0;
   Mode mode_ = BETWEEN;
   uint16_t rejected_ = 0;
+  uint8_t body_[TEXT_LINE_MAX] = {};  // last: an AVR reaches 64 bytes from one address
 };
 
 }  // namespace beatrix

@@ -12,7 +12,9 @@
 //                           steps() also changes in receive() (CALIBRATE), never the number of steps to make.
 //
 // Interrupts on the AVR, 16 000 cycles per millisecond, in order of their claims:
-//   step (a compare match per arm)   at most 150 cycles: sets a pin, counts, loads the next compare time; no planning
+//   step (a compare match per arm)   at most 150 cycles: sets a pin, counts, loads the next compare time; no planning.
+//                                    Up to 300 where steps are rare: it waits for their very cycle. Three of these in a
+//                                    row still leave a byte its time: the UART holds two
 //   receive, transmit (a byte)       at most 100 cycles: ring buffer only; at 250 000 baud a byte comes every 640
 //   tick (1 kHz)                     at most 8 000 cycles, with interrupts on: plans one millisecond ahead of the steps
 //   main loop                        the rest; a whole MOVE within 5 ms, of which at most 8 000 cycles hold the tick

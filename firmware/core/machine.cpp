@@ -14,6 +14,11 @@ void Machine::start() {
 void Machine::receive(uint8_t byte) {
   byte_came_ = true;
   Got got = receiver_.take(byte);
+  if (got != GOT_NOTHING) take(got);
+}
+
+// Not part of receive(): every byte would have to make room for a frame on the stack.
+__attribute__((noinline)) void Machine::take(Got got) {
   if (got == GOT_LINE) text_.take(*this, receiver_.line(), receiver_.line_size());
   if (got != GOT_FRAME || receiver_.type() >= REQUEST_END) return;
   {

@@ -43,6 +43,7 @@ class Machine {
   void warn(uint8_t code);
 
  private:
+  void take(Got got);
   void answer();
   bool has_host() const;
   void look_for_silence(uint16_t tick, uint16_t silence);

@@ -17,11 +17,11 @@ uint16_t places(uint24 *rest, uint24 whole) {
   uint24 left = *rest;
   uint16_t result = 0;
   for (uint8_t i = 0; i < 16; i++) {
-    bool carry = left & 0x800000;
     left = uint24(left << 1);
     result = uint16_t(result << 1);
-    if (carry || left >= whole) {
+    if (left >= whole) {
       left = uint24(left - whole);
+      __asm__("" : "+r"(left));  // keeps the branch: the compiler's way without it takes twice as long
       result++;
     }
   }

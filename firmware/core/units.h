@@ -99,10 +99,10 @@ inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 
 
 // Proportions: 32 binary places, from 0 to WHOLE.
 static const uint64_t WHOLE = uint64_t(1) << 32;
-// part / whole, part <= whole < 2^24.
+// part / whole, part <= whole < 2^23.
 uint64_t ratio_of(uint32_t part, uint32_t whole);
 uint64_t rough_ratio_of(uint32_t part, uint32_t whole);  // 16 places of it, in half the time
-// The first 16 binary places of rest / whole, rest < whole, and for the next ones what is left.
+// The first 16 binary places of rest / whole, rest < whole < 2^23, and for the next ones what is left.
 #ifdef __AVR__
 typedef __uint24 uint24;  // a third faster than 32 bits
 #else

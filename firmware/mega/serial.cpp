@@ -1,7 +1,4 @@
 // The wire to the host.
-//
-// Two rings of 256 bytes, indexed by bytes that wrap by themselves. Each index is written on one side only, so no side
-// has to keep interrupts off.
 #include "serial.h"
 
 #include <avr/interrupt.h>
@@ -16,30 +13,17 @@ namespace {
 
 const uint8_t LAST = 255;  // one place stays empty: a full ring must not look like an empty one
 
-struct Ring {
-  volatile uint8_t head;  // next to be written
-  volatile uint8_t tail;  // next to be read
-  uint8_t bytes[256];
-};
-
-Ring received, sent;
+Ring sent;
 
 }  // namespace
+
+Ring received;
 
 void start_serial(uint32_t baud) {
   UCSR0A = _BV(U2X0);
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UBRR0 = uint16_t((F_CPU / 8 + baud / 2) / baud - 1);
   UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
-}
-
-bool has_byte() { return received.head != received.tail; }
-
-uint8_t take_byte() {
-  uint8_t tail = received.tail;
-  uint8_t byte = received.bytes[tail];
-  received.tail = uint8_t(tail + 1);
-  return byte;
 }
 
 }  // namespace mega

@@ -7,10 +7,27 @@
 namespace beatrix {
 namespace mega {
 
+// 256 bytes, indexed by bytes that wrap by themselves. Each index is written on one side only, so no side has to keep
+// interrupts off.
+struct Ring {
+  volatile uint8_t head;  // next to be written
+  volatile uint8_t tail;  // next to be read
+  uint8_t bytes[256];
+};
+
+extern Ring received;
+
 void start_serial(uint32_t baud);
-bool has_byte();
+
+// Inline: the main loop calls them for every byte.
+inline bool has_byte() { return received.head != received.tail; }
 // Of those received, the oldest; only if there is one.
-uint8_t take_byte();
+inline uint8_t take_byte() {
+  uint8_t tail = received.tail;
+  uint8_t byte = received.bytes[tail];
+  received.tail = uint8_t(tail + 1);
+  return byte;
+}
 
 }  // namespace mega
 }  // namespace beatrix

@@ -13,6 +13,7 @@ struct Train {
   uint16_t interval;
   uint8_t count;
   bool forward;
+  bool rare;  // so few that each can be made in its very cycle
 };
 
 void start_steps();

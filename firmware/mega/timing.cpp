@@ -12,6 +12,8 @@ namespace {
 
 const uint8_t WAY_BITS = 24;  // the way of a tick in 32 bits: up to 256 steps
 const uint32_t WAY_ONE = uint32_t(1) << WAY_BITS;
+// Cycles. Steps that are further apart are rare: with three arms, waiting for them takes a tenth of the time at most.
+const uint16_t RARE = 4096;
 
 uint32_t to_way(const Fine &value) { return uint32_t(value.high) << (WAY_BITS - 8) | value.low >> (40 - WAY_BITS); }
 
@@ -24,7 +26,7 @@ uint32_t way_to_first(const Fine &start, int32_t before, bool forward) {
 // 65536 * part / whole in whole numbers; at most 65535.
 uint16_t fraction(uint32_t part, uint32_t whole) {
   if (part >= whole) return 0xFFFF;
-  if (whole >> 24) {
+  if (whole >= uint32_t(1) << 23) {
     whole >>= 8;
     part >>= 8;
   }
@@ -32,7 +34,7 @@ uint16_t fraction(uint32_t part, uint32_t whole) {
   return places(&rest, uint24(whole));
 }
 
-uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t((uint32_t(fraction_of) * cycles) >> 16); }
+uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t(wide(fraction_of, cycles) >> 16); }
 
 }  // namespace
 
@@ -48,9 +50,11 @@ bool make_train(const Axis &axis, int32_t before, uint16_t begin, Train *train) 
   if (train->count == 1) {
     // Settled arms have no way left: their last step is made at once.
     train->interval = 0;
+    train->rare = true;
     train->first = uint16_t(begin + (way ? times(fraction(first, way), TICK_CYCLES) : 0));
   } else {
     train->interval = times(fraction(WAY_ONE, way), TICK_CYCLES);
+    train->rare = train->interval >= RARE;
     train->first = uint16_t(begin + times(uint16_t(first >> (WAY_BITS - 16)), train->interval));
   }
   return true;

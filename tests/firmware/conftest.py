@@ -5,13 +5,21 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from rig import ROOT, Rig
+from avr.mega import MegaPort
+from rig import ROOT, Core, Rig
+
+from beatrix_zenoh.board.virtual import Firmware
 
 Build = Callable[..., Path]
+PACKAGES = {
+    "clang++-14": "clang-14 lld-14 libclang-rt-14-dev",
+    "g++": "g++",
+    "avr-g++": "gcc-avr avr-libc",
+}
 
 
 @pytest.fixture(scope="session")
@@ -21,9 +29,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
 
     def make(target: str, compiler: str, *settings: str) -> Path:
         if shutil.which(compiler) is None:
-            pytest.skip(
-                f"{compiler} is not installed: apt-get install clang-14 lld-14 libclang-rt-14-dev g++"
-            )
+            pytest.skip(f"{compiler} is not installed: apt-get install {PACKAGES[compiler]}")
         command = ["make", "-s", "-C", str(ROOT / "firmware"), target, f"BUILD={folder}", *settings]
         done = subprocess.run(
             command, capture_output=True, text=True, check=False, env={**os.environ, "MAKEFLAGS": ""}
@@ -32,6 +38,16 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
         return folder
 
     return make
+
+
+@pytest.fixture(params=["virtual", "mega"])
+def body(request: pytest.FixtureRequest) -> Iterator[Core]:
+    """The firmware in each of its bodies, for a Program to speak to."""
+    if request.param == "virtual":
+        yield Firmware()
+        return
+    with MegaPort() as mega:
+        yield mega
 
 
 @pytest.fixture

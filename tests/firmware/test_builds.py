@@ -5,10 +5,14 @@ from __future__ import annotations
 import filecmp
 import random
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from avr.mega import HEX, Mega, MegaPort
+from dialogue import DIALOGUES, read, wanted
+from program import BYTE_MS, Program
 from rig import ROOT, SPEED_MAX, Core, HostFirmware
 
 from beatrix_zenoh._generated.serial import Enable, FrameType, Move
@@ -17,12 +21,58 @@ from beatrix_zenoh.board.virtual import Firmware
 
 pytestmark = pytest.mark.xdist_group("firmware-builds")
 SHIPPED = ROOT / "beatrix_zenoh/board/firmware.wasm"
+ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 Build = Callable[..., Path]
 
 
 def test_the_shipped_wasm_is_what_its_sources_make(build: Build, tmp_path: Path) -> None:
     build("wasm", "clang++-14", f"WASM={tmp_path / 'firmware.wasm'}")
     assert filecmp.cmp(tmp_path / "firmware.wasm", SHIPPED, shallow=False), "run `make firmware`, commit it"
+
+
+def test_the_shipped_hex_is_what_its_sources_make(build: Build, tmp_path: Path) -> None:
+    build("mega", "avr-g++", f"HEX={tmp_path / 'mega.hex'}")
+    assert filecmp.cmp(tmp_path / "mega.hex", HEX, shallow=False), "run `make firmware`, commit it"
+
+
+def test_the_sketch_is_what_its_sources_make() -> None:
+    command = [sys.executable, str(ROOT / "tools/sketch.py"), "--check"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=50)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_sketch_compiled_as_in_the_arduino_ide_moves(build: Build) -> None:
+    if not ARDUINO.exists():
+        pytest.skip(f"{ARDUINO} is not there: apt-get install arduino-core-avr")
+    with Mega(build("arduino", "avr-g++") / "beatrix.ino.elf") as mega:
+        mega.ready()
+        mega.move((100, -50, 20))
+        mega.run()
+        mega.settle()
+        assert mega.last.position == mega.steps == (100, -50, 20)
+
+
+@pytest.mark.parametrize("path", DIALOGUES, ids=lambda path: path.stem)
+def test_built_for_9600_baud_the_mega_takes_the_place_of_a_board_of_2023(
+    build: Build, tmp_path: Path, path: Path
+) -> None:
+    build("mega", "avr-g++", "BAUD=9600", f"HEX={tmp_path / 'drop-in.hex'}")
+    dialogue = read(path)
+    with MegaPort(tmp_path / "drop-in.hex", baud=9600) as mega:
+        program = Program(mega)
+        asked = []
+        for said in dialogue:
+            if said.to_robot:
+                program.tick(said.ms - program.ms)
+                asked.append((said.ms + len(said.text) * BYTE_MS, len(program.lines)))
+                program.send(said.text.encode("ascii"))
+        program.tick(5000)
+    assert [line for _, line in program.lines] == [said.text for said in wanted(dialogue)]
+    for (ms, _), old in zip(program.lines, wanted(dialogue), strict=True):
+        assert ms <= old.ms
+    for heard_ms, first in asked:
+        ms, line = program.lines[first]
+        assert heard_ms + len(line) * BYTE_MS - 1 < ms < heard_ms + len(line) * BYTE_MS + 4
 
 
 def test_the_core_compiles_without_a_warning(build: Build) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from avr.mega import Mega
-from rig import SPEED_MAX, Steps
+from rig import KEEP_ALIVE_MS, SPEED_MAX, Steps
 
 from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
 
@@ -77,15 +77,16 @@ def test_in_motion_the_count_is_at_most_two_milliseconds_ahead_of_the_pins(ready
         assert all(-13 <= steps <= 2 for steps in ahead)  # telemetry is up to 10 ms old, and 2 ms on the wire
 
 
-def test_steps_are_evenly_spaced(ready: Mega) -> None:
-    ready.move((600, 600, 600), 800)
-    ready.run()
-    for arm in range(3):
-        edges = ready.avr.edges("step", arm)
-        rises = edges[edges["level"] == 1]["cycle"].astype(np.int64)
-        periods = np.diff(rises)[200:400]
-        assert abs(periods.mean() - 80_000) < 2
-        assert periods.std() < 150
+@pytest.mark.parametrize("speeds", [(800, 800, 800), (800, 560, 240), (SPEED_MAX, SPEED_MAX, SPEED_MAX)])
+def test_steps_are_evenly_spaced_to_two_cycles(ready: Mega, speeds: Steps) -> None:
+    ready.move((2000, 2000, 2000), speeds)
+    for _ in range(4):
+        ready.tick(KEEP_ALIVE_MS)
+        ready.ask(FrameType.PING)
+    for arm, speed in enumerate(speeds):
+        periods = np.diff(ready.avr.steps(arm)[0])[-speed // 4 :]
+        assert abs(periods.mean() - 64_000_000 / speed) < 1
+        assert np.abs(periods - periods.mean()).max() <= 2
 
 
 def test_stop_takes_effect_within_three_milliseconds_and_ends_on_a_counted_step(ready: Mega) -> None:

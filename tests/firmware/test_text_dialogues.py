@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from dialogue import DIALOGUES, Said, read, wanted
 from program import BYTE_MS, LAST, Program
+from rig import Core
 
 
 def played(dialogue: list[Said], program: Program) -> list[Said]:
@@ -31,9 +32,9 @@ def test_both_dialogues_are_there() -> None:
 
 @pytest.mark.parametrize("framed", [False, True], ids=["direct", "framed"])
 @pytest.mark.parametrize("path", DIALOGUES, ids=lambda path: path.stem)
-def test_a_dialogue_is_spoken_word_for_word_and_in_time(path: Path, framed: bool) -> None:
+def test_a_dialogue_is_spoken_word_for_word_and_in_time(path: Path, framed: bool, body: Core) -> None:
     dialogue = read(path)
-    program = Program(framed=framed)
+    program = Program(body, framed=framed)
     theirs, ours = wanted(dialogue), played(dialogue, program)
     assert [said.text for said in ours] == [said.text for said in theirs]
     late = [(own, old.ms) for own, old in zip(ours, theirs, strict=True) if own.ms > old.ms]

@@ -6,6 +6,7 @@ import pytest
 from program import Program
 
 from beatrix_zenoh._generated.serial import Enable, FrameType, Move, Outcome, State, WarningCode
+from beatrix_zenoh.board.virtual import Firmware
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED = [ACK, ACK], [ACK, NACK]
@@ -84,7 +85,9 @@ def test_the_hosts_calibration_does_not_move_the_ports_positions(framed: Program
     assert framed.core.steps() == (1, 0, 0)
 
 
-def test_with_motors_off_moves_are_counted_and_not_made(framed: Program) -> None:
+def test_with_motors_off_moves_are_counted_and_not_made() -> None:
+    firmware = Firmware()
+    framed = Program(firmware, framed=True)
     framed.say("@CALNOW")
     begin = framed.ms
     assert framed.run("@MOVRX 100 200") == DONE
@@ -92,8 +95,8 @@ def test_with_motors_off_moves_are_counted_and_not_made(framed: Program) -> None
     assert framed.run("@MOVAALL 50 -7 3") == DONE
     assert framed.run("@MOVAZ 4") == DONE
     assert framed.position == (50, -7, 4)
-    assert framed.core.steps() == (0, 0, 0)
-    assert framed.core.pulses() == (0, 0, 0)
+    assert firmware.steps() == (0, 0, 0)
+    assert firmware.pulses() == (0, 0, 0)
     assert set(framed.warnings) == {WarningCode.MOTORS_OFF}
 
 

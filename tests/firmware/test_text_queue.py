@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 from program import Program
+from rig import Core
 
 from beatrix_zenoh._generated.serial import Outcome, State, WarningCode
 
@@ -157,9 +158,9 @@ def test_stopall_after_any_time_leaves_two_lines_for_each(program: Program, ms: 
 
 
 @pytest.mark.parametrize("framed", [False, True])
-def test_a_move_every_second_for_minutes_loses_nothing(framed: bool) -> None:
+def test_a_move_every_second_for_minutes_loses_nothing(framed: bool, body: Core) -> None:
     """Firmware 1.0 did 7 of 20 and then restarted."""
-    program = Program(framed=framed).ready()
+    program = Program(body, framed=framed).ready()
     for sign in itertools.islice(itertools.cycle((1, -1)), 200):
         program.send(f"@MOVRALL {90 * sign} {45 * sign} {60 * sign} 200 200 200\r".encode("ascii"))
         program.tick(1000)
@@ -169,9 +170,9 @@ def test_a_move_every_second_for_minutes_loses_nothing(framed: bool) -> None:
 
 
 @pytest.mark.parametrize("framed", [False, True])
-def test_a_move_every_150_ms_for_a_minute_loses_no_line(framed: bool) -> None:
+def test_a_move_every_150_ms_for_a_minute_loses_no_line(framed: bool, body: Core) -> None:
     """Firmware 1.0 did 5 of 30 and then ran wild."""
-    program = Program(framed=framed).ready()
+    program = Program(body, framed=framed).ready()
     sent = [100, -100, 60, 150, -50] * 80
     for x in sent:
         program.send(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode("ascii"))
