@@ -77,6 +77,11 @@ class Link:
         return "" if self.hello is None else ".".join(map(str, self.hello.version))
 
     @property
+    def boot(self) -> int:
+        """How often the board was started, 0 if unknown."""
+        return 0 if self.hello is None else self.hello.boot
+
+    @property
     def understood(self) -> bool:
         """The firmware speaks this contract."""
         return self.hello is not None and self.hello.contract == wire.CONTRACT
@@ -125,7 +130,7 @@ class Board:
     @property
     def link(self) -> Link:
         """The connection as it is now."""
-        trouble = "" if self._connected else self._trouble or f"The board at {self._port_name} is silent."
+        trouble = "" if self._connected else self._trouble or f"{self._port_name} is silent; is it powered?"
         return Link(
             self._port_name, self._connected, trouble, self._hello, self._decoder.rejected, self._retries
         )
@@ -158,7 +163,7 @@ class Board:
     def send_text(self, line: bytes) -> None:
         """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST."""
         if not self._connected:
-            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
+            raise unheard(self.link)
         self._write(line + b"\r")
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
@@ -203,7 +208,7 @@ class Board:
     def _write(self, frame: bytes) -> None:
         port = self._port
         if port is None:
-            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
+            raise unheard(self.link)
         try:
             port.write(frame)
             self._sent_s = time.monotonic()
@@ -283,6 +288,11 @@ class Board:
         self._closed.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
+
+
+def unheard(link: Link) -> NoAnswer:
+    """What to tell people while there is no board."""
+    return NoAnswer(Reason.BOARD_LOST, f"The node does not hear its board: {link.trouble}")
 
 
 def mismatch_text(hello: HelloReply) -> str:

@@ -16,11 +16,11 @@ from beatrix_zenoh._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, FrameType, Outcome, State, Telemetry
-from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.board import Board, unheard
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lease import Lease
-from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
+from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply, not_stopped
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
@@ -231,6 +231,8 @@ class Driver:
     def _calibrate(self, who: str) -> str:
         self._lease.check(who, time.monotonic())
         telemetry = self._board.telemetry
+        if not self._board.link.connected:
+            raise unheard(self._board.link)
         if telemetry is not None and telemetry.state & State.MOVING:
             raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
         if telemetry is not None and not telemetry.state & State.ENABLED:
@@ -288,7 +290,7 @@ class Driver:
                 Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
             )
         if error is not None:
-            self.answer_command(asker, error)
+            self.answer_command(asker, not_stopped(error))
         elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
             self._stopping.append(asker)
         else:
@@ -330,6 +332,8 @@ class Driver:
         """Telemetry or link have changed: end what has ended."""
         telemetry = self._board.telemetry
         lost = not self._board.link.connected
+        if telemetry is not None:
+            self._notices.started(telemetry.boot)
         if self._running is not None and telemetry is not None:
             self._end_running(self._running, telemetry, lost=lost)
         if self._stopping and self._running is None and not self._moving():

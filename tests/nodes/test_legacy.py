@@ -245,6 +245,20 @@ def test_a_link_in_dev_is_found_by_programs_that_look_for_ports() -> None:
         assert not path.is_symlink()
 
 
+def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
+    path = tmp_path / "COM4"
+    with Stage() as stage:
+        first = stage.simulation("bea", "--legacy", str(path))
+        second = stage.process(
+            "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
+        )
+        assert second.wait(20) == 1
+        assert any("belongs to another node" in line for line in second.lines)
+        assert path.exists()
+        first.end()
+        assert not path.is_symlink()
+
+
 def test_a_link_left_behind_is_replaced_and_anything_else_refused(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:

@@ -42,7 +42,7 @@ def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
 
 
 class Told(NamedTuple):
-    stage: Stage
+    node: Process
     mega: Process
     robot: Robot
 
@@ -57,8 +57,8 @@ def told(tmp_path: Path) -> Iterator[Told]:
     """A robot with its motors on and calibrated, and the board under it."""
     with Stage() as stage:
         mega = stage.mega(tmp_path / "board")
-        stage.hardware("bea", str(tmp_path / "board"))
-        yield Told(stage, mega, ready(stage.robot("bea", "hw")))
+        node = stage.hardware("bea", str(tmp_path / "board"))
+        yield Told(node, mega, ready(stage.robot("bea", "hw")))
 
 
 @pytest.mark.parametrize(
@@ -77,14 +77,22 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     assert ended.value.reason is Reason.BOARD_LOST
     if cure:
         wait_status(robot, lambda status: not status.board.connected, "board lost shown")
-        with pytest.raises(BeatrixError) as refused:
-            robot.look(yaw=1)
-        assert refused.value.reason is Reason.BOARD_LOST
+        for ask in (robot.calibrate, robot.stop, lambda: robot.look(yaw=1)):
+            with pytest.raises(BeatrixError) as refused:
+                ask()
+            assert refused.value.reason is Reason.BOARD_LOST
+            assert ("NOT stopped" in refused.value.message) == (ask == robot.stop)
+            assert "Errno" not in refused.value.message
+        told.node.expect(str(robot.status().board.port))  # is silent, or is not there
         told.say(cure)
+        told.node.expect("The board at")
     wait_status(robot, lambda status: status.board.connected and not status.moving, "board heard again", 10.0)
     status = robot.status()
     assert status.calibrated == calibrated
     assert (status.board.boot > boot) == (not calibrated)
+    assert any("was restarted" in warning for warning in status.warnings) == (not calibrated)
+    if not calibrated:
+        told.node.expect("The board was restarted")
     ready(robot).look(yaw=2, speed=60)
 
 
