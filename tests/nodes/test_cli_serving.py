@@ -168,7 +168,7 @@ def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Pa
     )
     try:
         assert "fault BOARD_LOST" in up.expect("hardware")
-        assert "could not open port" in up.expect("hardware:")
+        assert "is not there: plug the board in" in up.expect("hardware:")
         up.expect("What they write")
         listing = Process(*CLI, "ls", "--connect", endpoint)
         assert listing.wait() == 0
