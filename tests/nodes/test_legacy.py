@@ -121,6 +121,8 @@ def test_line_ends_and_what_is_no_line(place: Place) -> None:
         for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
             program.port.write(unknown + b"\r")
             assert program.read(1) == ["NACK\n"], unknown
+        program.port.write(b"ACK\rNACK\r")  # as a terminal that echoes sends our own answers back
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.write(b"@COM")
         time.sleep(2.3)  # the line is forgotten
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]

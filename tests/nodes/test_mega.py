@@ -96,6 +96,37 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     ready(robot).look(yaw=2, speed=60)
 
 
+def test_a_node_after_another_on_a_board_that_was_not_reset_moves_and_stops(tmp_path: Path) -> None:
+    with Stage() as stage:
+        stage.mega(tmp_path / "board")
+        first = stage.hardware("bea", str(tmp_path / "board"))
+        robot = ready(stage.robot("bea", "hw"))
+        motion = robot.look(yaw=40, wait=False)
+        until(lambda: robot.positions().commanded.short > 5, "moving")
+        robot.stop()
+        with pytest.raises(Interrupted):
+            motion.wait()
+        first.end()
+        stage.hardware("bea", str(tmp_path / "board"))
+        again = stage.robot("bea", "hw")
+        assert again.status().calibrated, "the board has kept it"
+        again.look(yaw=40)  # in the very words of the first
+        assert abs(again.positions().head.yaw - 40) < 0.2
+        assert again.stop().result
+
+
+def test_a_motion_goes_not_on_when_a_frozen_board_is_back(told: Told) -> None:
+    robot = told.robot
+    motion = robot.look(yaw=100, speed=20, wait=False)
+    until(lambda: robot.positions().commanded.short > 5, "moving")
+    told.say("freeze")
+    with pytest.raises(Interrupted):
+        motion.wait()
+    told.say("go")
+    wait_status(robot, lambda status: status.board.connected and not status.moving, "back, and stopped", 10.0)
+    assert robot.positions().commanded.short < 50
+
+
 def test_one_lost_answer_costs_one_retry(told: Told) -> None:
     told.say("swallow")
     told.robot.look(yaw=2, speed=60)
