@@ -11,6 +11,8 @@ from beatrix_zenoh.errors import WrongUsage, quoted
 
 PATTERN = re.compile(r"[a-z0-9-]{1,32}")
 TWINS = ("sim", "hw")
+OLD_PROGRAMS, ARM_TOPICS = "legacy", "arm-topics"
+"""Seats under which a node lets those drive who have no seat of their own."""
 
 
 def check_name(text: str, what: str = "robot") -> str:
@@ -25,6 +27,15 @@ def check_name(text: str, what: str = "robot") -> str:
         Reason.BAD_VALUE,
         f"{quoted(text)} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
     )
+
+
+def check_seat(text: str) -> str:
+    """Return `text` if somebody may drive under it; raises as `check_name`."""
+    if text in (OLD_PROGRAMS, ARM_TOPICS):
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{text!r} is the seat of programs that have none of their own: choose another."
+        )
+    return check_name(text, "seat")
 
 
 def tidy(text: str) -> str:

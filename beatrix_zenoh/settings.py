@@ -41,7 +41,7 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
     return Settings(
         robot=names.check_name(value("robot") or names.default_robot(), "robot"),
         connect=value("connect") or DEFAULT_ENDPOINT,
-        who=names.check_name(value("who") or names.default_seat(), "seat"),
+        who=names.check_seat(value("who") or names.default_seat()),
     )
 
 

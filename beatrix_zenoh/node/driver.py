@@ -20,6 +20,7 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lease import Lease
+from beatrix_zenoh.names import ARM_TOPICS, OLD_PROGRAMS
 from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply, not_stopped
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
@@ -29,10 +30,8 @@ from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.running import Running
 from beatrix_zenoh.node.switching import REFLECTED_S, calibrate, switch
 
-ARM_TOPICS = "arm-topics"
-"""Seat under which the old per-arm topics drive."""
-TEXT, TEXT_SESSION = "legacy", "text-port"
-"""Seat under which old programs drive, and what stands for their session."""
+TEXT_SESSION = "text-port"
+"""What stands for the session of old programs."""
 NUMBERS = 65535
 LATE_S = 3.0
 """How much longer than planned a motion may take before the board has not made it."""
@@ -163,7 +162,7 @@ class Driver:
             Refused: somebody else drives, or STOP was pressed.
         """
         now = time.monotonic()
-        self._lease.check(TEXT, now)
+        self._lease.check(OLD_PROGRAMS, now)
         if not moves:
             return
         if self._running is not None:
@@ -172,15 +171,15 @@ class Driver:
             )
         # Its own STOP is sorted out by the firmware, which knows when the arms rest.
         resting = self._pressed_by == TEXT_SESSION or (not self._moving() and not self._stopping)
-        self._halt.check(TEXT, TEXT_SESSION, now, resting=resting)
-        self._lease.take(TEXT, now)
+        self._halt.check(OLD_PROGRAMS, TEXT_SESSION, now, resting=resting)
+        self._lease.take(OLD_PROGRAMS, now)
         self._texting, self._moved_by = True, TEXT_SESSION
 
     def text_rests(self) -> None:
         """No motion of an old program is under way or waits."""
         if self._texting:
             self._texting, self._ended_s = False, time.monotonic()
-            if self._lease.holder(self._ended_s) == TEXT:
+            if self._lease.holder(self._ended_s) == OLD_PROGRAMS:
                 self._lease.rest(self._ended_s)
 
     def _end_arm_target(self, reason: Reason, text: str) -> None:

@@ -172,7 +172,7 @@ class Node:
             try:
                 self._check_key(incoming, asker.who, road)
                 query = requests.read(incoming.wording, kind)
-                names.check_name(asker.who, "seat")
+                names.check_seat(asker.who)
             except Refused as error:
                 driver.decline_motion(asker, error)
                 return
@@ -186,7 +186,7 @@ class Node:
     def _command(self, incoming: Incoming) -> None:
         asker = self._asker(incoming, "command")
         try:
-            names.check_name(asker.who, "seat")
+            names.check_seat(asker.who)
             query = requests.read(incoming.wording, CommandQuery)
             if query.command not in ROADS:
                 self._check_key(incoming, asker.who, "command")

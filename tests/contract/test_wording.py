@@ -153,6 +153,13 @@ def test_seat_with_a_strange_name_is_refused(robot: Robot) -> None:
     assert "ana-b" in str(reply["message"])
 
 
+@pytest.mark.parametrize("who", ["legacy", "arm-topics"])
+def test_a_seat_of_the_nodes_own_is_refused(robot: Robot, who: str) -> None:
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/{who}/pose?yaw=0.1")
+    assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
+    assert "choose another" in str(reply["message"])
+
+
 @pytest.mark.parametrize(
     "road", ["state/positions", "state/positions/json", "state/status", "state/status/json", "info", "clock"]
 )

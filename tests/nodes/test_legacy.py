@@ -15,7 +15,7 @@ import serial
 from dialogue import DIALOGUES, read, wanted
 from pty_board import PtyBoard
 from serial.tools import list_ports
-from stage import Stage, ready, until, wait_status
+from stage import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -142,6 +142,61 @@ def test_who_drives_is_asked_first_and_an_old_program_drives_like_any_other(plac
             place.robot.look(yaw=5)
         assert program.read(2) == ["ACK\n", "ACK\n"]
         assert place.robot.status().holder == "legacy"
+
+
+def test_an_old_program_does_not_switch_a_robot_that_somebody_drives(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        motion = place.robot.look(yaw=3, speed=2, wait=False)
+        for line in ("@ENMOTORS OFF", "@CALNOW"):
+            assert program.say(line) == ["ACK\n", "NACK\n"], line
+        motion.wait()
+        assert place.robot.status().calibrated
+
+
+def test_a_program_that_asks_without_end_holds_up_nobodys_motion(place: Place) -> None:
+    """Its lines are no heartbeat: the node must go on with its own."""
+    with place.program() as program:
+        program.begin()
+        motion = place.robot.look(yaw=40, wait=False)
+        while motion.poll(0.0) is None:
+            assert program.say("@GETXPOS", 3)[::2] == ["ACK\n", "ACK\n"]
+        motion.wait()
+
+
+def test_the_router_goes_and_an_old_program_is_stopped(tmp_path: Path) -> None:
+    with Stage() as stage:
+        router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint := free_endpoint())
+        router.expect("ready")
+        node = ("--name", "bea", "--connect", endpoint, "--legacy", str(tmp_path / "COM4"))
+        stage.process("sim_node", *node).expect("ready")
+        program = Program(tmp_path / "COM4")
+        program.begin()
+        program.port.write(b"@MOVRALL 600 600 600\r")
+        assert program.read(1) == ["ACK\n"], "it moves"
+        router.end(signal.SIGKILL)
+        assert program.read(1) == ["NACK\n"]
+        program.port.close()
+
+
+def test_the_next_program_gets_no_answer_of_the_one_before(place: Place) -> None:
+    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    with contextlib.closing(Program(place.path).port) as port:
+        port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r")
+        until(lambda: place.robot.status().moving, "moving")
+    with place.program() as program:
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        until(lambda: not place.robot.status().moving, "it rests")
+        assert program.say("@GETALLPOS", 3)[::2] == ["ACK\n", "ACK\n"]
+
+
+def test_a_motion_with_motors_off_takes_its_time(place: Place) -> None:
+    with place.program() as program:
+        place.robot.disable()
+        assert program.say("@ENMOTORS OFF") == program.say("@CALNOW") == ["ACK\n", "ACK\n"]
+        program.port.write(b"@MOVRX 900 200\r")
+        assert program.read(2) == ["ACK\n", "ACK\n"]
+        assert program.x == 900, "only counted"
 
 
 def test_anybody_stops_an_old_program(place: Place) -> None:
