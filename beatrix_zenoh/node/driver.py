@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import time
 from collections import deque
 from collections.abc import Callable
@@ -33,7 +34,7 @@ from beatrix_zenoh.node.switching import REFLECTED_S, calibrate, switch
 TEXT_SESSION = "text-port"
 """What stands for the session of old programs."""
 NUMBERS = 65535
-LATE_S = 3.0
+LATE_S = 2.0
 """How much longer than planned a motion may take before the board has not made it."""
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 GONE = 256
@@ -61,7 +62,7 @@ class Driver:
         self._lost = True
         self._cause = Reason.STOPPED
         self._emergency_s = self._ended_s = float("-inf")
-        self._number = 0
+        self._number = secrets.randbelow(NUMBERS)  # not again those of the node before
         self.calibrations = 0
         """How often home was set."""
         self._gone: deque[str] = deque(maxlen=GONE)
@@ -120,7 +121,8 @@ class Driver:
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
         now = time.monotonic()
-        number = self._next_number()
+        # A new number even if the board will not answer: it may have heard, and ignores one that it knows.
+        self._number = number = self._number % NUMBERS + 1
         try:
             self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
         except NoAnswer:
@@ -134,14 +136,6 @@ class Driver:
         if replaced is not None:
             replaced.end(Reason.REPLACED, f"A newer motion ({number}, from {asker.who}) took over.")
         return number, now
-
-    def _next_number(self) -> int:
-        """A new one even if the board will not answer: it may have heard, and ignores a number it knows, maybe of a node before."""
-        self._number = self._number % NUMBERS + 1
-        telemetry = self._board.telemetry
-        if telemetry is not None and telemetry.motion == self._number:
-            self._number = self._number % NUMBERS + 1
-        return self._number
 
     def arm_target(self, arm: int, angle: float) -> None:
         """Turn one arm (0, 1, 2) to `angle` rad, as the per-arm topics of 2023 do."""
