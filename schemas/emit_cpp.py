@@ -6,8 +6,16 @@ import math
 
 from contract import Contract
 
-WIDTH = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "char": 1}
-CTYPE = {"u8": "uint8_t", "u16": "uint16_t", "u32": "uint32_t", "i32": "int32_t", "char": "char"}
+WIDTH = {"u8": 1, "u16": 2, "u32": 4, "i16": 2, "i32": 4, "char": 1}
+CTYPE = {
+    "u8": "uint8_t",
+    "u16": "uint16_t",
+    "u32": "uint32_t",
+    "i16": "int16_t",
+    "i32": "int32_t",
+    "char": "char",
+}
+UNSIGNED = {"i16": "u16", "i32": "u32"}
 VERSION = (1, 0, 0)
 TICK_HZ = 1000
 QUARTERS = 4  # speeds on the wire are quarter microsteps per second
@@ -37,8 +45,11 @@ def access(kind: str, at: str, value: str, *, write: bool) -> str:
     """One statement that reads or writes a number at an offset."""
     if kind in ("u8", "char"):
         return f"p[{at}] = uint8_t({value});" if write else f"{value} = {CTYPE[kind]}(p[{at}]);"
-    if kind == "i32":
-        return f"put_u32(p + {at}, uint32_t({value}));" if write else f"{value} = int32_t(get_u32(p + {at}));"
+    if kind in UNSIGNED:
+        bits = UNSIGNED[kind]
+        if write:
+            return f"put_{bits}(p + {at}, {CTYPE[bits]}({value}));"
+        return f"{value} = {CTYPE[kind]}(get_{bits}(p + {at}));"
     return f"put_{kind}(p + {at}, {value});" if write else f"{value} = get_{kind}(p + {at});"
 
 

@@ -16,7 +16,7 @@ SCALARS = {
     "float32": "float",
     "string": "str",
 }
-STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i32": "i"}
+STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
 def doc_of(row: dict[str, object]) -> str:

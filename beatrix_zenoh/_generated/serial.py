@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x31863E2B
+CONTRACT: Final = 0xA11E7C7E
 """Hash of the serial contract, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -217,7 +217,7 @@ class FrameType(IntEnum):
     """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
 
 
-_MOVE: Final = Struct("<BH3i3H")
+_MOVE: Final = Struct("<BH3h3H")
 MOVE_SIZE: Final = _MOVE.size
 """Payload bytes of MOVE."""
 

@@ -17,7 +17,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x31863E2BUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0xA11E7C7EUL;  // hash of serial.toml
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -118,22 +118,22 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 
 // Go to these step counts; replaces a running motion smoothly. Answered with ACK.
 struct Move {
-  static const uint8_t SIZE = 21;
+  static const uint8_t SIZE = 15;
   uint8_t flags;  // bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0.
   uint16_t motion;  // the host's number for it, echoed in TELEMETRY
-  int32_t target[3];  // absolute, from home [microstep]
+  int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
     flags = uint8_t(p[0]);
     motion = get_u16(p + 1);
-    for (uint8_t i = 0; i < 3; i++) target[i] = int32_t(get_u32(p + 3 + 4 * i));
-    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 15 + 2 * i);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 3 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 9 + 2 * i);
   }
   void write(uint8_t *p) const {
     p[0] = uint8_t(flags);
     put_u16(p + 1, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 3 + 4 * i, uint32_t(target[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 15 + 2 * i, speed[i]);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 3 + 2 * i, uint16_t(target[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 9 + 2 * i, speed[i]);
   }
 };
 
