@@ -155,7 +155,7 @@ def serial(contract: Contract) -> str:
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
     out += "from enum import IntEnum, IntFlag\nfrom struct import Struct\nfrom typing import Final, NamedTuple\n\n"
     out += "from beatrix_zenoh._generated.messages import Reason\n\n"
-    out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract, compared in HELLO."""\n'
+    out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
     for title, key, base in (("Error", "error", "IntEnum"), ("Outcome", "outcome", "IntEnum")):

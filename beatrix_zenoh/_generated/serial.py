@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0xA11E7C7E
-"""Hash of the serial contract, compared in HELLO."""
+CONTRACT: Final = 0x1395DE64
+"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
 MAX_ENCODED: Final = 62
@@ -298,7 +298,7 @@ class HelloReply(NamedTuple):
     """Answer to HELLO."""
 
     contract: int
-    """hash of this file"""
+    """hash of this file and of the values of robot.toml that are compiled into the firmware"""
     version: tuple[int, int, int]
     """firmware version major, minor, patch"""
     boot: int

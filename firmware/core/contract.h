@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0xA11E7C7EUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0x1395DE64UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -33,7 +33,6 @@ static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, micr
 static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
 static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
 static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
-static const int32_t SPEED_DEFAULT = 1395;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
 
@@ -154,7 +153,7 @@ struct SetName {
 // Answer to HELLO.
 struct HelloReply {
   static const uint8_t SIZE = 43;
-  uint32_t contract;  // hash of this file
+  uint32_t contract;  // hash of this file and of the values of robot.toml that are compiled into the firmware
   uint8_t version[3];  // firmware version major, minor, patch
   uint32_t boot;  // how often the board was started
   char name[32];  // robot name, padded with zeros

@@ -131,7 +131,9 @@ def test_firmware_of_another_contract_is_named_and_not_moved(rig: Rig) -> None:
     rig.port.forged = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
     while rig.board.link.understood:
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
-    with pytest.raises(NoAnswer, match="00000bad") as refusal:
+    with pytest.raises(
+        NoAnswer, match=r"00000bad.*another version.*built for another robot.*`beatrix flash`"
+    ) as refusal:
         rig.board.enable(on=True)
     assert refusal.value.reason is Reason.CONTRACT_MISMATCH
 

@@ -21,7 +21,7 @@ def at(steps: int) -> Telemetry:
 @pytest.mark.parametrize("steps", [40_000, -40_000])
 def test_counters_too_far_for_a_move_are_refused_with_what_to_do(steps: int) -> None:
     little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
-    with pytest.raises(Refused, match="32767 microsteps from home.*calibrate") as refusal:
+    with pytest.raises(Refused, match=r"32767 microsteps from home.*calibrate") as refusal:
         COURSE.goal(little, at(steps))
     assert refusal.value.reason is Reason.BAD_VALUE
 
