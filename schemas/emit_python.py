@@ -189,9 +189,24 @@ def python_value(value: object) -> tuple[str, str]:
     return type(value).__name__, repr(value)
 
 
+def robot_ranges(contract: Contract) -> str:
+    """What a robot file may say."""
+    out = '\n\nclass Range(NamedTuple):\n    """Values a robot file may give a field; infinite where another value or the firmware decides."""\n\n'
+    out += "    low: float\n    high: float\n    unit: str\n"
+    out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
+    for group, table in contract.robot.items():
+        ranges = {
+            name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
+            for name, row in rows(table).items()
+            if "min" in row or "max" in row
+        }
+        out += f"    {group!r}: {{" + "".join(f"{name!r}: {text}, " for name, text in ranges.items()) + "},\n"
+    return out + '}\n"""The fields a robot file may change."""\n'
+
+
 def robot(contract: Contract) -> str:
     out = HEADER.format(doc="The robot as it ships.", source="robot.toml")
-    out += "from typing import Final\n\nfrom msgspec import Struct\n"
+    out += "from math import inf\nfrom typing import Final, NamedTuple\n\nfrom msgspec import Struct\n"
     for group, table in contract.robot.items():
         out += f'\n\nclass {group.title()}(Struct, frozen=True, forbid_unknown_fields=True):\n    """{table["doc"]}"""\n\n'
         for name, row in rows(table).items():
@@ -200,7 +215,7 @@ def robot(contract: Contract) -> str:
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All of robot.toml; degrees, metres, kilograms as the units there say."""\n\n'
     out += "".join(f"    {group}: {group.title()} = {group.title()}()\n" for group in contract.robot)
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
-    return out
+    return out + robot_ranges(contract)
 
 
 def files(contract: Contract) -> dict[str, str]:

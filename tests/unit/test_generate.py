@@ -17,7 +17,8 @@ GENERATE = Path(__file__).resolve().parents[2] / "schemas/generate.py"
 def generate(folder: Path, robot: str) -> subprocess.CompletedProcess[str]:
     """Write the header of a robot whose file has this text."""
     (folder / "other.toml").write_text(robot, encoding="utf-8")
-    command = [sys.executable, GENERATE, "--robot", folder / "other.toml", "--header", folder / "contract.h"]
+    command = [sys.executable, str(GENERATE), "--robot", str(folder / "other.toml")]
+    command += ["--header", str(folder / "contract.h")]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=30)
 
 
