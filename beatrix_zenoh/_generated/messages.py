@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "5b339276"
+CONTRACT: Final = "4d1d9096"
 """Hash of messages and keys."""
 
 
@@ -429,6 +429,8 @@ class Info(Struct, frozen=True, kw_only=True):
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
+    fingerprint: str | None = None
+    """of all values of the robot: simulation and hardware that were started with the same robot file have the same"""
     commands: list[str]
     """`number NAME: what it does`"""
     reasons: list[str]

@@ -1,13 +1,11 @@
-"""`beatrix doctor --jog` and `--robot-file`, as a person in front of a new robot uses them."""
+"""`beatrix doctor --jog`, as a person in front of a new robot uses it."""
 
 from __future__ import annotations
 
-import math
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from stage import ROOT, Stage, ready
@@ -74,16 +72,3 @@ def test_a_robot_that_may_not_move_says_what_it_lacks(stage: Stage) -> None:
     done = jog(stage, RIGHT)
     assert done.returncode == 1
     assert "enable" in done.stderr
-
-
-@pytest.mark.parametrize("module", ["sim_node", "hw_node"])
-def test_a_robot_file_changes_limits_and_says_so_in_info(stage: Stage, tmp_path: Path, module: str) -> None:
-    path = tmp_path / "lab.toml"
-    path.write_text("[limits]\ntilt_max = 20.0\n")
-    port = ("--port", "virtual:") if module == "hw_node" else ()
-    process = stage.process(
-        module, "--name", "bea", "--connect", stage.endpoint, "--robot-file", str(path), *port
-    )
-    process.expect("ready")
-    robot = stage.robot("bea", module.removesuffix("_node"))
-    assert robot.info().limits.tilt_max == pytest.approx(math.radians(20))
