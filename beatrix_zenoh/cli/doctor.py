@@ -38,7 +38,7 @@ def doctor(
 ) -> None:
     """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
     if by_jog:
-        jog(Where(name, connect, who))
+        jog(Where(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
     sections = [("this computer", list(this_computer())), (settings.connect, list(network(settings)))]
