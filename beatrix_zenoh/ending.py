@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import signal
+from collections.abc import Callable
 from types import FrameType
 
 TURN_S = 0.5
@@ -40,7 +41,7 @@ class Ending:
         self._asked.put(None)  # for whoever looks next
         return True
 
-    def wait(self) -> None:
-        """Return when somebody has asked."""
+    def wait(self, meanwhile: Callable[[], None] = lambda: None) -> None:
+        """Return when somebody has asked; `meanwhile` is called twice a second."""
         while not self.asked(TURN_S):
-            pass
+            meanwhile()

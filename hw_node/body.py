@@ -25,8 +25,8 @@ class Hardware:
         self._gear = Gear(robot.drive)
 
     def open_port(self) -> Port:
-        """Open the serial port; OSError or NoAnswer if there is no board now."""
-        return SerialPort(self._device or find())
+        """Open the serial port; NoAnswer if there is no board now."""
+        return SerialPort(self._device or find(", or try `--port virtual:` for a board in software"))
 
     def pose(self, telemetry: Telemetry) -> Pose:
         """Arms as the firmware counts: the robot has no angle sensors."""

@@ -15,7 +15,7 @@ from rich.progress import Progress as Bar
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
 from hw_node import hexfile, stk500
 from hw_node.port import SerialPort, find
 from hw_node.stk500 import Programmer, Wire
@@ -37,7 +37,8 @@ def program(wire: Wire, image: bytes, tell: Progress) -> None:
         NoAnswer: the boot loader fails; says whether the board is half-written.
     """
     programmer = Programmer(wire)
-    programmer.sign_on()
+    with untouched():
+        programmer.sign_on()
     try:
         for done in programmer.write(image):
             tell("Writing", done, len(image))
@@ -49,6 +50,25 @@ def program(wire: Wire, image: bytes, tell: Progress) -> None:
         note(HALF)
         raise
     programmer.leave()
+
+
+@contextmanager
+def untouched() -> Iterator[None]:
+    """In here nothing has been written yet: whatever ends it says so.
+
+    Raises:
+        NoAnswer: BOARD_LOST instead of OSError.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise NoAnswer(
+            Reason.BOARD_LOST,
+            f"The port failed ({error}). Nothing was written: plug the board in and try again.",
+        ) from error
+    except KeyboardInterrupt:
+        note("Nothing was written.")
+        raise
 
 
 def firmware(path: Path | None) -> bytes:
@@ -80,15 +100,11 @@ def flash(
     """Put the firmware onto the board. Takes some ten seconds; the head must be held, for the motors go off."""
     image = firmware(file)
     device = port or find()
+    wire = SerialPort(device, stk500.BAUD)
     try:
-        wire = SerialPort(device, stk500.BAUD)
-    except (OSError, ValueError) as error:
-        raise Refused(
-            Reason.BOARD_LOST,
-            f"{device} cannot be opened ({error}): end what uses it, `beatrix hw` for example.",
-        ) from error
-    try:
-        wire.reset_board()
+        note(f"{device}: waiting for the boot loader.")
+        with untouched():
+            wire.reset_board()
         with progress() as tell:
             program(wire, image, tell)
     finally:

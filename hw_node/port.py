@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import time
 
 import serial
@@ -21,11 +22,18 @@ class SerialPort:
     """Bytes to and from a serial device; the port protocol of `beatrix_zenoh.board`."""
 
     def __init__(self, device: str, baud: int = BAUD) -> None:
-        """Open `device` for this process alone; serial.SerialException (an OSError) if that fails."""
+        """Open `device` for this process alone.
+
+        Raises:
+            NoAnswer: BOARD_LOST, saying why and what to do.
+        """
         self.name = device
-        self._serial = serial.serial_for_url(
-            device, baudrate=baud, timeout=0.05, write_timeout=WRITE_S, exclusive=True
-        )
+        try:
+            self._serial = serial.serial_for_url(
+                device, baudrate=baud, timeout=0.05, write_timeout=WRITE_S, exclusive=True
+            )
+        except (OSError, ValueError) as error:
+            raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
         """Pull the reset line, as Arduino's own tools do; what was said before is forgotten."""
@@ -50,8 +58,22 @@ class SerialPort:
         self._serial.close()
 
 
-def find() -> str:
-    """The one board on USB.
+def why_not(error: Exception) -> str:
+    """Why a port cannot be opened, and what to do: pyserial's own words are the system's, twice."""
+    number = getattr(error, "errno", None)
+    if number == errno.ENOENT:
+        return "is not there: plug the board in, or name its port with --port"
+    if number == errno.EACCES:
+        return "may not be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
+    if number in (errno.EAGAIN, errno.EBUSY):
+        return "is used by another program: end that first, another `beatrix hw` for example"
+    if number in (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR) or "configure port" in str(error):
+        return "is no serial port: name another with --port"
+    return f"cannot be opened ({error})"
+
+
+def find(otherwise: str = "") -> str:
+    """The one board on USB; `otherwise` says what else there is to try.
 
     Raises:
         NoAnswer: BOARD_LOST, if there is none, or more than one to choose from.
@@ -67,6 +89,6 @@ def find() -> str:
     others = ", ".join(port.device for port in ports) or "none"
     raise NoAnswer(
         Reason.BOARD_LOST,
-        f"No Arduino Mega on USB (serial ports here: {others}). Plug it in, name it with --port, "
-        "or try `--port virtual:` for a board in software.",
+        f"No Arduino Mega on USB (serial ports here: {others}). Plug it in, or name its port with "
+        f"--port{otherwise}.",
     )

@@ -28,6 +28,7 @@ from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 STRAIGHT = 1
+STOPS = (FrameType.STOP, FrameType.EMERGENCY_STOP)
 READ_S = 0.05
 REOPEN_S = 0.3
 HELLO_S = 0.2
@@ -77,6 +78,11 @@ class Link:
         return "" if self.hello is None else ".".join(map(str, self.hello.version))
 
     @property
+    def boot(self) -> int:
+        """How often the board was started, 0 if unknown."""
+        return 0 if self.hello is None else self.hello.boot
+
+    @property
     def understood(self) -> bool:
         """The firmware speaks this contract."""
         return self.hello is not None and self.hello.contract == wire.CONTRACT
@@ -103,7 +109,7 @@ class Board:
         self._on_link = on_link
         self._lock = threading.Lock()
         self._news = threading.Condition()
-        self._pending: dict[int, queue.SimpleQueue[int]] = {}
+        self._pending: dict[tuple[int, int], queue.SimpleQueue[int]] = {}
         self._port: Port | None = None
         self._port_name = self._trouble = ""
         self._decoder = Decoder()
@@ -125,7 +131,7 @@ class Board:
     @property
     def link(self) -> Link:
         """The connection as it is now."""
-        trouble = "" if self._connected else self._trouble or f"The board at {self._port_name} is silent."
+        trouble = "" if self._connected else self._trouble or f"{self._port_name} is silent; is it powered?"
         return Link(
             self._port_name, self._connected, trouble, self._hello, self._decoder.rejected, self._retries
         )
@@ -156,10 +162,11 @@ class Board:
         self.request(FrameType.ENABLE, bytes([on]))
 
     def send_text(self, line: bytes) -> None:
-        """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST."""
+        """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         if not self._connected:
-            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
-        self._write(line + b"\r")
+            raise unheard(self.link)
+        self._check_contract()
+        self._put(line + b"\r")
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
         """Send a request and wait for its acknowledgement; asks again if it is lost.
@@ -168,12 +175,12 @@ class Board:
             Refused: the firmware said no.
             NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
         """
-        if self._hello is not None and not self.link.understood:
-            raise NoAnswer(Reason.CONTRACT_MISMATCH, mismatch_text(self._hello))
+        if kind not in STOPS:  # whatever contract it speaks, it may know these two
+            self._check_contract()
         slot: queue.SimpleQueue[int] = queue.SimpleQueue()
         with self._lock:
             self._seq = seq = self._seq % 255 + 1
-            self._pending[seq] = slot
+            self._pending[kind | FrameType.ACK, seq] = slot
         frame = encode(kind, seq, payload)
         try:
             for attempt in range(wire.TRIES):
@@ -183,7 +190,7 @@ class Board:
                     self._judge(kind, slot.get(timeout=REPLY_S))
                     return
         finally:
-            self._pending.pop(seq, None)
+            self._pending.pop((kind | FrameType.ACK, seq), None)
         raise NoAnswer(
             Reason.BOARD_LOST,
             f"The board at {self._port_name or 'its port'} does not answer: is it plugged in and powered?",
@@ -200,13 +207,20 @@ class Board:
         error = Error(code)
         raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")
 
+    def _check_contract(self) -> None:
+        if self._hello is not None and not self.link.understood:
+            raise NoAnswer(Reason.CONTRACT_MISMATCH, mismatch_text(self._hello))
+
     def _write(self, frame: bytes) -> None:
+        self._put(frame)
+        self._sent_s = time.monotonic()  # only frames are a heartbeat, text is none
+
+    def _put(self, data: bytes) -> None:
         port = self._port
         if port is None:
-            raise NoAnswer(Reason.BOARD_LOST, self.link.trouble)
+            raise unheard(self.link)
         try:
-            port.write(frame)
-            self._sent_s = time.monotonic()
+            port.write(data)
         except OSError as error:
             raise NoAnswer(Reason.BOARD_LOST, f"The board at {port.name} has gone ({error}).") from error
 
@@ -269,7 +283,7 @@ class Board:
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
             self._on_text(TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # beyond: unasked
-            slot = self._pending.get(frame.seq)
+            slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:
                 slot.put(frame.payload[0])
 
@@ -283,6 +297,11 @@ class Board:
         self._closed.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
+
+
+def unheard(link: Link) -> NoAnswer:
+    """What to tell people while there is no board."""
+    return NoAnswer(Reason.BOARD_LOST, f"The node does not hear its board: {link.trouble}")
 
 
 def mismatch_text(hello: HelloReply) -> str:

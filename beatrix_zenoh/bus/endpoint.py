@@ -6,6 +6,7 @@ import socket
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
 ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
@@ -23,9 +24,9 @@ def probe(endpoint: str) -> None:
     try:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
-        start = (
-            "`beatrix router`" if ours(endpoint) else f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
-        )
+        here = ours(endpoint)
+        listen = "" if endpoint == DEFAULT_ENDPOINT else f" --listen {endpoint}"
+        start = f"`beatrix router{listen}`" if here else f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
         raise NoAnswer(
             Reason.NO_ROUTER,
             f"No router at {endpoint} ({error}). Start one with {start}, or name another with "

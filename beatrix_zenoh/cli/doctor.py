@@ -8,12 +8,12 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import CONTRACT, FAULT_TEXT, Fault, Info
+from beatrix_zenoh._generated.messages import CONTRACT, Fault, Info
 from beatrix_zenoh.cli.checks import Finding, this_computer
 from beatrix_zenoh.cli.clocks import clock_offset
 from beatrix_zenoh.cli.jog import jog
 from beatrix_zenoh.cli.line import Where
-from beatrix_zenoh.cli.listing import Place, descriptions, state, states
+from beatrix_zenoh.cli.listing import Place, descriptions, state, states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, Name, Who
 from beatrix_zenoh.cli.verb import FAILED, document, say
 from beatrix_zenoh.client import Client
@@ -87,8 +87,9 @@ def robots(client: Client) -> Iterator[Finding]:
         if status is None or info is None:
             yield Finding(title, "on line, but does not answer", "end it and start it again")
             continue
-        fault = "" if status.fault is Fault.NONE else FAULT_TEXT[status.fault]
-        yield Finding(title, state(status), fault, " ".join(status.warnings))
+        told = " ".join(troubles(status))
+        well = status.fault is Fault.NONE
+        yield Finding(title, state(status), todo="" if well else told, advice=told if well else "")
         yield contract(title, info)
         yield clock(Robot(name, twin, client=client))
     yield from unlike_twins(infos)

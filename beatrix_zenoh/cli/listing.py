@@ -95,8 +95,8 @@ def troubles(status: Status | None) -> list[str]:
     """What a person should know."""
     if status is None:
         return ["is on line but does not answer: frozen, or its connection is."]
-    fault = [] if status.fault is Fault.NONE else [FAULT_TEXT[status.fault]]
-    return [*fault, *status.warnings]
+    told = status.fault is Fault.NONE or (status.fault is Fault.BOARD_LOST and status.warnings)
+    return [*([] if told else [FAULT_TEXT[status.fault]]), *status.warnings]
 
 
 def as_row(place: Place, status: Status | None, info: Info | None) -> dict[str, object]:

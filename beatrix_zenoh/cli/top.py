@@ -88,7 +88,8 @@ class Watch:
 
     def _row(self, at: Place, now: float) -> Row:
         status, times, payload = self._status.get(at), self._times.get(at), self._positions.get(at)
-        head = None if payload is None else head_angles(codec.decode(payload, Positions).head)
+        gone = status is not None and not status.board.connected  # then the angles are those of before
+        head = None if payload is None or gone else head_angles(codec.decode(payload, Positions).head)
         recent = [moment for moment in times or () if now - moment < 1.0]
         span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
         silent = now - times[-1] if times else None

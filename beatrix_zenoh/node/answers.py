@@ -43,6 +43,15 @@ def command_reply(reason: Reason, text: str, position: Arms) -> CommandReply:
     return CommandReply(result=reason is Reason.OK, reason=reason, message=text, position=vector(position))
 
 
+def not_stopped(error: BeatrixError) -> BeatrixError:
+    """Why STOP had no effect, and what is left to do."""
+    return BeatrixError(
+        error.reason,
+        f"NOT stopped. {error.message} A board that misses its node stops the arms after half a second; if they still "
+        "move, switch the motor power off.",
+    )
+
+
 def preview_refused(error: BeatrixError) -> PreviewReply:
     """Why there is no preview."""
     return PreviewReply(

@@ -20,19 +20,22 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lease import Lease
-from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply
+from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply, not_stopped
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.running import Running
+from beatrix_zenoh.node.switching import REFLECTED_S, calibrate, switch
 
 ARM_TOPICS = "arm-topics"
 """Seat under which the old per-arm topics drive."""
 TEXT, TEXT_SESSION = "legacy", "text-port"
 """Seat under which old programs drive, and what stands for their session."""
-REFLECTED_S = 0.3
+NUMBERS = 65535
+LATE_S = 3.0
+"""How much longer than planned a motion may take before the board has not made it."""
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 GONE = 256
 """Sessions that have ended and are remembered."""
@@ -55,7 +58,8 @@ class Driver:
         self._halt = Halt()
         self._running: Running | None = None
         self._stopping: list[Asker] = []
-        self._texting, self._pressed_by = False, ""
+        self._texting, self._pressed_by, self._moved_by = False, "", ""
+        self._lost = True
         self._cause = Reason.STOPPED
         self._emergency_s = self._ended_s = float("-inf")
         self._number = 0
@@ -117,8 +121,7 @@ class Driver:
 
     def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
         now = time.monotonic()
-        # A new number even if the board does not answer: it may have heard, and ignores a number it knows.
-        self._number = number = self._number % 65535 + 1
+        number = self._next_number()
         try:
             self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
         except NoAnswer:
@@ -127,11 +130,19 @@ class Driver:
         self._lease.take(asker.who, now)
         replaced, telemetry = self._running, self._board.telemetry
         boot = 0 if telemetry is None else telemetry.boot
-        self._running = Running(number, asker, goal, boot, end)
-        self._cause = Reason.STOPPED
+        self._running = Running(number, asker, goal, boot, now + goal.duration + LATE_S, end)
+        self._cause, self._moved_by = Reason.STOPPED, asker.session
         if replaced is not None:
             replaced.end(Reason.REPLACED, f"A newer motion ({number}, from {asker.who}) took over.")
         return number, now
+
+    def _next_number(self) -> int:
+        """A new one even if the board will not answer: it may have heard, and ignores a number it knows, maybe of a node before."""
+        self._number = self._number % NUMBERS + 1
+        telemetry = self._board.telemetry
+        if telemetry is not None and telemetry.motion == self._number:
+            self._number = self._number % NUMBERS + 1
+        return self._number
 
     def arm_target(self, arm: int, angle: float) -> None:
         """Turn one arm (0, 1, 2) to `angle` rad, as the per-arm topics of 2023 do."""
@@ -163,7 +174,7 @@ class Driver:
         resting = self._pressed_by == TEXT_SESSION or (not self._moving() and not self._stopping)
         self._halt.check(TEXT, TEXT_SESSION, now, resting=resting)
         self._lease.take(TEXT, now)
-        self._texting = True
+        self._texting, self._moved_by = True, TEXT_SESSION
 
     def text_rests(self) -> None:
         """No motion of an old program is under way or waits."""
@@ -216,40 +227,13 @@ class Driver:
 
     def _enable(self, who: str, *, on: bool) -> str:
         self._lease.check(who, time.monotonic())
-        self._board.enable(on=on)
-        self._await(lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
-        if not on:
-            return "Motors off; home is forgotten."
-        telemetry = self._board.telemetry
-        known = telemetry is not None and telemetry.state & State.CALIBRATED
-        return (
-            "Motors on; home is known."
-            if known
-            else "Motors on. If the head is upright, calibrate; else disable and set it upright first."
-        )
+        return switch(self._board, on=on)
 
     def _calibrate(self, who: str) -> str:
         self._lease.check(who, time.monotonic())
-        telemetry = self._board.telemetry
-        if telemetry is not None and telemetry.state & State.MOVING:
-            raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
-        if telemetry is not None and not telemetry.state & State.ENABLED:
-            raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+        text = calibrate(self._board, self._body, self.arms())
         self.calibrations += 1
-        known = telemetry is not None and bool(telemetry.state & State.CALIBRATED)
-        stood = self.arms()
-        self._body.straighten()
-        self._board.request(FrameType.CALIBRATE)
-        # Known before, home is another place now: only the new position shows it.
-        self._await(
-            lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
-        )
-        if known and any(stood):
-            return (
-                f"This is home now. Home was known already, and the arms stood at {degrees(stood)} from it: was that "
-                "meant? Limits count from home. To set it anew: disable, set the head upright, enable, calibrate."
-            )
-        return "This is home now."
+        return text
 
     def _home(self, asker: Asker) -> None:
         def end(reason: Reason, text: str) -> None:
@@ -257,11 +241,6 @@ class Driver:
 
         query = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
         self._begin(self._goal(query, asker), asker, end)
-
-    def _await(self, holds: Callable[[Telemetry], bool]) -> None:
-        """Until telemetry shows what the firmware acknowledged, so that the next request sees it too."""
-        if not self._board.wait_for(holds, REFLECTED_S):
-            raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")
 
     # -- ends -----------------------------------------------------------------------------------
 
@@ -272,7 +251,7 @@ class Driver:
         if emergency:
             self._emergency_s = now
         streaming = self._running is not None or self._texting or now - self._ended_s < STREAM_S
-        self._halt.press(self._lease.holder(now) if streaming else "", session, now)
+        self._halt.press(self._lease.holder(now) if streaming else "", self._moved_by, session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None, *, emergency: bool) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
@@ -280,7 +259,7 @@ class Driver:
             self._halt.sent()
             if error is None and emergency and not self._latched():
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
-            elif error is None and self._running is not None:
+            elif error is None and (self._running is not None or self._texting):
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
         if error is None and emergency and not self._latched():
@@ -288,7 +267,7 @@ class Driver:
                 Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
             )
         if error is not None:
-            self.answer_command(asker, error)
+            self.answer_command(asker, not_stopped(error))
         elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
             self._stopping.append(asker)
         else:
@@ -302,7 +281,7 @@ class Driver:
 
     def router_gone(self) -> None:
         """Nobody can be heard any more, not even STOP: end what runs, whoever asked for it."""
-        if self._running is not None:
+        if self._running is not None or self._texting:
             self._let_go()
 
     def _let_go(self) -> None:
@@ -326,10 +305,20 @@ class Driver:
         except BeatrixError as error:
             self.warn(error.message)
 
+    def overdue(self) -> bool:
+        """There is a reason to `observe` though telemetry does not change; may be called on any thread."""
+        running = self._running
+        return running is not None and time.monotonic() > running.until_s
+
     def observe(self) -> None:
         """Telemetry or link have changed: end what has ended."""
         telemetry = self._board.telemetry
         lost = not self._board.link.connected
+        if telemetry is not None:
+            self._notices.started(telemetry.boot)
+        if self._lost and not lost and self._moving():
+            self.stop_motion()  # whoever asked for it was told that it has ended
+        self._lost = lost
         if self._running is not None and telemetry is not None:
             self._end_running(self._running, telemetry, lost=lost)
         if self._stopping and self._running is None and not self._moving():
@@ -360,6 +349,8 @@ class Driver:
                 reason = self._cause if outcome is Outcome.STOPPED else OUTCOME_REASON[outcome]
                 text = f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {degrees(self.arms())}."
                 self._finish(running, reason, text)
+        if self._running is running and self.overdue() and not telemetry.state & State.MOVING:
+            self._finish(running, Reason.BOARD_LOST, "The board took the motion and does not make it.")
 
     def _finish(self, running: Running, reason: Reason, text: str) -> None:
         self._running = None

@@ -14,9 +14,10 @@ PAUSE_S = 1.0
 
 @dataclass
 class Pause:
-    """A stopped seat: since when it has been quiet, and the session that pressed STOP."""
+    """A stopped seat: since when it has been quiet, its session, and the session that pressed STOP."""
 
     since_s: float
+    session: str
     presser: str
 
 
@@ -32,17 +33,20 @@ class Halt:
         self._coming_to_rest = False
         self._under_way = False
 
-    def press(self, driving: str, presser: str, now_s: float) -> None:
-        """STOP: by a session (empty if unknown), while a seat was driving (empty if nobody).
+    def press(self, driving: str, session: str, presser: str, now_s: float) -> None:
+        """STOP: by a session (empty if unknown), while a seat was driving from a session (empty if nobody).
 
-        Seats that pause already go on pausing: to press STOP twice must not set them free.
+        Seats that pause already go on pausing: to press STOP twice must not set them free, nor must a program that
+        presses it itself before every motion undo that of somebody else.
         """
         with self._lock:
             self._coming_to_rest = self._under_way = True
             if driving:
-                self._pauses[driving] = Pause(now_s, presser)
+                pause = self._pauses.setdefault(driving, Pause(now_s, session, presser))
+                pause.since_s, pause.session = now_s, session
             for pause in self._pauses.values():
-                pause.presser = presser
+                if presser != pause.session:
+                    pause.presser = presser
 
     def sent(self) -> None:
         """The board has been told."""

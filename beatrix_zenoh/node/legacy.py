@@ -22,13 +22,15 @@ from beatrix_zenoh.node.terminal import Terminal
 
 CAPACITY = 32
 """Lines that wait; those beyond are refused."""
-HANDED_OVER = 64
-"""Lines on their way from the terminal's thread to the driver's; then the program has to wait."""
+HANDED_OVER = 8
+"""Lines on their way from the terminal's thread to the driver's; then the program waits, not those who ask over Zenoh."""
 HAND_OVER_S = 1.0
 LAST = 1
 """Flag of the line that ends an answer."""
 UNKNOWN, REFUSED = (b"NACK\n",), (b"ACK\n", b"NACK\n")
 STOP, CALIBRATE, MOTORS, MOVES = b"@STOPALL", b"@CALNOW", b"@ENMOTORS", b"@MOV"
+ECHOED = (b"ACK", b"NACK")
+"""A terminal that a program has set to echo sends back our own answers: to answer them would never end."""
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
 PRETENDED_S = 170.0
@@ -71,6 +73,8 @@ class Legacy:
         self._lines: deque[Line] = deque()
         self._heard_s = 0.0
         self._openings = 0
+        self._stale = False
+        """The board may still answer lines that were given up: it must forget them before it gets another."""
         terminal.start(self)
 
     # -- called on the terminal's thread, `told` on the board's ---------------------------------------
@@ -83,8 +87,10 @@ class Legacy:
         """A line of the program."""
         if line == STOP:
             self._driver.halt(TEXT_SESSION)
-        self._room.acquire(timeout=HAND_OVER_S)
-        self._post(lambda: self._take(line))
+        if line in ECHOED:
+            return
+        waited = self._room.acquire(timeout=HAND_OVER_S)
+        self._post(lambda: self._take(line, waited=waited))
 
     def closed(self) -> None:
         """The program has gone: what is under way is finished, as in 2023; what waits is not begun."""
@@ -103,12 +109,14 @@ class Legacy:
         except BeatrixError as error:
             self._warn(error.message)
         self._openings += 1
+        self._stale = False
         self._lines.clear()
         self._terminal.forget()
         self._rest()
 
-    def _take(self, text: bytes) -> None:
-        self._room.release()
+    def _take(self, text: bytes, *, waited: bool) -> None:
+        if waited:
+            self._room.release()
         line = Line(text)
         if not readable(text):
             line.refusal = UNKNOWN
@@ -146,7 +154,10 @@ class Legacy:
         try:
             if line.text.startswith((MOVES, MOTORS, CALIBRATE)):
                 self._driver.text_check(moves=line.moves)
-            if line.text == CALIBRATE and not self._calibrated():
+            if self._stale:
+                self._board.request(FrameType.TEXT_OPEN)
+                self._stale = False
+            if line.text == CALIBRATE and self._homeless():
                 self._body.straighten()
                 self._driver.calibrations += 1
             self._board.send_text(line.text)
@@ -157,15 +168,16 @@ class Legacy:
         line.sent = True
         self._heard_s = time.monotonic()
 
-    def _calibrated(self) -> bool:
+    def _homeless(self) -> bool:
+        """Motors on and home unknown: the program's zero becomes the robot's home."""
         telemetry = self._board.telemetry
-        return telemetry is not None and bool(telemetry.state & State.CALIBRATED)
+        return telemetry is not None and telemetry.state & (State.ENABLED | State.CALIBRATED) == State.ENABLED
 
     def _warn(self, text: str) -> None:
         self._driver.warn(f"old program: {text}")
 
     def _refuse(self, line: Line) -> None:
-        for text in line.refusal[line.told :]:
+        for text in line.refusal[line.told :] or line.refusal[-1:]:
             self._terminal.write(text)
 
     def _pass_on(self, frame: Text | TextWarning, opening: int) -> None:
@@ -197,6 +209,7 @@ class Legacy:
         silent = not state & State.MOVING and time.monotonic() - self._heard_s > patience_s
         if not self._board.link.connected or silent:
             self._warn("the board has not answered a line.")
+            self._stale = True
             for line in self._lines:
                 if line.sent:
                     line.sent, line.refusal = False, REFUSED

@@ -264,7 +264,7 @@ class Node:
 
     def _on_telemetry(self, telemetry: Telemetry) -> None:
         state = (telemetry.state, telemetry.outcome, telemetry.motion, telemetry.boot)
-        if state != self._last_state:
+        if state != self._last_state or self.driver.overdue():
             self._last_state = state
             self._mailbox.post_event(self.driver.observe)
         if self._legacy is not None and self._legacy.overdue():

@@ -7,6 +7,7 @@ from collections import deque
 
 SHOWN_S = 10.0
 LENGTH = 5
+RESTARTED = "The board was restarted and knows no home: set the head upright, enable, calibrate."
 
 
 class Notices:
@@ -14,12 +15,19 @@ class Notices:
 
     def __init__(self) -> None:
         self._told: deque[tuple[float, str]] = deque(maxlen=LENGTH)
+        self._boot = 0
 
     def add(self, text: str) -> None:
         """Show it for a while; the same sentence again only begins its time anew."""
         if self._told and self._told[-1][1] == text:
             self._told.pop()
         self._told.append((time.monotonic(), text))
+
+    def started(self, boot: int) -> None:
+        """The board says how often it was started: once more than before is worth a sentence."""
+        if self._boot and boot != self._boot:
+            self.add(RESTARTED)
+        self._boot = boot
 
     def recent(self) -> list[str]:
         """Those of the last seconds."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import State, Telemetry
-from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.errors import Refused
 
 
 def ready_telemetry(board: Board) -> Telemetry:
@@ -16,11 +16,7 @@ def ready_telemetry(board: Board) -> Telemetry:
     """
     telemetry = board.telemetry
     if telemetry is None or not board.link.connected:
-        trouble = board.link.trouble
-        raise NoAnswer(
-            Reason.BOARD_LOST,
-            f"The node does not hear its board: check cable and power. {trouble}".rstrip(),
-        )
+        raise unheard(board.link)
     if telemetry.state & State.EMERGENCY:
         raise Refused(
             Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."

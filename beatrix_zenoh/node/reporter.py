@@ -79,7 +79,7 @@ class Reporter:
                 name=link.name,
                 firmware=link.version,
                 contract="" if link.hello is None else f"{link.hello.contract:08x}",
-                boot=0 if link.hello is None else link.hello.boot,
+                boot=link.boot,
                 rejected_frames=link.rejected + telemetry.rejected,
                 retries=link.retries,
             ),

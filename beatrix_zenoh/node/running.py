@@ -18,4 +18,6 @@ class Running:
     asker: Asker
     goal: Goal
     boot: int
+    until_s: float
+    """When it should have ended, and some more (monotonic)."""
     end: Callable[[Reason, str], None]

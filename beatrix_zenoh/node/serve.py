@@ -11,10 +11,12 @@ from pathlib import Path
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.ending import Ending
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
+from beatrix_zenoh.node.notices import RESTARTED
 from beatrix_zenoh.node.roads import Roads
 from beatrix_zenoh.node.terminal import Terminal
 from beatrix_zenoh.settings import Settings
@@ -62,7 +64,7 @@ def serve(
         if ready:
             node.make_ready()
         _greet(node, legacy)
-        ending.wait()
+        ending.wait(teller(node.board))
     finally:
         node.close()
     return 1 if broken else 0
@@ -72,9 +74,23 @@ def _greet(node: Node, legacy: Path | None) -> None:
     """Say that it serves, and what a person should know."""
     print("ready", node.alive_key, flush=True)
     if legacy is not None:
-        print(f"Old programs open {legacy}.", file=sys.stderr, flush=True)
-    if trouble := node.board.link.trouble:
-        print(f"No board yet, waiting for it. {trouble}", file=sys.stderr, flush=True)
+        print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
+
+
+def teller(board: Board) -> Callable[[], None]:
+    """Says on stderr that the board has gone, is there again or was restarted, since it was called last."""
+    before = board.link
+
+    def tell() -> None:
+        nonlocal before
+        link = board.link
+        if link.trouble != before.trouble:
+            print(link.trouble or f"The board at {link.port} is there.", file=sys.stderr, flush=True)
+        if before.boot and link.boot != before.boot:
+            print(RESTARTED, file=sys.stderr, flush=True)
+        before = link
+
+    return tell
 
 
 def _open(roads: Roads, body: Body, settings: Settings, robot: RobotData, legacy: Path | None) -> Node:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import select
+import socket
+import sys
 import threading
 from collections import deque
 from pathlib import Path
@@ -62,6 +65,7 @@ class Terminal:
                 "--legacy needs a pseudo-terminal, which Windows does not have: run this node on Linux or macOS.",
             )
         self.path = path
+        self._claim = claim(path)
         self._master, slave = os.openpty()
         self._device = os.ttyname(slave)
         tty.setraw(slave)
@@ -71,6 +75,7 @@ class Terminal:
             link(path, self._device)
         except Refused:
             os.close(self._master)
+            self._claim.close()
             raise
         self._lock = threading.Lock()
         self._begun = b""
@@ -170,6 +175,27 @@ class Terminal:
             if str(self.path.readlink()) == self._device:
                 self.path.unlink()
         os.close(self._master)
+        self._claim.close()
+
+
+def claim(path: Path) -> socket.socket:
+    """Hold `path` against other nodes for as long as this process lives and the socket is open.
+
+    Raises:
+        Refused: BAD_VALUE: one holds it.
+    """
+    held = socket.socket(socket.AF_UNIX)
+    where = str(path.parent.resolve() / path.name)
+    try:
+        if sys.platform == "linux":  # elsewhere there are no names that go with their process
+            held.bind(b"\0beatrix-legacy-" + hashlib.sha256(where.encode()).hexdigest().encode())
+    except OSError as error:
+        held.close()
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"--legacy {path} belongs to another node that runs: choose another path for this robot.",
+        ) from error
+    return held
 
 
 def link(path: Path, device: str) -> None:

@@ -168,11 +168,11 @@ def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Pa
     )
     try:
         assert "fault BOARD_LOST" in up.expect("hardware")
-        assert "could not open port" in up.expect("hardware:")
+        assert "is not there: plug the board in" in up.expect("hardware:")
         up.expect("What they write")
         listing = Process(*CLI, "ls", "--connect", endpoint)
         assert listing.wait() == 0
-        assert any("could not open port" in line for line in listing.lines)
+        assert any("is not there: plug the board in" in line for line in listing.lines)
     finally:
         assert up.end(signal.SIGINT) == 0
 

@@ -121,6 +121,8 @@ def test_line_ends_and_what_is_no_line(place: Place) -> None:
         for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
             program.port.write(unknown + b"\r")
             assert program.read(1) == ["NACK\n"], unknown
+        program.port.write(b"ACK\rNACK\r")  # as a terminal that echoes sends our own answers back
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.write(b"@COM")
         time.sleep(2.3)  # the line is forgotten
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
@@ -242,6 +244,20 @@ def test_a_link_in_dev_is_found_by_programs_that_look_for_ports() -> None:
         process = stage.simulation("bea", "--legacy", str(path))
         assert str(path) in [port.device for port in list_ports.comports()]
         process.end()
+        assert not path.is_symlink()
+
+
+def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
+    path = tmp_path / "COM4"
+    with Stage() as stage:
+        first = stage.simulation("bea", "--legacy", str(path))
+        second = stage.process(
+            "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
+        )
+        assert second.wait(20) == 1
+        assert any("belongs to another node" in line for line in second.lines)
+        assert path.exists()
+        first.end()
         assert not path.is_symlink()
 
 

@@ -42,7 +42,7 @@ def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
 
 
 class Told(NamedTuple):
-    stage: Stage
+    node: Process
     mega: Process
     robot: Robot
 
@@ -57,8 +57,8 @@ def told(tmp_path: Path) -> Iterator[Told]:
     """A robot with its motors on and calibrated, and the board under it."""
     with Stage() as stage:
         mega = stage.mega(tmp_path / "board")
-        stage.hardware("bea", str(tmp_path / "board"))
-        yield Told(stage, mega, ready(stage.robot("bea", "hw")))
+        node = stage.hardware("bea", str(tmp_path / "board"))
+        yield Told(node, mega, ready(stage.robot("bea", "hw")))
 
 
 @pytest.mark.parametrize(
@@ -77,15 +77,54 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     assert ended.value.reason is Reason.BOARD_LOST
     if cure:
         wait_status(robot, lambda status: not status.board.connected, "board lost shown")
-        with pytest.raises(BeatrixError) as refused:
-            robot.look(yaw=1)
-        assert refused.value.reason is Reason.BOARD_LOST
+        for ask in (robot.calibrate, robot.stop, lambda: robot.look(yaw=1)):
+            with pytest.raises(BeatrixError) as refused:
+                ask()
+            assert refused.value.reason is Reason.BOARD_LOST
+            assert ("NOT stopped" in refused.value.message) == (ask == robot.stop)
+            assert "Errno" not in refused.value.message
+        told.node.expect(str(robot.status().board.port))  # is silent, or is not there
         told.say(cure)
+        told.node.expect("The board at")
     wait_status(robot, lambda status: status.board.connected and not status.moving, "board heard again", 10.0)
     status = robot.status()
     assert status.calibrated == calibrated
     assert (status.board.boot > boot) == (not calibrated)
+    assert any("was restarted" in warning for warning in status.warnings) == (not calibrated)
+    if not calibrated:
+        told.node.expect("The board was restarted")
     ready(robot).look(yaw=2, speed=60)
+
+
+def test_a_node_after_another_on_a_board_that_was_not_reset_moves_and_stops(tmp_path: Path) -> None:
+    with Stage() as stage:
+        stage.mega(tmp_path / "board")
+        first = stage.hardware("bea", str(tmp_path / "board"))
+        robot = ready(stage.robot("bea", "hw"))
+        motion = robot.look(yaw=40, wait=False)
+        until(lambda: robot.positions().commanded.short > 5, "moving")
+        robot.stop()
+        with pytest.raises(Interrupted):
+            motion.wait()
+        first.end()
+        stage.hardware("bea", str(tmp_path / "board"))
+        again = stage.robot("bea", "hw")
+        assert again.status().calibrated, "the board has kept it"
+        again.look(yaw=40)  # in the very words of the first
+        assert abs(again.positions().head.yaw - 40) < 0.2
+        assert again.stop().result
+
+
+def test_a_motion_goes_not_on_when_a_frozen_board_is_back(told: Told) -> None:
+    robot = told.robot
+    motion = robot.look(yaw=100, speed=20, wait=False)
+    until(lambda: robot.positions().commanded.short > 5, "moving")
+    told.say("freeze")
+    with pytest.raises(Interrupted):
+        motion.wait()
+    told.say("go")
+    wait_status(robot, lambda status: status.board.connected and not status.moving, "back, and stopped", 10.0)
+    assert robot.positions().commanded.short < 50
 
 
 def test_one_lost_answer_costs_one_retry(told: Told) -> None:

@@ -74,7 +74,7 @@ def test_router_process_killed_and_restarted_everybody_is_back(stage: Stage) -> 
 def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
     endpoint = free_endpoint()
     process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
-    process.expect("No router at")
+    assert f"`beatrix router --listen {endpoint}`" in process.expect("No router at")
     router = zbus.open_router(endpoint)
     process.expect("ready beatrix/bea/hw/@alive")
     process.end()

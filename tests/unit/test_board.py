@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 
 import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Telemetry, Text, TextWarning
+from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, State, Telemetry, Text, TextWarning
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
@@ -131,11 +132,56 @@ def test_firmware_of_another_contract_is_named_and_not_moved(rig: Rig) -> None:
     rig.port.forged = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
     while rig.board.link.understood:
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
-    with pytest.raises(
-        NoAnswer, match=r"00000bad.*another version.*built for another robot.*`beatrix flash`"
-    ) as refusal:
-        rig.board.enable(on=True)
-    assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+    asks: list[Callable[[], None]] = [
+        lambda: rig.board.enable(on=True),
+        lambda: rig.board.send_text(b"@ENMOTORS ON"),
+    ]
+    told = r"00000bad.*another version.*built for another robot.*`beatrix flash`"
+    for ask in asks:
+        with pytest.raises(NoAnswer, match=told) as refusal:
+            ask()
+        assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+
+
+def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
+    rig.board.enable(on=True)
+    rig.board.request(FrameType.CALIBRATE)
+    rig.board.move(7, (500, 500, 500), (400, 400, 400), straight=True)
+    stranger = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
+    rig.port.forged = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
+    while rig.board.link.understood:
+        rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
+    rig.board.request(FrameType.STOP)
+    assert rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 2.0)
+    rig.board.request(FrameType.EMERGENCY_STOP)
+
+
+def test_text_is_no_heartbeat(rig: Rig) -> None:
+    rig.board.enable(on=True)
+    rig.board.request(FrameType.CALIBRATE)
+    rig.board.move(7, (500, 500, 500), (1600, 1600, 1600), straight=True)
+    while not rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.02):
+        rig.board.send_text(b"@GETXPOS")
+    assert rig.heard[-1].position == (500, 500, 500)
+
+
+def test_text_for_a_board_that_is_not_there_is_refused(rig: Rig) -> None:
+    rig.port.gone = True
+    pause = threading.Event()
+    while rig.board.link.connected:
+        pause.wait(0.01)
+    with pytest.raises(NoAnswer, match="does not hear its board"):
+        rig.board.send_text(b"@GETXPOS")
+
+
+def test_a_silent_board_is_lost_within_moments(rig: Rig) -> None:
+    rig.port.lose = [FrameType.TELEMETRY] * 10000
+    began_s = time.monotonic()
+    pause = threading.Event()
+    while rig.board.link.connected:
+        rig.port.lose += [kind | 0x80 for kind in (FrameType.PING, FrameType.HELLO)]
+        pause.wait(0.01)
+    assert time.monotonic() - began_s < 3, "half a second, on a busy machine more"
 
 
 def test_an_unknown_error_code_is_a_refusal_not_a_crash(rig: Rig) -> None:
@@ -162,6 +208,7 @@ def test_what_the_board_says_unasked_answers_no_request(rig: Rig) -> None:
         (FrameType.TEXT, Text(1, b"ACK\n").pack()),
         (FrameType.TEXT_WARNING, TextWarning(5).pack()),
         (0xFF, b"0"),
+        (FrameType.ENABLE | 0x80, b"\0"),
     ]
     rig.port.instead = b"".join(encode(kind, seq, data) for kind, data in unasked for seq in range(1, 256))
     with pytest.raises(NoAnswer, match="does not answer"):

@@ -62,7 +62,7 @@ def test_a_freed_robot_is_free_at_once() -> None:
 def stopped(driving: str, presser: str) -> Halt:
     """STOP was pressed at 0 s and the board has been told."""
     halt = Halt()
-    halt.press(driving, presser, 0)
+    halt.press(driving, "mine", presser, 0)
     halt.sent()
     return halt
 
@@ -76,7 +76,7 @@ def test_nobody_moves_while_the_arms_come_to_rest() -> None:
 
 def test_nobody_moves_before_the_board_has_been_told() -> None:
     halt = Halt()
-    halt.press("ana", "session", 0)
+    halt.press("ana", "mine", "session", 0)
     with pytest.raises(Refused, match="coming to rest"):
         halt.check("ben", "his", 0.1, resting=True)
 
@@ -94,10 +94,26 @@ def test_stop_pressed_again_sets_nobody_free() -> None:
     for now in (0.3, 0.6, 0.9, 1.2):
         with pytest.raises(Refused, match="send no motion"):
             halt.check("ana", "mine", now, resting=True)
-        halt.press("", "other", now)
+        halt.press("", "", "other", now)
         halt.sent()
     with pytest.raises(Refused, match="send no motion"):
         halt.check("ana", "mine", 1.3, resting=True)
+
+
+def test_own_stop_does_not_undo_that_of_somebody_else() -> None:
+    halt = stopped("ana", "other")
+    halt.press("ana", "mine", "mine", 0.1)
+    halt.sent()
+    with pytest.raises(Refused, match="send no motion"):
+        halt.check("ana", "mine", 0.2, resting=True)
+
+
+def test_somebody_elses_stop_holds_after_own() -> None:
+    halt = stopped("ana", "mine")
+    halt.press("", "", "other", 0.1)
+    halt.sent()
+    with pytest.raises(Refused, match="send no motion"):
+        halt.check("ana", "mine", 0.2, resting=True)
 
 
 def test_others_need_not_pause() -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import errno
+import os
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import serial
 from serial.tools import list_ports
 
 from beatrix_zenoh import NoAnswer
-from hw_node.port import find
+from hw_node.port import SerialPort, find
 
 MEGA = SimpleNamespace(device="/dev/ttyACM0", vid=0x2341, pid=0x0042)
 CLONE = SimpleNamespace(device="/dev/ttyUSB0", vid=0x1A86, pid=0x7523)
@@ -32,5 +36,32 @@ def test_of_several_boards_one_must_be_chosen(monkeypatch: pytest.MonkeyPatch) -
 
 def test_no_board_says_which_ports_there_are_and_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     plugged(monkeypatch, MODEM)
-    with pytest.raises(NoAnswer, match=r"/dev/ttyS0.*virtual:"):
-        find()
+    with pytest.raises(NoAnswer, match=r"/dev/ttyS0.*--port, or else"):
+        find(", or else")
+
+
+def test_a_port_that_is_not_there_is_none_or_is_used_says_so(tmp_path: Path) -> None:
+    master, slave = os.openpty()
+    used = SerialPort(os.ttyname(slave))
+    (tmp_path / "file").write_text("")
+    for device, why in (
+        (tmp_path / "none", "is not there"),
+        (tmp_path / "file", "is no serial port"),
+        (tmp_path, "is no serial port"),
+        (os.ttyname(slave), "is used by another program"),
+    ):
+        with pytest.raises(NoAnswer, match=f"{device} {why}") as refused:
+            SerialPort(str(device))
+        assert "Errno" not in refused.value.message
+    used.close()
+    os.close(master)
+    os.close(slave)
+
+
+def test_a_port_one_may_not_open_says_which_group_may(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbid(*_: object, **__: object) -> None:
+        raise serial.SerialException(errno.EACCES, "could not open port")
+
+    monkeypatch.setattr(serial, "serial_for_url", forbid)
+    with pytest.raises(NoAnswer, match="dialout"):
+        SerialPort("/dev/ttyACM0")

@@ -1,0 +1,68 @@
+"""Motors on and off, and home: asked of the board, and answered once its telemetry shows it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.node.body import Body
+from beatrix_zenoh.node.course import degrees
+
+REFLECTED_S = 0.3
+
+
+def switch(board: Board, *, on: bool) -> str:
+    """Motors on or off; what is then true.
+
+    Raises:
+        Refused, NoAnswer: as `Board.request`.
+    """
+    board.enable(on=on)
+    reflected(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+    if not on:
+        return "Motors off; home is forgotten."
+    if known_home(board.telemetry):
+        return "Motors on; home is known."
+    return "Motors on. If the head is upright, calibrate; else disable and set it upright first."
+
+
+def calibrate(board: Board, body: Body, stood: Arms) -> str:
+    """Declare the present place, `stood` (rad) from home so far, home; what is then true.
+
+    Raises:
+        Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED.
+    """
+    telemetry = board.telemetry
+    if telemetry is None or not board.link.connected:
+        raise unheard(board.link)
+    if telemetry.state & State.MOVING:
+        raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
+    if not telemetry.state & State.ENABLED:
+        raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+    body.straighten()
+    board.request(FrameType.CALIBRATE)
+    # Known before, home is another place now: only the new position shows it.
+    reflected(
+        board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+    )
+    if known_home(telemetry) and any(stood):
+        return (
+            f"This is home now. Home was known already, and the arms stood at {degrees(stood)} from it: was that "
+            "meant? Limits count from home. To set it anew: disable, set the head upright, enable, calibrate."
+        )
+    return "This is home now."
+
+
+def known_home(telemetry: Telemetry | None) -> bool:
+    """Home is known."""
+    return telemetry is not None and bool(telemetry.state & State.CALIBRATED)
+
+
+def reflected(board: Board, holds: Callable[[Telemetry], bool]) -> None:
+    """Until telemetry shows what the firmware acknowledged, so that the next request sees it too."""
+    if not board.wait_for(holds, REFLECTED_S):
+        raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")
