@@ -8,7 +8,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh._generated.messages import (
+    Info,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    PreviewReply,
+    Reason,
+)
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
@@ -22,6 +29,12 @@ PREVIEW_S = 10.0
 TURN_S = 0.02
 SAME_DEG = 0.1
 """A microstep is 0.086 deg."""
+
+
+UNLIKE = (
+    " Simulation and hardware run with different values: the hardware may move otherwise, or refuse. "
+    "Start both with the same --robot-file."
+)
 
 
 class Stand(NamedTuple):
@@ -45,6 +58,8 @@ class Plan:
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
         start: Start,
+        *,
+        alike: bool,
     ) -> None:
         self._twin, self._road, self._query = twin, road, query
         self._start = start
@@ -54,6 +69,8 @@ class Plan:
         """What the simulation thinks of it, and whether that holds for the hardware."""
         if (elsewhere := between(start)) > SAME_DEG:
             self.verdict += f" The hardware stands {elsewhere:.0f} deg elsewhere: its way there is another, and not previewed."
+        if not alike:
+            self.verdict += UNLIKE
         self.path = Path(
             preview.t,
             [arm_angles(arms) for arms in preview.arms],
@@ -182,7 +199,12 @@ class Twin:
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, f"{self.sim}: {reply.message}")
-        return Plan(self, road, query, reply, start)
+        return Plan(self, road, query, reply, start, alike=start[1] is None or self._alike())
+
+    def _alike(self) -> bool:
+        with contextlib.suppress(NoAnswer):  # as in _start
+            return not unlike(self.sim.info(), self.hw.info())
+        return True
 
     def _start(self) -> Start:
         hardware: Stand | None = None
@@ -246,6 +268,11 @@ def runs(motion: Motion) -> bool:
 def stand(robot: Robot) -> Stand:
     """Asked of the robot now."""
     return Stand(robot.positions().commanded, robot.status().calibrations)
+
+
+def unlike(one: Info, other: Info) -> bool:
+    """They have different robot values, as far as both say."""
+    return None not in (one.fingerprint, other.fingerprint) and one.fingerprint != other.fingerprint
 
 
 def between(start: Start) -> float:

@@ -8,6 +8,8 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
+from compiled import compiled
+
 SCHEMAS = Path(__file__).resolve().parent
 ROOT = SCHEMAS.parent
 
@@ -18,7 +20,7 @@ Table = dict[str, dict[str, object]]
 class Contract:
     """The four tables as read, and the hashes that two sides compare.
 
-    `bus_hash` covers messages and keys, `serial_hash` the link to the firmware.
+    `bus_hash` covers messages and keys, `serial_hash` the link to the firmware and what of the robot is compiled into it.
     """
 
     messages: dict[str, Table]
@@ -35,13 +37,34 @@ def digest(*tables: object) -> int:
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
 
 
-def load(robot_file: Path = SCHEMAS / "robot.toml") -> Contract:
-    """Read schemas/*.toml, or another robot's file."""
-    files = [SCHEMAS / f"{name}.toml" for name in ("messages", "keys", "serial")]
+def load(robot_file: Path | None = None) -> Contract:
+    """Read schemas/*.toml; values in another robot's file (`[drive]`, `microsteps = 16`) take the place of those there.
+
+    Raises:
+        ValueError: that file is no TOML, or names what is not there.
+        OSError: it cannot be read.
+    """
     messages, keys, serial, robot = (
-        tomllib.loads(path.read_text(encoding="utf-8")) for path in (*files, robot_file)
+        tomllib.loads((SCHEMAS / f"{name}.toml").read_text(encoding="utf-8"))
+        for name in ("messages", "keys", "serial", "robot")
     )
-    return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial))
+    if robot_file is not None:
+        change(robot, tomllib.loads(robot_file.read_text(encoding="utf-8")))
+    return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, compiled(robot)))
+
+
+def change(robot: Table, given: dict[str, object]) -> None:
+    """Put given values in their rows; raises ValueError as `load`."""
+    for table, values in given.items():
+        if table not in robot or not isinstance(values, dict):
+            raise ValueError(f"{table!r} is no table; there are {', '.join(robot)}")
+        there = rows(robot[table])
+        for name, value in values.items():
+            if name not in there:
+                raise ValueError(f"[{table}] has no {name!r}; there are {', '.join(there)}")
+            if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+                raise ValueError(f"[{table}] {name} = {value!r}: give a number above 0")
+            there[name]["value"] = value
 
 
 def rows(table: dict[str, object]) -> dict[str, dict[str, object]]:

@@ -16,7 +16,7 @@ SCALARS = {
     "float32": "float",
     "string": "str",
 }
-STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i32": "i"}
+STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
 def doc_of(row: dict[str, object]) -> str:
@@ -155,7 +155,7 @@ def serial(contract: Contract) -> str:
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
     out += "from enum import IntEnum, IntFlag\nfrom struct import Struct\nfrom typing import Final, NamedTuple\n\n"
     out += "from beatrix_zenoh._generated.messages import Reason\n\n"
-    out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract, compared in HELLO."""\n'
+    out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
     for title, key, base in (("Error", "error", "IntEnum"), ("Outcome", "outcome", "IntEnum")):
@@ -189,9 +189,24 @@ def python_value(value: object) -> tuple[str, str]:
     return type(value).__name__, repr(value)
 
 
+def robot_ranges(contract: Contract) -> str:
+    """What a robot file may say."""
+    out = '\n\nclass Range(NamedTuple):\n    """Values a robot file may give a field; infinite where another value or the firmware decides."""\n\n'
+    out += "    low: float\n    high: float\n    unit: str\n"
+    out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
+    for group, table in contract.robot.items():
+        ranges = {
+            name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
+            for name, row in rows(table).items()
+            if "min" in row or "max" in row
+        }
+        out += f"    {group!r}: {{" + "".join(f"{name!r}: {text}, " for name, text in ranges.items()) + "},\n"
+    return out + '}\n"""The fields a robot file may change."""\n'
+
+
 def robot(contract: Contract) -> str:
     out = HEADER.format(doc="The robot as it ships.", source="robot.toml")
-    out += "from typing import Final\n\nfrom msgspec import Struct\n"
+    out += "from math import inf\nfrom typing import Final, NamedTuple\n\nfrom msgspec import Struct\n"
     for group, table in contract.robot.items():
         out += f'\n\nclass {group.title()}(Struct, frozen=True, forbid_unknown_fields=True):\n    """{table["doc"]}"""\n\n'
         for name, row in rows(table).items():
@@ -200,7 +215,7 @@ def robot(contract: Contract) -> str:
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All of robot.toml; degrees, metres, kilograms as the units there say."""\n\n'
     out += "".join(f"    {group}: {group.title()} = {group.title()}()\n" for group in contract.robot)
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
-    return out
+    return out + robot_ranges(contract)
 
 
 def files(contract: Contract) -> dict[str, str]:

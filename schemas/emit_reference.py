@@ -98,17 +98,27 @@ def serial(contract: Contract) -> str:
     return out
 
 
+def allowed(row: dict[str, object]) -> str:
+    """What a robot file may say."""
+    if "min" not in row and "max" not in row:
+        return "as built"
+    if "max" not in row:
+        return f"from {row['min']}"
+    return f"{row['min']} to {row['max']}" if "min" in row else f"to {row['max']}"
+
+
 def robot(contract: Contract) -> str:
     out = (
         NOTE.format(source="robot.toml")
-        + "# The robot\n\nknown: stated by paper or makers; inferred: concluded from programs and measurements; open: a choice, your robot may differ.\n"
+        + "# The robot\n\nknown: stated by paper or makers; inferred: concluded from programs and measurements; open: a choice, your robot may differ.\n\n"
+        + "Allowed: what [a file for your robot](../how-to/board.md#another-robot) may say; as built: in the firmware, or in how it is wired.\n"
     )
     for group, values in contract.robot.items():
         lines: list[list[object]] = [
-            [n, r["value"], r["unit"], r["source"], r["doc"]] for n, r in rows(values).items()
+            [n, r["value"], r["unit"], allowed(r), r["source"], r["doc"]] for n, r in rows(values).items()
         ]
         out += f"\n## {group}\n\n{values['doc']}\n\n" + table(
-            ["name", "value", "unit", "source", "meaning"], lines
+            ["name", "value", "unit", "allowed", "source", "meaning"], lines
         )
     return out
 

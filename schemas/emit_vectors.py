@@ -55,7 +55,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
 FRAMES: list[tuple[str, int, dict[str, object]]] = [
     ("HELLO", 1, {}),
     ("PING", 255, {}),
-    ("MOVE", 7, {"flags": 1, "motion": 513, "target": [100, -200, 70000], "speed": [1400, 1, 65535]}),
+    ("MOVE", 7, {"flags": 1, "motion": 513, "target": [100, -200, 32767], "speed": [1400, 1, 65535]}),
     ("MOVE", 0, {"flags": 0, "motion": 0, "target": [0, 0, 0], "speed": [256, 256, 256]}),
     ("STOP", 3, {}),
     ("EMERGENCY_STOP", 4, {}),
@@ -124,7 +124,7 @@ def payload(contract: Contract, frame: str, values: dict[str, object]) -> bytes:
         if kind == "char":
             out += str(value).encode().ljust(int(str(field["count"])), b"\0")
             continue
-        form = {"u8": "<B", "u16": "<H", "u32": "<I", "i32": "<i"}[kind]
+        form = {"u8": "<B", "u16": "<H", "u32": "<I", "i16": "<h", "i32": "<i"}[kind]
         out += b"".join(struct.pack(form, one) for one in (value if isinstance(value, list) else [value]))
     return out
 

@@ -2,8 +2,8 @@
 
 python schemas/generate.py          write
 python schemas/generate.py --check  exit 1 and name the files that differ
-python schemas/generate.py --robot lab.toml --header build/contract.h
-                                    only the firmware's header, for a robot with other jumpers or limits
+python schemas/generate.py --robot fast.toml --header build/contract.h
+                                    only the firmware's header, for a robot of which some values are other ones
 """
 
 from __future__ import annotations
@@ -33,11 +33,15 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
-    parser.add_argument("--robot", type=Path, help="another robot's robot.toml, for --header")
+    parser.add_argument("--robot", type=Path, help="values of another robot, for --header")
     parser.add_argument("--header", type=Path, help="write only this C++ header")
     arguments = parser.parse_args()
     if arguments.header:
-        arguments.header.write_text(emit_cpp.header(load(arguments.robot)), encoding="utf-8")
+        try:
+            header = emit_cpp.header(load(arguments.robot))
+        except (OSError, ValueError) as error:
+            parser.error(f"{arguments.robot}: {error}")
+        arguments.header.write_text(header, encoding="utf-8")
         return 0
     check = arguments.check
     contract = load()

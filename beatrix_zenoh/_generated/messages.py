@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "0c420772"
+CONTRACT: Final = "4d1d9096"
 """Hash of messages and keys."""
 
 
@@ -54,7 +54,7 @@ class Reason(StrEnum):
     UNKNOWN_COMMAND = "UNKNOWN_COMMAND"
     """There is no command of this number."""
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
-    """Firmware and node speak different versions of the serial contract."""
+    """The firmware is of another version than the node, or was built for another robot."""
     NO_ANSWER = "NO_ANSWER"
     """Nobody answered: the robot is not on line."""
     TIMED_OUT = "TIMED_OUT"
@@ -86,7 +86,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.REPLACED: "A newer motion took over.",
     Reason.FAULT: "The robot reports a fault.",
     Reason.UNKNOWN_COMMAND: "There is no command of this number.",
-    Reason.CONTRACT_MISMATCH: "Firmware and node speak different versions of the serial contract.",
+    Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
     Reason.NO_ANSWER: "Nobody answered: the robot is not on line.",
     Reason.TIMED_OUT: "The robot did not answer in time.",
     Reason.NO_ROUTER: "There is no Zenoh router at this endpoint.",
@@ -120,7 +120,7 @@ class Fault(StrEnum):
     BOARD_LOST = "BOARD_LOST"
     """The board does not answer."""
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
-    """The board runs firmware of another contract."""
+    """The board's firmware is of another version, or was built for another robot: end what uses the board, then `beatrix flash`."""
     ASSEMBLY_LEFT = "ASSEMBLY_LEFT"
     """The simulated neck snapped out of its home assembly and was put back."""
 
@@ -129,7 +129,7 @@ FAULT_TEXT: Final[dict[Fault, str]] = {
     Fault.NONE: "Nothing.",
     Fault.EMERGENCY: "EMERGENCY_STOP was pressed: motors off until ENABLE.",
     Fault.BOARD_LOST: "The board does not answer.",
-    Fault.CONTRACT_MISMATCH: "The board runs firmware of another contract.",
+    Fault.CONTRACT_MISMATCH: "The board's firmware is of another version, or was built for another robot: end what uses the board, then `beatrix flash`.",
     Fault.ASSEMBLY_LEFT: "The simulated neck snapped out of its home assembly and was put back.",
 }
 
@@ -429,6 +429,8 @@ class Info(Struct, frozen=True, kw_only=True):
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
+    fingerprint: str | None = None
+    """of all values of the robot: simulation and hardware that were started with the same robot file have the same"""
     commands: list[str]
     """`number NAME: what it does`"""
     reasons: list[str]

@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x31863E2B
-"""Hash of the serial contract, compared in HELLO."""
+CONTRACT: Final = 0x1395DE64
+"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
 MAX_ENCODED: Final = 62
@@ -217,7 +217,7 @@ class FrameType(IntEnum):
     """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
 
 
-_MOVE: Final = Struct("<BH3i3H")
+_MOVE: Final = Struct("<BH3h3H")
 MOVE_SIZE: Final = _MOVE.size
 """Payload bytes of MOVE."""
 
@@ -298,7 +298,7 @@ class HelloReply(NamedTuple):
     """Answer to HELLO."""
 
     contract: int
-    """hash of this file"""
+    """hash of this file and of the values of robot.toml that are compiled into the firmware"""
     version: tuple[int, int, int]
     """firmware version major, minor, patch"""
     boot: int

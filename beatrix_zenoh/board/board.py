@@ -305,8 +305,9 @@ def unheard(link: Link) -> NoAnswer:
 
 
 def mismatch_text(hello: HelloReply) -> str:
-    """What to tell people whose firmware is of another version."""
+    """What to tell people whose firmware is of another version, or counts with other values."""
     return (
         f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
-        f"{wire.CONTRACT:08x}: end what uses the board and put this firmware onto it with `beatrix flash`."
+        f"{wire.CONTRACT:08x}: it is of another version, or was built for another robot (microsteps, gears, guard, "
+        "speed). End what uses the board and put this program's firmware onto it with `beatrix flash`."
     )

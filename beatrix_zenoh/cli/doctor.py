@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated
 
 import typer
@@ -13,13 +13,14 @@ from beatrix_zenoh.cli.checks import Finding, this_computer
 from beatrix_zenoh.cli.clocks import clock_offset
 from beatrix_zenoh.cli.jog import jog
 from beatrix_zenoh.cli.line import Where
-from beatrix_zenoh.cli.listing import descriptions, state, states, troubles
+from beatrix_zenoh.cli.listing import Place, descriptions, state, states, troubles
 from beatrix_zenoh.cli.options import Connect, Json, Name, Who
 from beatrix_zenoh.cli.verb import FAILED, document, say
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.robot import Robot
 from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.twin import unlike
 
 OFFSET_S = 0.05
 """Clocks further apart than this make times of two robots hard to compare."""
@@ -37,7 +38,7 @@ def doctor(
 ) -> None:
     """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
     if by_jog:
-        jog(Where(name, connect, who))
+        jog(Where(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
     sections = [("this computer", list(this_computer())), (settings.connect, list(network(settings)))]
@@ -91,6 +92,7 @@ def robots(client: Client) -> Iterator[Finding]:
         yield Finding(title, state(status), todo="" if well else told, advice=told if well else "")
         yield contract(title, info)
         yield clock(Robot(name, twin, client=client))
+    yield from unlike_twins(infos)
 
 
 def contract(title: str, info: Info) -> Finding:
@@ -102,6 +104,18 @@ def contract(title: str, info: Info) -> Finding:
         f"version {info.version} speaks contract {info.contract}, this computer {CONTRACT}",
         "install the same version of beatrix-zenoh on both",
     )
+
+
+def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
+    """Simulations that are of another robot than the hardware of their name."""
+    for (name, twin), info in infos.items():
+        hardware = infos.get((name, "hw"))
+        if twin == "sim" and hardware is not None and unlike(info, hardware):
+            yield Finding(
+                f"{name} (sim, hw)",
+                "simulation and hardware run with different values",
+                "start both with the same --robot-file, or without one",
+            )
 
 
 def clock(robot: Robot) -> Finding:

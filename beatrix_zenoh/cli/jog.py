@@ -1,48 +1,75 @@
-"""`beatrix doctor --jog`: three small motions, looked at by a person, tell whether motors and arms are plugged in right."""
+"""`beatrix doctor --jog`: three small motions, looked at by a person, tell whether motors and arms are plugged in right.
+
+Questions go to stderr: what is found is the result.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import sys
+from collections.abc import Mapping
+from typing import NamedTuple, TypeVar
 
 import typer
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.robot import ALLOWED, ROBOT
 from beatrix_zenoh.cli.line import Where, on_line
+from beatrix_zenoh.cli.motions import stopping
 from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.verb import say
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.cli.verb import FAILED, document, note, say
+from beatrix_zenoh.errors import Refused, WrongUsage
 from beatrix_zenoh.readings import ArmAngles
 from beatrix_zenoh.robot import Robot
+from beatrix_zenoh.robot_file import fingerprint
 
 ARMS = ArmAngles._fields
 PLUGS = ("X", "Y", "Z")
 JOG_DEG, SPEED_DEG_S = 15.0, 20.0
+TURNED: dict[str, str | None] = {**{arm: arm for arm in ARMS}, "none": None}
+WAYS = {
+    **dict.fromkeys(("counter-clockwise", "counterclockwise", "anticlockwise", "ccw"), True),
+    **dict.fromkeys(("clockwise", "cw"), False),
+}
+"""Whether it is counter-clockwise."""
+AGAIN = "Then enable, calibrate and jog again."
+
+T = TypeVar("T")
 
 
 class Seen(NamedTuple):
     """What a person saw when one arm was told to turn counter-clockwise."""
 
-    arm: str
+    arm: str | None
+    """None: no arm turned"""
     counter_clockwise: bool
 
 
-def jog(where: Where) -> None:
-    """Turn one arm after the other, ask what was seen, say what to replug.
+def jog(where: Where, *, as_json: bool) -> None:
+    """Turn one arm after the other, ask what was seen, say what to do; exit code 1 if there is something.
 
     Raises:
         Refused: the robot may not move yet, and what it lacks.
+        WrongUsage: nobody answers.
     """
     with on_line(where, Which.HW) as line:
         (robot,) = line.robots()
-        say("Look at the robot from above. One arm after the other turns 15 deg and back; Ctrl-C stops.")
-        seen = [look(robot, index) for index in range(len(ARMS))]
-        azimuth = typer.prompt(
-            "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left",
-            type=float,
+        robot.move(0, 0, 0, relative=True)  # turns nothing: who may not move says so before anybody looks
+        note(
+            "Look at the robot from above. It turns home; then one arm after the other turns 15 deg and back. "
+            "Ctrl-C stops."
         )
-    advice = [*replug(seen), *describe(azimuth)]
-    say("\n".join(advice) if advice else "All three are plugged in right.")
+        with stopping([robot], as_json=as_json):
+            robot.look(speed=SPEED_DEG_S)
+            seen = [look(robot, index) for index in range(len(ARMS))]
+            todo = replug(seen)
+            if not todo:
+                todo = describe(ask_azimuth(), as_shipped=robot.info().fingerprint == fingerprint(ROBOT))
+    if as_json:
+        document({"result": not todo, "todo": todo})
+    else:
+        say("\n".join(todo) or "All three are plugged in right.")
+    if todo:
+        raise typer.Exit(FAILED)
 
 
 def look(robot: Robot, index: int) -> Seen:
@@ -50,18 +77,50 @@ def look(robot: Robot, index: int) -> Seen:
     there = [JOG_DEG if arm == index else 0.0 for arm in range(len(ARMS))]
     robot.move(*there, relative=True, speed=SPEED_DEG_S)
     robot.move(*(-angle for angle in there), relative=True, speed=SPEED_DEG_S)
-    arm = ask("Which arm turned? short, middle or long", ARMS)
-    return Seen(arm, ask("Which way first? counter or clockwise", ("counter", "clockwise")) == "counter")
+    arm = ask("Which arm turned? short, middle, long or none:", TURNED)
+    if arm is None:
+        return Seen(None, counter_clockwise=True)
+    return Seen(arm, ask("Which way first? counter-clockwise (ccw) or clockwise (cw):", WAYS))
 
 
-def ask(question: str, answers: tuple[str, ...]) -> str:
-    """One of the answers; their beginnings will do."""
+def ask(question: str, answers: Mapping[str, T]) -> T:
+    """One of the answers; their beginnings will do. Raises as `typed`."""
     while True:
-        typed: str = typer.prompt(question).strip().lower()
-        found = [answer for answer in answers if typed and answer.startswith(typed)]
+        words = typed(question)
+        found = {meaning for answer, meaning in answers.items() if words and answer.startswith(words)}
         if len(found) == 1:
-            return found[0]
-        say(f"Type one of: {', '.join(answers)}.")
+            return found.pop()
+        note(f"Type one of: {', '.join(answers)}.")
+
+
+def ask_azimuth() -> float:
+    """Where the short arm is, deg; raises as `typed`."""
+    low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
+    while True:
+        words = typed(
+            "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left "
+            f"({ROBOT.geometry.arm0_azimuth:g} as shipped):"
+        )
+        try:
+            azimuth = float(words)
+        except ValueError:
+            azimuth = float("nan")
+        if low <= azimuth <= high:
+            return azimuth
+        note(f"Type a number from {low:g} to {high:g}.")
+
+
+def typed(question: str) -> str:
+    """A line of what a person types; raises WrongUsage if there is nobody."""
+    print(question, end=" ", file=sys.stderr, flush=True)
+    line = sys.stdin.readline()
+    if not line:
+        note("")
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            "The input has ended before all was answered: jog again with somebody at the terminal who sees the robot.",
+        )
+    return line.strip().lower()
 
 
 def replug(seen: list[Seen]) -> list[str]:
@@ -70,11 +129,24 @@ def replug(seen: list[Seen]) -> list[str]:
     Raises:
         Refused: an arm was seen twice, so another was overlooked.
     """
+    advice = [
+        f"Nothing turned on {plug}, where the motor of the {arm} arm belongs: see that the motor is plugged in, that its "
+        "driver sits straight and the right way round, and that its reference voltage is set (docs/how-to/board.md)."
+        for plug, arm, (turned, _) in zip(PLUGS, ARMS, seen, strict=True)
+        if turned is None
+    ]
+    if not advice:
+        advice = swap([(arm, way) for arm, way in seen if arm is not None])
+    return ["Switch the power off first.", *advice, AGAIN] if advice else []
+
+
+def swap(seen: list[tuple[str, bool]]) -> list[str]:
+    """Which plugs to move and to turn round; raises as `replug`."""
     if sorted(arm for arm, _ in seen) != sorted(ARMS):
         raise Refused(
             Reason.BAD_VALUE,
-            f"You saw {', '.join(arm for arm, _ in seen)}: each arm should turn once. If one did not turn, its driver or "
-            "plug has no contact; else try again.",
+            f"You saw {', '.join(arm for arm, _ in seen)}: each arm should turn once. Jog again, and type none where no "
+            "arm turns.",
         )
     advice = []
     for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True):
@@ -83,14 +155,19 @@ def replug(seen: list[Seen]) -> list[str]:
     for arm, counter_clockwise in seen:
         if not counter_clockwise:
             advice.append(f"Turn the plug of the {arm} arm's motor round: it turns the wrong way.")
-    return ["Switch the power off first.", *advice, "Then calibrate and jog again."] if advice else []
+    return advice
 
 
-def describe(azimuth_deg: float) -> list[str]:
-    """What to write into a robot file if the arms point elsewhere than on the shipped robot."""
+def describe(azimuth_deg: float, *, as_shipped: bool) -> list[str]:
+    """What to write into a robot file if the arms point elsewhere than on the shipped robot; a remark if there is one."""
     if abs((azimuth_deg - ROBOT.geometry.arm0_azimuth + 180) % 360 - 180) < JOG_DEG:
         return []
+    line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
+    if not as_shipped:
+        note(f"The robot runs with a file of its own: see that it says\n{line}")
+        return []
+    elsewhere = "Your arms sit elsewhere than on the shipped robot."
     return [
-        "Your arms sit elsewhere than on the shipped robot. Write this into a file, and start with --robot-file FILE:",
-        f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}",
+        f"{elsewhere} Write this into a file, and start hardware and simulation with --robot-file FILE:",
+        line,
     ]

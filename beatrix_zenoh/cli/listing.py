@@ -152,6 +152,7 @@ def described(info: Info) -> dict[str, object]:
         "steps_per_turn": info.steps_per_turn,
         "arms": info.arms,
         "limits_deg": limits_deg(info),
+        "fingerprint": info.fingerprint,
         "commands": info.commands,
         "reasons": info.reasons,
         "keys": info.keys,

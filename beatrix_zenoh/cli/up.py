@@ -14,11 +14,12 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason, Status
 from beatrix_zenoh.cli.listing import state, states, troubles
-from beatrix_zenoh.cli.options import Connect, Json, OwnName
+from beatrix_zenoh.cli.options import Connect, Json, OwnName, RobotFile
 from beatrix_zenoh.cli.processes import Fleet, heard
 from beatrix_zenoh.cli.table import columns
 from beatrix_zenoh.cli.verb import document, note, say
 from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.robot_file import load
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 
 WATCH_S = 0.2
@@ -37,6 +38,7 @@ def up(
     ready: Annotated[
         bool, typer.Option("--ready", help="The simulation starts with motors on and calibrated.")
     ] = False,
+    robot_file: RobotFile = None,
     name: OwnName = None,
     connect: Connect = None,
     as_json: Json = False,
@@ -48,9 +50,10 @@ def up(
     settings = resolve(name, connect)
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
+    load(robot_file)  # says what is wrong with it before anything starts
     with heard(), Fleet() as fleet:
         router = start_router(fleet, settings.connect)
-        served = start_robots(fleet, settings, hw, sim=not no_sim, ready=ready)
+        served = start_robots(fleet, settings, hw, robot_file, sim=not no_sim, ready=ready)
         with zbus.connect(settings.connect, label=settings.who) as bus:
             found = states(bus)
         own = {twin: found.get((settings.robot, twin)) for twin in served}
@@ -66,10 +69,11 @@ def up(
 
 
 def start_robots(
-    fleet: Fleet, settings: Settings, port: str | None, *, sim: bool, ready: bool
+    fleet: Fleet, settings: Settings, port: str | None, robot_file: Path | None, *, sim: bool, ready: bool
 ) -> dict[str, str]:
     """Start simulation and robot, wait until they serve; twin and what its body is."""
-    where = ("--name", settings.robot, "--connect", settings.connect)
+    values = () if robot_file is None else ("--robot-file", str(robot_file))
+    where = ("--name", settings.robot, "--connect", settings.connect, *values)
     served = {}
     if sim:
         fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))

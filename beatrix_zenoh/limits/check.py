@@ -17,6 +17,7 @@ from beatrix_zenoh.limits.walk import Extremes, Limit, Walker
 from beatrix_zenoh.trajectory import Trajectory
 
 _REACH_MARGIN: Final = math.radians(1.0)
+_ROUNDING: Final = 1e-9
 _SPEED_ROUNDING: Final = 1.001
 """Speeds travel as float32 and in quarter microsteps: the limit itself must pass."""
 _FURTHEST_START: Final = 1000.0
@@ -47,11 +48,16 @@ class Limits:
     """Limits of one robot, in rad, rad/s and rad/s2."""
 
     def __init__(self, robot: RobotData = ROBOT) -> None:
-        """Raise Refused (BAD_VALUE) if the geometry is no neck."""
+        """Raise Refused (BAD_VALUE) if the geometry is no neck, or one that cannot tilt as far as it may."""
         data = robot.limits
         self._neck = Neck(robot.geometry)
-        self.tilt_max = min(math.radians(data.tilt_max), self._neck.reach - _REACH_MARGIN)
-        """of the head; a degree below what the rods reach in every direction, if that is less than the limit"""
+        self.tilt_max = math.radians(data.tilt_max)
+        if self.tilt_max > self._neck.reach - _REACH_MARGIN + _ROUNDING:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"tilt_max is {data.tilt_max:g} deg, but the rods reach {math.degrees(self._neck.reach):.1f} deg in every "
+                "direction, and a degree of that is needed to spare.",
+            )
         self.gap_min = math.radians(data.gap_min)
         self.yaw_max = math.radians(data.yaw_max)
         self.speed_max = math.radians(data.speed_max)

@@ -16,6 +16,8 @@ from beatrix_zenoh.kinematics import Neck
 from beatrix_zenoh.limits import Limits, Plan
 from beatrix_zenoh.rotation import tilt_of
 
+FURTHEST_STEPS = 2**15 - 1
+"""From home: a MOVE's target is an i16."""
 POSE_ROUNDING = math.radians(0.1)
 """Poses travel as float32 and start from whole microsteps: the limit itself must pass."""
 
@@ -75,6 +77,12 @@ class Course:
             )
         plan = self.limits.check_motion(start, velocity, target, speed, straight=straight)
         steps = self.gear.to_steps(target)
+        if max(map(abs, steps)) > FURTHEST_STEPS:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"Arms at {degrees(target)} are more than {FURTHEST_STEPS} microsteps from home, which no board can be "
+                "told: set the head upright and calibrate.",
+            )
         return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, plan)
 
     def _arms_of(self, query: PoseQuery, start: Arms) -> Arms:

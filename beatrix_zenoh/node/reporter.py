@@ -16,6 +16,7 @@ from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.node.body import Body, Pose
 from beatrix_zenoh.node.course import Course, vector
 from beatrix_zenoh.node.driver import Driver
+from beatrix_zenoh.robot_file import fingerprint
 
 NO_TELEMETRY = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0)
 
@@ -121,6 +122,7 @@ class Reporter:
                 speed_max=limits.speed_max,
                 acceleration=limits.acceleration,
             ),
+            fingerprint=fingerprint(self._course.robot),
             commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
             reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],
             keys=[

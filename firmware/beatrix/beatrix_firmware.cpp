@@ -23,7 +23,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x31863E2BUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0x1395DE64UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -49,7 +49,6 @@ static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, micr
 static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
 static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
 static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
-static const int32_t SPEED_DEFAULT = 1395;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
 
@@ -124,22 +123,22 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 
 // Go to these step counts; replaces a running motion smoothly. Answered with ACK.
 struct Move {
-  static const uint8_t SIZE = 21;
+  static const uint8_t SIZE = 15;
   uint8_t flags;  // bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0.
   uint16_t motion;  // the host's number for it, echoed in TELEMETRY
-  int32_t target[3];  // absolute, from home [microstep]
+  int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
     flags = uint8_t(p[0]);
     motion = get_u16(p + 1);
-    for (uint8_t i = 0; i < 3; i++) target[i] = int32_t(get_u32(p + 3 + 4 * i));
-    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 15 + 2 * i);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 3 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 9 + 2 * i);
   }
   void write(uint8_t *p) const {
     p[0] = uint8_t(flags);
     put_u16(p + 1, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 3 + 4 * i, uint32_t(target[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 15 + 2 * i, speed[i]);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 3 + 2 * i, uint16_t(target[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 9 + 2 * i, speed[i]);
   }
 };
 
@@ -170,7 +169,7 @@ struct SetName {
 // Answer to HELLO.
 struct HelloReply {
   static const uint8_t SIZE = 43;
-  uint32_t contract;  // hash of this file
+  uint32_t contract;  // hash of this file and of the values of robot.toml that are compiled into the firmware
   uint8_t version[3];  // firmware version major, minor, patch
   uint32_t boot;  // how often the board was started
   char name[32];  // robot name, padded with zeros
@@ -790,7 +789,7 @@ struct Plan {
 class Motion {
  public:
   // The way each arm has to go, read before plan(); `resting` says whether all of them rest.
-  void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
+  void survey(const Move &move, uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
   void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
@@ -1165,7 +1164,7 @@ inline bool valid_name(const char name[NAME_SIZE]) {
 
 namespace beatrix {
 
-static const int32_t TARGET_MAX = int32_t(1) << 28;  // differences and sums of three stay within 32 bits
+static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "no arm within the guard is further from their mean than a turn");
 
 static bool fits(uint8_t type, uint8_t size) {
   switch (type) {
@@ -1221,7 +1220,7 @@ void Machine::go(const Move &move) {
   bool resting;
   {
     TickHeld held;
-    motion_.survey(move.target, todo, &resting);
+    motion_.survey(move, todo, &resting);
   }
   motion_.plan(move, todo, resting, &plan_);
   TickHeld held;
@@ -1238,14 +1237,13 @@ Error Machine::check(const Move &move) const {
   if (!enabled_) return ERROR_NOT_ENABLED;
   if (!calibrated_) return ERROR_NOT_CALIBRATED;
   if (move.flags & ~MOVE_STRAIGHT) return ERROR_BAD_VALUE;
-  for (uint8_t i = 0; i < ARMS; i++) {
-    if (move.target[i] > TARGET_MAX || move.target[i] < -TARGET_MAX) return ERROR_BAD_VALUE;
-  }
   uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
   for (uint8_t i = 0; i < speeds; i++) {
     if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
-  switch (guard_steps(move.target)) {
+  int32_t target[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) target[i] = move.target[i];
+  switch (guard_steps(target)) {
     case OUTCOME_GAP: return ERROR_GAP;
     case OUTCOME_YAW: return ERROR_YAW;
     default: return ERROR_OK;
@@ -1738,8 +1736,8 @@ static void set_full_ramp(const Fine &top, Ramp *ramp) {
   set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), ramp);
 }
 
-void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
-  for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
+void Motion::survey(const Move &move, uint32_t todo[ARMS], bool *resting) const {
+  for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), move.target[i]);
   *resting = !moving_;
 }
 
@@ -2118,15 +2116,17 @@ void TextPort::begin_move(Machine &machine) {
   }
   int32_t from[ARMS];
   machine.read_steps(from);
-  Move move = Move();
+  int32_t target[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
     bool stays = order_.verb >= VERB_MOVE_X_TO && order_.verb != VERB_MOVE_X_TO + i;
     int32_t base = stays || order_.verb == VERB_MOVE_BY ? from[i] : zero_[i];
-    move.target[i] = base + order_.steps[i];
+    target[i] = base + order_.steps[i];
   }
-  if (!machine.enabled()) return pretend(machine, from, move.target);
-  Warning limit = shorten(from, move.target);
+  if (!machine.enabled()) return pretend(machine, from, target);
+  Warning limit = shorten(from, target);
   if (limit != WITHIN_REACH) warn(limit);
+  Move move = Move();
+  for (uint8_t i = 0; i < ARMS; i++) move.target[i] = int16_t(target[i]);
   move.flags = MOVE_STRAIGHT;
   move.motion = TEXT_MOTION;
   move.speed[0] = uint16_t(TEXT_SPEED);

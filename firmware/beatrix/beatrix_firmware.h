@@ -17,7 +17,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x31863E2BUL;  // hash of serial.toml
+static const uint32_t CONTRACT = 0x1395DE64UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -43,7 +43,6 @@ static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, micr
 static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
 static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
 static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
-static const int32_t SPEED_DEFAULT = 1395;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
 
@@ -118,22 +117,22 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 
 // Go to these step counts; replaces a running motion smoothly. Answered with ACK.
 struct Move {
-  static const uint8_t SIZE = 21;
+  static const uint8_t SIZE = 15;
   uint8_t flags;  // bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0.
   uint16_t motion;  // the host's number for it, echoed in TELEMETRY
-  int32_t target[3];  // absolute, from home [microstep]
+  int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
     flags = uint8_t(p[0]);
     motion = get_u16(p + 1);
-    for (uint8_t i = 0; i < 3; i++) target[i] = int32_t(get_u32(p + 3 + 4 * i));
-    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 15 + 2 * i);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 3 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 9 + 2 * i);
   }
   void write(uint8_t *p) const {
     p[0] = uint8_t(flags);
     put_u16(p + 1, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 3 + 4 * i, uint32_t(target[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 15 + 2 * i, speed[i]);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 3 + 2 * i, uint16_t(target[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 9 + 2 * i, speed[i]);
   }
 };
 
@@ -164,7 +163,7 @@ struct SetName {
 // Answer to HELLO.
 struct HelloReply {
   static const uint8_t SIZE = 43;
-  uint32_t contract;  // hash of this file
+  uint32_t contract;  // hash of this file and of the values of robot.toml that are compiled into the firmware
   uint8_t version[3];  // firmware version major, minor, patch
   uint32_t boot;  // how often the board was started
   char name[32];  // robot name, padded with zeros

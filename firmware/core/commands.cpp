@@ -5,7 +5,7 @@
 
 namespace beatrix {
 
-static const int32_t TARGET_MAX = int32_t(1) << 28;  // differences and sums of three stay within 32 bits
+static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "no arm within the guard is further from their mean than a turn");
 
 static bool fits(uint8_t type, uint8_t size) {
   switch (type) {
@@ -61,7 +61,7 @@ void Machine::go(const Move &move) {
   bool resting;
   {
     TickHeld held;
-    motion_.survey(move.target, todo, &resting);
+    motion_.survey(move, todo, &resting);
   }
   motion_.plan(move, todo, resting, &plan_);
   TickHeld held;
@@ -78,14 +78,13 @@ Error Machine::check(const Move &move) const {
   if (!enabled_) return ERROR_NOT_ENABLED;
   if (!calibrated_) return ERROR_NOT_CALIBRATED;
   if (move.flags & ~MOVE_STRAIGHT) return ERROR_BAD_VALUE;
-  for (uint8_t i = 0; i < ARMS; i++) {
-    if (move.target[i] > TARGET_MAX || move.target[i] < -TARGET_MAX) return ERROR_BAD_VALUE;
-  }
   uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
   for (uint8_t i = 0; i < speeds; i++) {
     if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
-  switch (guard_steps(move.target)) {
+  int32_t target[ARMS];
+  for (uint8_t i = 0; i < ARMS; i++) target[i] = move.target[i];
+  switch (guard_steps(target)) {
     case OUTCOME_GAP: return ERROR_GAP;
     case OUTCOME_YAW: return ERROR_YAW;
     default: return ERROR_OK;

@@ -11,8 +11,8 @@ static void set_full_ramp(const Fine &top, Ramp *ramp) {
   set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), ramp);
 }
 
-void Motion::survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const {
-  for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), target[i]);
+void Motion::survey(const Move &move, uint32_t todo[ARMS], bool *resting) const {
+  for (uint8_t i = 0; i < ARMS; i++) todo[i] = distance(axes_[i].steps(), move.target[i]);
   *resting = !moving_;
 }
 

@@ -15,7 +15,7 @@ struct Plan {
 class Motion {
  public:
   // The way each arm has to go, read before plan(); `resting` says whether all of them rest.
-  void survey(const int32_t target[ARMS], uint32_t todo[ARMS], bool *resting) const;
+  void survey(const Move &move, uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
   void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;

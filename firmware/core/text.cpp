@@ -166,15 +166,17 @@ void TextPort::begin_move(Machine &machine) {
   }
   int32_t from[ARMS];
   machine.read_steps(from);
-  Move move = Move();
+  int32_t target[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
     bool stays = order_.verb >= VERB_MOVE_X_TO && order_.verb != VERB_MOVE_X_TO + i;
     int32_t base = stays || order_.verb == VERB_MOVE_BY ? from[i] : zero_[i];
-    move.target[i] = base + order_.steps[i];
+    target[i] = base + order_.steps[i];
   }
-  if (!machine.enabled()) return pretend(machine, from, move.target);
-  Warning limit = shorten(from, move.target);
+  if (!machine.enabled()) return pretend(machine, from, target);
+  Warning limit = shorten(from, target);
   if (limit != WITHIN_REACH) warn(limit);
+  Move move = Move();
+  for (uint8_t i = 0; i < ARMS; i++) move.target[i] = int16_t(target[i]);
   move.flags = MOVE_STRAIGHT;
   move.motion = TEXT_MOTION;
   move.speed[0] = uint16_t(TEXT_SPEED);

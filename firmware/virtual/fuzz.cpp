@@ -57,7 +57,7 @@ void give_move(Input &input, uint8_t how) {
   move.flags = how & 1;
   move.motion = input.next();
   for (uint8_t i = 0; i < beatrix::ARMS; i++) {
-    move.target[i] = int32_t(input.next() - 128) * (how & 2 ? 24 : 3) + (how >> 4);
+    move.target[i] = int16_t((input.next() - 128) * (how & 2 ? 24 : 3) + (how >> 4));
     move.speed[i] = uint16_t(input.next() * 17);
   }
   uint8_t payload[beatrix::Move::SIZE];

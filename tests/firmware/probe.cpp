@@ -8,7 +8,7 @@ extern "C" int guard_first_tick(const int32_t start[ARMS], const int32_t target[
   for (uint8_t i = 0; i < ARMS; i++) {
     axes[i].place(start[i]);
     Ramp ramp;
-    Fine top = from_quarters(SPEED_DEFAULT);
+    Fine top = from_quarters(SPEED_MAX / 3);
     set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), &ramp);
     axes[i].follow(target[i], ramp);
     axes[i].plan();
@@ -43,7 +43,7 @@ Move any_move(Chance &chance, bool far) {
   int32_t turn = far ? chance.between(2200, 2340) * (chance.between(0, 1) ? 1 : -1) : chance.between(-300, 300);
   int32_t apart = far ? chance.between(1, 500) : chance.between(0, 1) ? 1058 : 529;
   for (uint8_t i = 0; i < ARMS; i++) {
-    move.target[i] = turn + chance.between(-apart, apart);
+    move.target[i] = int16_t(turn + chance.between(-apart, apart));
     move.speed[i] = uint16_t(chance.between(chance.between(0, 3) ? 1500 : 1, SPEED_MAX));
   }
   return move;
@@ -84,10 +84,12 @@ extern "C" void live(uint32_t seed, uint32_t motions, Seen *seen) {
   Motion motion;
   for (uint32_t i = 0; i < motions; i++) {
     Move move = any_move(chance, i / 100 % 2);
-    if (guard_steps(move.target) == OUTCOME_NONE) {
+    int32_t target[ARMS];
+    for (uint8_t arm = 0; arm < ARMS; arm++) target[arm] = move.target[arm];
+    if (guard_steps(target) == OUTCOME_NONE) {
       uint32_t todo[ARMS];
       bool resting;
-      motion.survey(move.target, todo, &resting);
+      motion.survey(move, todo, &resting);
       Plan plan;
       motion.plan(move, todo, resting, &plan);
       motion.start(plan);

@@ -15,7 +15,7 @@ from dialogue import DIALOGUES, read, wanted
 from program import BYTE_MS, Program
 from rig import ROOT, SPEED_MAX, Core, HostFirmware
 
-from beatrix_zenoh._generated.serial import Enable, FrameType, Move
+from beatrix_zenoh._generated.serial import CONTRACT, Enable, FrameType, HelloReply, Move
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
@@ -73,6 +73,26 @@ def test_built_for_9600_baud_the_mega_takes_the_place_of_a_board_of_2023(
     for heard_ms, first in asked:
         ms, line = program.lines[first]
         assert heard_ms + len(line) * BYTE_MS - 1 < ms < heard_ms + len(line) * BYTE_MS + 4
+
+
+def test_firmware_for_other_jumpers_greets_with_another_contract(build: Build, tmp_path: Path) -> None:
+    other = tmp_path / "other.toml"
+    other.write_text("[drive]\nmicrosteps = 16\n", encoding="utf-8")
+    build("mega", "avr-g++", f"ROBOT={other}", f"HEX={tmp_path / 'other.hex'}")
+    contracts = []
+    for firmware in (HEX, tmp_path / "other.hex"):
+        with Mega(firmware) as mega:
+            (reply,) = mega.raw(encode(FrameType.HELLO, 1, b""))
+            contracts.append(HelloReply.unpack(reply.payload).contract)
+    assert contracts[0] == CONTRACT
+    assert contracts[1] != CONTRACT
+
+
+def test_a_robot_is_looked_for_where_make_is_typed() -> None:
+    command = ["make", "-n", "-C", "firmware", "mega", "ROBOT=lab.toml", "HEX=lab.hex"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=50)
+    assert f"--robot {ROOT / 'lab.toml'} " in done.stdout
+    assert f" {ROOT / 'lab.hex'}" in done.stdout
 
 
 def test_the_core_compiles_without_a_warning(build: Build) -> None:

@@ -241,18 +241,22 @@ def test_the_speed_limit_itself_is_accepted() -> None:
     LIMITS.check_speed([LIMITS.default_speed] * 3)
 
 
+def test_a_neck_that_cannot_tilt_as_far_as_it_may_is_refused() -> None:
+    with pytest.raises(Refused, match=r"tilt_max is 35 deg, but the rods reach 30.0 deg"):
+        Limits(RobotData(geometry=Geometry(rod_twist=80, mount_angle=85)))
+
+
 @pytest.mark.parametrize(
     "geometry",
     [
         Geometry(hand=-1),
         Geometry(arm_spacing=-120),
         Geometry(arm_angle=54),
-        Geometry(rod_twist=80, mount_angle=85),
+        Geometry(rod_twist=85, mount_angle=88),
     ],
 )
 def test_other_necks_are_checked_by_their_own_geometry(geometry: Geometry) -> None:
     limits, neck = Limits(RobotData(geometry=geometry)), Neck(geometry)
-    assert limits.tilt_max <= math.radians(35)
     inside = limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
     assert inside.tilt_max == pytest.approx(limits.tilt_max, abs=1e-3)
     with pytest.raises(Refused):

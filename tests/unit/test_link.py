@@ -76,8 +76,12 @@ def test_half_a_frame_is_nothing(frame: Frame, data: st.DataObject) -> None:
     half = wire[: data.draw(st.integers(2, len(wire) - 2))]
     decoder = Decoder()
     assert decoder.feed(half) == []
-    assert decoder.feed(wire) == [frame]
-    assert decoder.rejected == 1
+    *before, last = decoder.feed(wire)
+    assert last == frame
+    # One of 256 frames can be cut into one that is a byte shorter and whose CRC is right (a property of CRCs without a
+    # final xor): its length refuses it.
+    assert [cut.payload for cut in before] in ([], [frame.payload[:-1]])
+    assert len(before) + decoder.rejected == 1
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+import hw_node.app
+import sim_node.app
 from beatrix_zenoh import robot_file
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.messages import PoseQuery
+from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, RobotData
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.cli.verb import USAGE
 from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.node.course import Course
+
+HOME = Telemetry(0, 1, 3, 0, 0, (0, 0, 0), (0, 0, 0), 0)
+NEAR = math.radians(2.0)
+FIELDS = [(table, field) for table, fields in ALLOWED.items() for field in fields]
 
 
 def write(tmp_path: Path, text: str) -> Path:
@@ -23,22 +39,118 @@ def test_given_values_take_the_place_of_shipped_ones(tmp_path: Path) -> None:
     assert (robot.drive, robot.head) == (ROBOT.drive, ROBOT.head)
 
 
+def test_the_shipped_robot_may_be_written_into_a_file(tmp_path: Path) -> None:
+    text = "".join(
+        f"[{table}]\n" + "".join(f"{field} = {getattr(getattr(ROBOT, table), field)}\n" for field in fields)
+        for table, fields in ALLOWED.items()
+    )
+    assert robot_file.load(write(tmp_path, text)) == ROBOT
+
+
+def test_the_ends_of_what_is_allowed_are_allowed(tmp_path: Path) -> None:
+    text = "[limits]\ntilt_max = 44\ngap_min = 90\nyaw_max = 5\nspeed_max = 1\nspeed_default = 1\n"
+    assert robot_file.load(write(tmp_path, text)).limits.tilt_max == 44
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
         ("[geometri]\na = 1\n", "'geometri' is no table. There are: geometry, drive"),
         ("[geometry]\narm_angel = 1\n", r"\[geometry\] has no 'arm_angel'. There are: arm_angle"),
-        ("[geometry]\narm_angle = 'wide'\n", "Expected `float`"),
-        ("[drive]\nsign = [-1, 1, 1]\n", "compiled into the firmware.*turn its plug round"),
         ("geometry = 3\n", "is no table"),
         ("[geometry\n", "cannot be read"),
+        ("[geometry]\narm_angle = 'wide'\n", r"\[geometry\] arm_angle = 'wide': 20 to 80 deg is allowed"),
+        ("[limits]\nyaw_max = true\n", r"\[limits\] yaw_max = True: a number of deg is needed"),
+        ("[limits]\ntilt_max = -5\n", r"tilt_max = -5.0: 5 to 44 deg is allowed \(the rods reach 45.0 deg"),
+        ("[limits]\ntilt_max = 95\n", r"tilt_max = 95.0: 5 to 44 deg is allowed"),
+        ("[limits]\nyaw_max = 300\n", r"yaw_max = 300.0: 5 to 180 deg is allowed \(the firmware is built"),
+        ("[limits]\ngap_min = 10\n", r"gap_min = 10.0: 30 to 90 deg is allowed \(the firmware is built"),
+        (
+            "[limits]\nspeed_max = 10\n",
+            r"speed_default = 30.0, as shipped: 1 to 10 deg/s is allowed \(no more than speed_max\)",
+        ),
+        ("[limits]\nspeed_max = 0\n", r"speed_max = 0.0: 1 to 90 deg/s is allowed"),
+        ("[limits]\nspeed_max = 1000\n", r"speed_max = 1000.0: 1 to 90 deg/s is allowed"),
+        ("[geometry]\narm0_azimuth = 1000\n", r"arm0_azimuth = 1000.0: -360 to 360 deg is allowed"),
+        ("[geometry]\narm0_azimuth = nan\n", r"arm0_azimuth = nan: -360 to 360 deg is allowed"),
+        ("[geometry]\narm0_azimuth = inf\n", r"arm0_azimuth = inf: -360 to 360 deg is allowed"),
+        ("[geometry]\nhand = 3\n", r"\[geometry\] hand = 3: -1 or 1 is allowed"),
+        ("[geometry]\nhand = 0\n", r"hand = 0: -1 or 1 is allowed"),
+        ("[geometry]\nhand = 1.0\n", r"hand = 1.0: -1 or 1 is allowed"),
+        ("[geometry]\narm_angle = 20\n", r"tilt_max = 35.0, as shipped: 5 to 19 deg is allowed"),
+        ("[geometry]\nrod_twist = 50\n", r"arm_angle, rod_twist and mount_angle let the head tilt 5.0 deg"),
+        ("[geometry]\nrod_twist = 45\n", r"\[geometry\] arm_angle, rod_twist and mount_angle: .*does not close"),
+        ("[head]\nmass = 0\n", r"\[head\] mass = 0.0: 0.05 to 5 kg is allowed"),
+        ("[drive]\nefficiency = 2\n", r"\[drive\] efficiency = 2.0: 0.1 to 1 is allowed"),
+        ("[drive]\nmicrosteps = 16\n", "compiled into the firmware.*`make generate`, `make firmware`, `beatrix flash`"),
+        ("[geometry]\narm_spacing = 100.0\n", r"\[geometry\] arm_spacing is compiled into the firmware"),
+        ("[drive]\nsign = [-1, 1, 1]\n", "turn the plug of the motor that turns the wrong way round"),
+        ("[pins]\nenable = 9\n", r"firmware/mega/pins\.h"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_is_named(tmp_path: Path, text: str, why: str) -> None:
-    with pytest.raises(WrongUsage, match=why):
+    with pytest.raises(WrongUsage, match=why) as refusal:
         robot_file.load(write(tmp_path, text))
+    assert "lab.toml" in refusal.value.message
+
+
+@pytest.mark.parametrize("main", [hw_node.app.main, sim_node.app.main])
+def test_a_node_does_not_start_with_it(
+    main: Callable[[list[str]], int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--robot-file", str(write(tmp_path, "[limits]\ntilt_max = 95\n"))]) == USAGE
+    assert "lab.toml: [limits] tilt_max = 95.0: 5 to 44 deg" in capsys.readouterr().err
 
 
 def test_a_missing_file_is_said(tmp_path: Path) -> None:
     with pytest.raises(WrongUsage, match="cannot be read"):
         robot_file.load(tmp_path / "none.toml")
+
+
+def near(shipped: float) -> st.SearchStrategy[float]:
+    """Numbers close to the shipped one, and any others now and then."""
+    close = st.floats(0.5, 1.6).map(lambda factor: round(factor * shipped, 6))
+    return st.one_of(close, close, close, st.floats(), st.integers())
+
+
+def entry(name: tuple[str, str]) -> st.SearchStrategy[tuple[tuple[str, str], float]]:
+    """A field and a value for it."""
+    table, field = name
+    value = st.integers(-1, 2) if field == "hand" else near(getattr(getattr(ROBOT, table), field))
+    return st.tuples(st.just(name), value)
+
+
+VALUES = st.lists(st.sampled_from(FIELDS).flatmap(entry), max_size=4).map(dict)
+
+
+def loaded(values: dict[tuple[str, str], float]) -> RobotData | str:
+    """The robot of a file with these values, or why there is none."""
+    tables: dict[str, str] = {}
+    for (table, field), value in values.items():
+        tables[table] = tables.get(table, "") + f"{field} = {value}\n"
+    text = "".join(f"[{table}]\n{lines}" for table, lines in tables.items())
+    with TemporaryDirectory() as folder:
+        try:
+            return robot_file.load(write(Path(folder), text))
+        except WrongUsage as refusal:
+            return refusal.message
+
+
+@settings(max_examples=400)
+@given(VALUES)
+def test_any_file_of_numbers_makes_a_robot_that_can_look_or_is_told_which_field(
+    values: dict[tuple[str, str], float],
+) -> None:
+    robot = loaded(values)
+    if isinstance(robot, str):
+        assert any(f"[{table}] {field}" in robot for table, field in FIELDS), robot
+        return
+    course = Course(robot)
+    for yaw, pitch, roll in itertools.product((-NEAR, 0.0, NEAR), repeat=3):
+        course.goal(PoseQuery(yaw=yaw, pitch=pitch, roll=roll), HOME)
+
+
+def test_a_fingerprint_tells_robots_apart(tmp_path: Path) -> None:
+    other = robot_file.load(write(tmp_path, "[head]\nmass = 0.9\n"))
+    assert robot_file.fingerprint(ROBOT) == robot_file.fingerprint(robot_file.load(None))
+    assert robot_file.fingerprint(other) != robot_file.fingerprint(ROBOT)

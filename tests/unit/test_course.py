@@ -1,0 +1,32 @@
+"""From a question to a MOVE: what no frame can say is refused in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from beatrix_zenoh import Refused
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.node.course import Course
+
+COURSE = Course(ROBOT)
+
+
+def at(steps: int) -> Telemetry:
+    """A board that says that its arms rest there."""
+    return Telemetry(0, 1, 3, 0, 0, (steps, steps, steps), (0, 0, 0), 0)
+
+
+@pytest.mark.parametrize("steps", [40_000, -40_000])
+def test_counters_too_far_for_a_move_are_refused_with_what_to_do(steps: int) -> None:
+    little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
+    with pytest.raises(Refused, match=r"32767 microsteps from home.*calibrate") as refusal:
+        COURSE.goal(little, at(steps))
+    assert refusal.value.reason is Reason.BAD_VALUE
+
+
+def test_what_a_move_can_say_is_packed_as_asked() -> None:
+    goal = COURSE.goal(PoseQuery(yaw=-3.0), at(0))
+    assert goal.frame(7).unpack(goal.frame(7).pack()) == goal.frame(7)
+    assert goal.steps == (-1998, -1998, -1998)

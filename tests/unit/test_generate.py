@@ -1,0 +1,76 @@
+"""The contract of a firmware that was built for another robot."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh._generated.serial import CONTRACT
+
+GENERATE = Path(__file__).resolve().parents[2] / "schemas/generate.py"
+
+
+def generate(folder: Path, robot: str) -> subprocess.CompletedProcess[str]:
+    """Write the header of a robot whose file has this text."""
+    (folder / "other.toml").write_text(robot, encoding="utf-8")
+    command = [sys.executable, str(GENERATE), "--robot", str(folder / "other.toml")]
+    command += ["--header", str(folder / "contract.h")]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=30)
+
+
+def contract(folder: Path, robot: str) -> int:
+    """Its contract."""
+    done = generate(folder, robot)
+    assert done.returncode == 0, done.stderr
+    found = re.search(r"CONTRACT = (0x\w+)UL", (folder / "contract.h").read_text(encoding="utf-8"))
+    assert found
+    return int(found[1], 16)
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        "[drive]\nmicrosteps = 16",
+        "[drive]\nfull_steps = 400",
+        "[drive]\ngear_ring = 67",
+        "[drive]\ngear_pinion = 25",
+        "[geometry]\narm_spacing = 119.0",
+        "[limits]\nguard_gap_min = 20.0",
+        "[limits]\nguard_yaw_max = 300.0",
+        "[limits]\nspeed_max = 91.0",
+        "[limits]\nacceleration = 181.0",
+        "[limits]\ntext_speed = 201.0",
+        "[limits]\ntilt_gap_min = 50.0",
+        "[limits]\ntilt_gap_max = 170.0",
+    ],
+)
+def test_what_is_compiled_into_the_firmware_is_part_of_the_contract(tmp_path: Path, robot: str) -> None:
+    assert contract(tmp_path, robot) != CONTRACT
+
+
+@pytest.mark.parametrize(
+    "robot", ["", "[limits]\ntilt_max = 20.0\n[head]\nmass = 2", "[drive]\nmicrosteps = 8"]
+)
+def test_what_the_firmware_does_not_know_is_not(tmp_path: Path, robot: str) -> None:
+    assert contract(tmp_path, robot) == CONTRACT
+
+
+@pytest.mark.parametrize(
+    ("robot", "why"),
+    [
+        ("[drives]\nmicrosteps = 16", r"'drives' is no table; there are geometry, drive"),
+        ("[drive]\nmicrostep = 16", r"\[drive\] has no 'microstep'; there are full_steps, microsteps"),
+        ("[drive]\nmicrosteps = 'many'", r"\[drive\] microsteps = 'many': give a number above 0"),
+        ("[drive]\nmicrosteps = 0", r"microsteps = 0: give a number above 0"),
+        ("[drive\n", r"other\.toml: Expected ']'"),
+    ],
+)
+def test_a_file_that_can_mean_nothing_is_told_so(tmp_path: Path, robot: str, why: str) -> None:
+    done = generate(tmp_path, robot)
+    assert done.returncode == 2
+    assert re.search(why, done.stderr), done.stderr
+    assert "Traceback" not in done.stderr
