@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
 from typing import Annotated
@@ -11,63 +11,91 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.progress import Progress as Bar
+from rich.progress import TaskID
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.errors import NoAnswer
 from hw_node import hexfile, stk500
 from hw_node.port import SerialPort, find
-from hw_node.stk500 import Programmer, Wire
+from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
 
 HEX = "beatrix-mega2560.hex"
+NOTHING = "Nothing was written."
+FIRST = (
+    "The page through which every start goes was just being written, and is not verified: the board may do nothing, "
+    "start, or go wrong. Switch the motor power off and run `beatrix flash` again. Its boot loader is unharmed."
+)
 HALF = (
     "The board now holds only half of a firmware, which it will not start: run `beatrix flash` again before you use it. "
     "Its boot loader is unharmed."
 )
+WHOLE = "The firmware is on the board, written and verified: press its reset button to start it."
 
 Progress = Callable[[str, int, int], None]
 """What is being done, bytes done, bytes in all."""
+Phase = Callable[[str], None]
+"""Takes what is true of the board from now on."""
 
 
-def program(wire: Wire, image: bytes, tell: Progress) -> None:
-    """Write, verify, start.
+def program(wire: Wire, image: bytes, tell: Progress, now: Phase) -> None:
+    """Reset the board, write, verify, start.
+
+    The first page is an endless loop until all others are verified: a board that loses cable or power in between does
+    not start. One window cannot be closed: the few milliseconds, at the beginning and at the end, in which that page
+    itself is erased and written. It is blank then, and a start runs into the middle of the old firmware or the new one.
 
     Raises:
-        NoAnswer: the boot loader fails; says whether the board is half-written.
+        NoAnswer: the boot loader fails.
+        OSError: the port fails.
     """
     programmer = Programmer(wire)
-    with untouched():
-        programmer.sign_on()
-    try:
-        for done in programmer.write(image):
-            tell("Writing", done, len(image))
-        for done in programmer.check(image):
-            tell("Verifying", done, len(image))
-    except (BeatrixError, OSError) as error:
-        raise NoAnswer(Reason.BOARD_LOST, f"{error} {HALF}") from error
-    except KeyboardInterrupt:
-        note(HALF)
-        raise
+    wire.reset_board()
+    programmer.sign_on()
+    size = len(image)
+    pages = [(at, image[at : at + PAGE].ljust(PAGE, b"\xff")) for at in range(0, size, PAGE)]
+    tell("Writing", 0, size)
+    now(FIRST)
+    programmer.write(0, PARKED)
+    programmer.check(0, PARKED)
+    now(HALF)
+    for at, page in pages[1:]:
+        programmer.write(at, page)
+        tell("Writing", min(at + PAGE, size), size)
+    for at, page in pages[1:]:
+        programmer.check(at, page)
+        tell("Verifying", min(at + PAGE, size), size)
+    now(FIRST)
+    programmer.write(*pages[0])
+    programmer.check(*pages[0])
+    now(WHOLE)
     programmer.leave()
 
 
 @contextmanager
-def untouched() -> Iterator[None]:
-    """In here nothing has been written yet: whatever ends it says so.
+def phases() -> Iterator[Phase]:
+    """Whatever ends what is done in here says what is then true of the board.
 
     Raises:
-        NoAnswer: BOARD_LOST instead of OSError.
+        NoAnswer: also instead of OSError, as BOARD_LOST.
     """
+    truth = NOTHING
+
+    def now(what: str) -> None:
+        nonlocal truth
+        truth = what
+
     try:
-        yield
+        yield now
     except OSError as error:
         raise NoAnswer(
-            Reason.BOARD_LOST,
-            f"The port failed ({error}). Nothing was written: plug the board in and try again.",
+            Reason.BOARD_LOST, f"The port failed ({error}): is the board plugged in? {truth}"
         ) from error
+    except NoAnswer as error:
+        raise NoAnswer(error.reason, f"{error} {truth}") from error
     except KeyboardInterrupt:
-        note("Nothing was written.")
+        note(truth)
         raise
 
 
@@ -75,17 +103,12 @@ def firmware(path: Path | None) -> bytes:
     """The image of a file, or of the firmware that came with this package.
 
     Raises:
-        WrongUsage: it is none, or too long.
+        WrongUsage: it is none.
     """
-    if path is None:
-        with resources.as_file(resources.files("hw_node") / HEX) as shipped:
-            return hexfile.read(shipped)
-    image = hexfile.read(path)
-    if not 0 < len(image) <= stk500.FLASH:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} holds {len(image)} bytes; the board has room for 1 to {stk500.FLASH}."
-        )
-    return image
+    if path is not None:
+        return hexfile.read(path)
+    with resources.as_file(resources.files("hw_node") / HEX) as shipped:
+        return hexfile.read(shipped)
 
 
 def flash(
@@ -98,17 +121,16 @@ def flash(
     as_json: Json = False,
 ) -> None:
     """Put the firmware onto the board. Takes some ten seconds; the head must be held, for the motors go off."""
-    image = firmware(file)
-    device = port or find()
-    wire = SerialPort(device, stk500.BAUD)
-    try:
-        note(f"{device}: waiting for the boot loader.")
-        with untouched():
-            wire.reset_board()
-        with progress() as tell:
-            program(wire, image, tell)
-    finally:
-        wire.close()
+    with phases() as now:
+        image = firmware(file)
+        device = port or find()
+        wire = SerialPort(device, stk500.BAUD)
+        try:
+            note(f"{device}: waiting for the boot loader.")
+            with progress() as tell:
+                program(wire, image, tell, now)
+        finally:
+            wire.close()
     if as_json:
         document({"result": True, "port": device, "bytes": len(image)})
     else:
@@ -127,17 +149,24 @@ def progress() -> Iterator[Progress]:
         def line(what: str, _done: int, size: int) -> None:
             if what not in begun:
                 begun.add(what)
-                note(f"{what} {size} bytes.")
+                with suppress(OSError):  # a reader that has gone is no reason to leave a board half-written
+                    note(f"{what} {size} bytes.")
 
         yield line
         return
-    with Bar(console=console) as bar:
-        tasks = {what: bar.add_task(what, total=None) for what in ("Writing", "Verifying")}
+    bar = Bar(console=console)
+    tasks: dict[str, TaskID] = {}
 
-        def draw(what: str, done: int, size: int) -> None:
-            bar.update(tasks[what], completed=done, total=size)
+    def draw(what: str, done: int, size: int) -> None:
+        if what not in tasks:
+            bar.start()
+            tasks[what] = bar.add_task(what, total=size)
+        bar.update(tasks[what], completed=done)
 
+    try:
         yield draw
+    finally:
+        bar.stop()
 
 
 def main(words: list[str] | None = None) -> int:

@@ -2,58 +2,117 @@
 
 from __future__ import annotations
 
+import codecs
+from binascii import unhexlify
+from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
+from hw_node.stk500 import FLASH
 
 BLANK = 0xFF
 """What erased flash reads as."""
 DATA, END, SEGMENT, START_SEGMENT, HIGH, START = range(6)
+LENGTHS = {END: 0, SEGMENT: 2, START_SEGMENT: 4, HIGH: 2, START: 4}
+"""Bytes in a record of this kind. Where to start (START_SEGMENT, START) is not asked on an AVR."""
 SHORTEST = 5
+LONGEST_FILE = 4 << 20
+"""Bytes: more than the whole flash, one byte a line."""
+
+
+class Piece(NamedTuple):
+    """The data of one line."""
+
+    at: int
+    data: bytes
+    line: int
 
 
 def read(path: Path) -> bytes:
-    """The image from address 0 on, gaps blank.
+    """The image from address 0 on, gaps blank: 1 to FLASH bytes.
 
     Raises:
-        WrongUsage: BAD_VALUE, naming the line that is wrong.
+        WrongUsage: BAD_VALUE; no file, or no image for this board, naming the line that is wrong.
     """
-    try:
-        lines = path.read_text(encoding="ascii").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as Intel HEX: {error}.") from error
+    found = sorted(piece for piece in pieces(path) if piece.data)
+    if not found:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} holds no data.")
+    if found[0].at:
+        raise wrong(
+            path, found[0].line, f"begins at {found[0].at:#x}; the board starts at 0, with nothing there"
+        )
+    for before, after in pairwise(found):
+        if before.at + len(before.data) > after.at:
+            first, again = sorted((before.line, after.line))
+            raise wrong(path, again, f"writes once more what line {first} has written")
     image = bytearray()
-    base = 0
-    for number, line in enumerate(filter(None, map(str.strip, lines)), start=1):
+    for at, data, _ in found:
+        image += bytes([BLANK]) * (at - len(image)) + data
+    return bytes(image)
+
+
+def pieces(path: Path) -> list[Piece]:
+    """The data of all lines, anywhere in the flash; raises as `read`."""
+    found = []
+    base = number = 0
+    ended = False
+    for number, line in enumerate(map(bytes.strip, content(path).splitlines()), start=1):
+        if not line:
+            continue
+        if ended:
+            raise wrong(path, number, "comes after the end record")
         kind, at, data = record(path, number, line)
+        if kind == DATA and base + at + len(data) > FLASH:
+            raise wrong(path, number, f"lies at {base + at:#x}; the board has room up to {FLASH:#x}")
         if kind == DATA:
-            begin = base + at
-            if len(image) < begin + len(data):
-                image.extend(bytes([BLANK]) * (begin + len(data) - len(image)))
-            image[begin : begin + len(data)] = data
-        elif kind == SEGMENT:
-            base = int.from_bytes(data, "big") << 4
-        elif kind == HIGH:
-            base = int.from_bytes(data, "big") << 16
-        elif kind == END:
-            return bytes(image)
-    raise WrongUsage(Reason.BAD_VALUE, f"{path} ends without an end record: it was cut off.")
+            found.append(Piece(base + at, data, number))
+        elif kind in (SEGMENT, HIGH):
+            base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
+        ended = kind == END
+    if not ended:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{path} was cut off after line {number}: its end record is missing."
+        )
+    return found
 
 
-def record(path: Path, number: int, line: str) -> tuple[int, int, bytes]:
+def content(path: Path) -> bytes:
+    """The whole file, without the mark some editors put before it; raises as `read`."""
+    try:
+        if path.exists() and not path.is_file():
+            raise WrongUsage(Reason.BAD_VALUE, f"{path} is no regular file: name one in Intel HEX.")
+        with path.open("rb") as file:
+            held = file.read(LONGEST_FILE + 1)
+    except OSError as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
+    if len(held) > LONGEST_FILE:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{path} is longer than {LONGEST_FILE} bytes: no firmware for this board is."
+        )
+    return held.removeprefix(codecs.BOM_UTF8)
+
+
+def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
     """Kind, address and data of one line; raises as `read`."""
     try:
-        record = bytes.fromhex(line.removeprefix(":"))
+        record = unhexlify(line.removeprefix(b":"))
     except ValueError:
         record = b""
     if (
-        not line.startswith(":")
+        not line.startswith(b":")
         or len(record) < SHORTEST
         or len(record) != SHORTEST + record[0]
         or sum(record) & 0xFF
     ):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path}, line {number} is no record of Intel HEX: {quoted(line)}."
-        )
-    return record[3], int.from_bytes(record[1:3], "big"), record[4:-1]
+        raise wrong(path, number, f"is no record of Intel HEX: {quoted(line.decode(errors='replace'))}")
+    kind, data = record[3], record[4:-1]
+    if kind != DATA and LENGTHS.get(kind) != len(data):
+        raise wrong(path, number, f"is no record that Intel HEX knows: kind {kind} with {len(data)} bytes")
+    return kind, int.from_bytes(record[1:3], "big"), data
+
+
+def wrong(path: Path, number: int, why: str) -> WrongUsage:
+    """What to raise about a line."""
+    return WrongUsage(Reason.BAD_VALUE, f"{path}, line {number} {why}.")

@@ -7,7 +7,6 @@ answered with its own number and a status.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from functools import reduce
 from operator import xor
 from typing import Final, Protocol
@@ -17,7 +16,7 @@ from beatrix_zenoh.errors import NoAnswer
 
 BAUD: Final = 115_200
 PAGE: Final = 256
-"""Bytes written at once."""
+"""Bytes erased and written at once."""
 FLASH: Final = 0x3E000
 """Bytes for the firmware; above is the boot loader."""
 SIGNATURE: Final = b"\x1e\x98\x01"
@@ -34,8 +33,8 @@ SIGN_ON, LOAD_ADDRESS, ENTER, LEAVE, ERASE, PROGRAM, READ, SPI = (
     0x1D,
 )
 STATUS_OK: Final = 0
-PARKED: Final = b"\xff\xcf"
-"""`rjmp .-2`: an endless loop, pins as reset left them."""
+PARKED: Final = b"\xff\xcf".ljust(PAGE, b"\xff")
+"""A first page that is but an endless loop, `rjmp .-2`: pins stay as reset left them."""
 START, TOKEN = 0x1B, 0x0E
 OVERHEAD: Final = 6
 FAR: Final = 1 << 31
@@ -54,6 +53,9 @@ class Wire(Protocol):
 
     def read(self, timeout_s: float) -> bytes:
         """What has come, waiting up to `timeout_s` for the first byte."""
+
+    def reset_board(self) -> None:
+        """Pull the reset line; the boot loader starts."""
 
 
 class Programmer:
@@ -83,32 +85,20 @@ class Programmer:
         if found != SIGNATURE:
             raise NoAnswer(
                 Reason.BOARD_LOST,
-                f"The chip is {found.hex()}, not the ATmega2560 ({SIGNATURE.hex()}): nothing was written.",
+                f"The chip is {found.hex()}, not the ATmega2560 ({SIGNATURE.hex()}).",
             )
 
-    def write(self, image: bytes) -> Iterator[int]:
-        """Write page after page, the first one last; yields bytes written so far.
-
-        Meanwhile the first page is an endless loop: a board that was left half-written does nothing.
-        """
-        self._write_page(0, PARKED.ljust(PAGE, b"\xff"))
-        for done, at in enumerate([*range(PAGE, len(image), PAGE), 0], start=1):
-            self._write_page(at, image[at : at + PAGE].ljust(PAGE, b"\xff"))
-            yield min(done * PAGE, len(image))
-
-    def _write_page(self, at: int, page: bytes) -> None:
+    def write(self, at: int, page: bytes) -> None:
+        """Write one page of PAGE bytes. The boot loader erases it first: for some milliseconds it is blank."""
         self._at(at, bytes([PROGRAM, PAGE >> 8, PAGE & 0xFF, 0xC1, 10, 0x40, 0x4C, 0x20, 0, 0]) + page)
 
-    def check(self, image: bytes) -> Iterator[int]:
-        """Read back and compare; yields bytes compared so far."""
-        for at in range(0, len(image), PAGE):
-            wanted = image[at : at + PAGE]
-            # More than once: two errors on the wire can leave the XOR as it was.
-            if not any(self._read(at)[: len(wanted)] == wanted for _ in range(TRIES)):
-                raise NoAnswer(
-                    Reason.BOARD_LOST, f"The board reads back something else at {at:#x} than was written."
-                )
-            yield min(at + PAGE, len(image))
+    def check(self, at: int, page: bytes) -> None:
+        """Read one page back and compare it."""
+        # More than once: two errors on the wire can leave the XOR as it was.
+        if not any(self._read(at) == page for _ in range(TRIES)):
+            raise NoAnswer(
+                Reason.BOARD_LOST, f"The board reads back something else at {at:#x} than was written."
+            )
 
     def _read(self, at: int) -> bytes:
         return self._at(at, bytes([READ, PAGE >> 8, PAGE & 0xFF, 0x20]))[2 : 2 + PAGE]
@@ -120,7 +110,7 @@ class Programmer:
     def _at(self, at: int, body: bytes) -> bytes:
         """Ask about this address; both again if an answer is lost, for the boot loader has moved on."""
         for _ in range(TRIES):
-            if at == 0:
+            if at == 0 and body[0] == PROGRAM:
                 # With every page it writes, the boot loader erases the next one, wherever it writes; begin anew.
                 self._answer(bytes([ERASE, 0, 0, 0, 0, 0, 0]))
             self._ask(bytes([LOAD_ADDRESS]) + (FAR | at // 2).to_bytes(4, "big"))

@@ -8,6 +8,7 @@
 //   a flag raised while its interrupt is masked is forgotten on unmasking            raised again (unmask)
 //   a byte takes 11 bit times, the receive buffer has 64 places                      a receiver of our own, 2 places
 //   an EEPROM write is over at once, and whole after any reset                       busy for 3.4 ms, spoilt by a reset
+//   flash can be written anew without being erased                                   bits only go from 1 to 0
 //   the pins keep their level in reset                                               the drivers' pull-up is modelled
 #include <stdbool.h>
 #include <stdint.h>
@@ -17,6 +18,7 @@
 #include <simavr/avr_adc.h>
 #include <simavr/avr_eeprom.h>
 #include <simavr/avr_extint.h>
+#include <simavr/avr_flash.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_timer.h>
 #include <simavr/avr_uart.h>
@@ -63,7 +65,7 @@ struct Bench {
   avr_t *avr;
   avr_uart_t *uart;
   avr_timer_t *timer1, *timer3;
-  avr_io_t watch;  // hears of resets
+  avr_io_t watch;  // hears of resets and of flash being written
   Report report;
   Edge *edges;
   size_t edge_room;
@@ -302,6 +304,22 @@ static void use_eeprom(Bench *b, uint32_t action, uint8_t *bytes, uint32_t offse
   avr_ioctl(b->avr, action, &part);
 }
 
+// --- flash
+
+// Called by libsimavr for every SPM, before its own part writes the page.
+static int on_store(avr_io_t *io, uint32_t control, void *param) {
+  (void)param;
+  avr_t *avr = io->avr;
+  if (control != AVR_IOCTL_FLASH_SPM) return -1;
+  while (strcmp(io->kind, "flash")) io = io->next;
+  avr_flash_t *part = (avr_flash_t *)io;
+  if (!avr_regbit_get(avr, part->pgwrt)) return -1;
+  uint32_t z = (uint32_t)avr->data[avr->rampz] << 16 | avr->data[R_ZH] << 8 | avr->data[R_ZL];
+  const uint8_t *held = avr->flash + (z & ~(part->spm_pagesize - 1u));
+  for (int i = 0; i < part->spm_pagesize / 2; i++) part->tmppage[i] &= held[2 * i] | held[2 * i + 1] << 8;
+  return -1;
+}
+
 // --- reset, start, run
 
 // Called by libsimavr for every reset, whoever caused it, before its own parts are reset.
@@ -381,6 +399,7 @@ static void attach(Bench *b) {
   connect_pins(b);
   b->watch.kind = "bench";
   b->watch.reset = on_reset;
+  b->watch.ioctl = on_store;
   avr_register_io(avr, &b->watch);
 }
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import random
+import re
+import tty
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from avr.bench import Avr
 from avr.mega import HEX
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
@@ -16,24 +20,42 @@ from beatrix_zenoh._generated.serial import CONTRACT, FrameType, HelloReply
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.errors import WrongUsage
 from hw_node import flash, hexfile, stk500
+from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 
 LOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex")
 IMAGE = flash.firmware(None)
+PAGES = -(-len(IMAGE) // PAGE)
+CLOSE = 0
+"""Stands for a command: the port being closed."""
+
+Fault = Callable[[bytes], bytes]
+"""What becomes of a message on its way to the board; may raise."""
 
 
 class BenchWire:
-    """The bench's serial wire, in virtual time; can lose and spoil what the board says."""
+    """The bench's serial wire, in virtual time; can lose and spoil what the board says and what it is told.
 
-    def __init__(self, avr: Avr, spoil: float = 0.0, pull_after: int = 1 << 30) -> None:
-        self.avr, self._spoil, self._left = avr, spoil, pull_after
+    The fault befalls the message that is the `nth` of its command.
+    """
+
+    def __init__(
+        self, avr: Avr, spoil: float = 0.0, at: int = -1, nth: int = 1, fault: Fault | None = None
+    ) -> None:
+        self.avr, self._spoil, self._at, self._left, self._fault = avr, spoil, at, nth, fault
         self._chance = random.Random(1)
 
+    def reset_board(self) -> None:
+        self.avr.reset()
+        self.avr.byte_cycles = round(160_000_000 / stk500.BAUD)
+        self.avr.receive()
+
     def write(self, data: bytes) -> object:
-        self._left -= 1
-        if self._left < 0:
-            raise OSError("the cable is out")
-        self.avr.deliver(data)
+        self.avr.deliver(self._meet(data[5], data))
         return None
+
+    def _meet(self, command: int, data: bytes) -> bytes:
+        self._left -= command == self._at
+        return self._fault(data) if command == self._at and not self._left and self._fault else data
 
     def read(self, timeout_s: float) -> bytes:
         for _ in range(int(timeout_s * 1000) + 1):
@@ -46,6 +68,31 @@ class BenchWire:
                     else data
                 )
         return b""
+
+    def close(self) -> None:
+        self._meet(CLOSE, b"")
+
+
+def pull(_: bytes) -> bytes:
+    raise OSError("the cable is out")
+
+
+def interrupt(_: bytes) -> bytes:
+    raise KeyboardInterrupt
+
+
+def change(data: bytes) -> bytes:
+    """Two errors that leave the XOR, in the second half of a page."""
+    spoilt = bytearray(data)
+    spoilt[200] ^= 4
+    spoilt[230] ^= 4
+    return bytes(spoilt)
+
+
+def put(wire: BenchWire, image: bytes = IMAGE, tell: flash.Progress = lambda *_: None) -> None:
+    """As `flash`, without a port to look for."""
+    with flash.phases() as now:
+        flash.program(wire, image, tell, now)
 
 
 def board() -> Avr:
@@ -67,7 +114,7 @@ def hello(avr: Avr) -> HelloReply | None:
 def test_a_new_board_is_flashed_verified_and_answers() -> None:
     told: list[tuple[str, int, int]] = []
     with board() as avr:
-        flash.program(BenchWire(avr), IMAGE, lambda *news: told.append(news))
+        put(BenchWire(avr), tell=lambda *news: told.append(news))
         said = hello(avr)
     assert said is not None
     assert said.contract == CONTRACT
@@ -77,32 +124,109 @@ def test_a_new_board_is_flashed_verified_and_answers() -> None:
 
 def test_answers_lost_on_the_wire_are_asked_for_again() -> None:
     with board() as avr:
-        flash.program(BenchWire(avr, spoil=0.005), IMAGE, lambda *_: None)
+        put(BenchWire(avr, spoil=0.005))
         assert hello(avr) is not None
 
 
-@pytest.mark.parametrize("after", [8, 60, 170])
-def test_a_board_left_half_written_is_told_and_does_not_run(after: int) -> None:
+@pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, 2), (READ, PAGES)])
+def test_a_board_left_half_written_is_told_and_does_not_run(command: int, nth: int) -> None:
     with board() as avr:
-        flash.program(BenchWire(avr), IMAGE, lambda *_: None)
-        avr.reset()
-        avr.byte_cycles = round(160_000_000 / stk500.BAUD)
-        with pytest.raises(NoAnswer, match=r"only half of a firmware.*flash` again"):
-            flash.program(BenchWire(avr, pull_after=after), IMAGE, lambda *_: None)
+        put(BenchWire(avr))
+        with pytest.raises(NoAnswer, match=r"cable is out.*only half of a firmware.*flash` again"):
+            put(BenchWire(avr, at=command, nth=nth, fault=pull))
         avr.reset()
         assert hello(avr) is None
         assert not avr.enabled
         assert len(avr.edges("step")) == 0
-        avr.reset()
-        avr.byte_cycles = round(160_000_000 / stk500.BAUD)
-        avr.receive()
-        flash.program(BenchWire(avr), IMAGE, lambda *_: None)
+        put(BenchWire(avr))
         assert hello(avr) is not None
 
 
+@pytest.mark.parametrize(
+    ("command", "nth", "truth", "runs"),
+    [
+        (SIGN_ON, 1, flash.NOTHING, None),
+        (SPI, 3, flash.NOTHING, None),
+        (ERASE, 1, flash.FIRST, None),
+        (PROGRAM, 1, flash.FIRST, None),
+        (READ, 1, flash.FIRST, False),
+        (PROGRAM, 2, flash.HALF, False),
+        (PROGRAM, PAGES, flash.HALF, False),
+        (READ, 2, flash.HALF, False),
+        (READ, PAGES, flash.HALF, False),
+        (ERASE, 2, flash.FIRST, False),
+        (PROGRAM, PAGES + 1, flash.FIRST, False),
+        (READ, PAGES + 1, flash.FIRST, True),
+        (LEAVE, 1, flash.WHOLE, True),
+        (CLOSE, 1, flash.WHOLE, True),
+    ],
+)
+@pytest.mark.parametrize(("fault", "code"), [(pull, 1), (interrupt, 130)])
+def test_whenever_it_ends_it_says_what_is_then_true_of_the_board(
+    command: int,
+    nth: int,
+    truth: str,
+    runs: bool | None,
+    fault: Fault,
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with board() as avr:
+        wire = BenchWire(avr, at=command, nth=nth, fault=fault)
+        monkeypatch.setattr(flash, "SerialPort", lambda *_: wire)
+        assert flash.main(["--port", "bench"]) == code
+        assert capsys.readouterr().err.endswith(f"{truth}\n")
+        if runs is not None:  # else nothing has ever been on that board
+            avr.reset()
+            assert (hello(avr) is not None) == runs
+
+
+@pytest.mark.parametrize(
+    ("nth", "truth"),
+    [(1, flash.FIRST), (PAGES // 2, flash.HALF), (PAGES, flash.HALF), (PAGES + 1, flash.FIRST)],
+)
+def test_a_page_that_came_out_wrong_is_found_and_not_started_if_that_can_be(nth: int, truth: str) -> None:
+    with board() as avr:
+        with pytest.raises(NoAnswer, match="reads back something else") as failed:
+            put(BenchWire(avr, at=PROGRAM, nth=nth, fault=change))
+        assert failed.value.message.endswith(truth)
+        if truth == flash.HALF:
+            avr.reset()
+            assert hello(avr) is None
+
+
 def test_a_board_that_answers_something_else_is_not_written_to() -> None:
-    with Avr(HEX) as avr, pytest.raises(NoAnswer, match="boot loader does not answer: is it an Arduino Mega"):
-        flash.program(BenchWire(avr), IMAGE, lambda *_: None)
+    with (
+        Avr(HEX) as avr,
+        pytest.raises(NoAnswer, match=r"answer: is it an Arduino Mega.*Nothing was written"),
+    ):
+        put(BenchWire(avr))
+
+
+def test_a_port_without_a_reset_line_is_told_and_nothing_written(capsys: pytest.CaptureFixture[str]) -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    assert flash.main(["--port", os.ttyname(slave)]) == 1
+    assert capsys.readouterr().err.endswith(flash.NOTHING + "\n")
+    os.close(master)
+    os.close(slave)
+
+
+def test_bars_are_drawn_once_writing_has_begun(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as good as a terminal
+    with flash.progress() as tell:
+        assert capsys.readouterr().err == ""
+        tell("Writing", 0, 10)
+        tell("Writing", 10, 10)
+    drawn = capsys.readouterr().err
+    assert "100%" in drawn
+    assert "Verifying" not in drawn
+    with flash.progress():
+        pass
+    assert capsys.readouterr().err == ""
 
 
 @given(noise=st.binary(max_size=40), body=st.binary(min_size=1, max_size=300), sequence=st.integers(0, 255))
@@ -118,21 +242,118 @@ def test_an_answer_is_found_in_noise_and_never_in_a_spoilt_one(
     assert stk500.find(noise.replace(b"\x1b", b"") + message + bytes([check]), sequence) == body
 
 
+def test_a_reader_that_has_gone_does_not_end_the_writing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(flash, "note", pull)
+    with flash.progress() as tell:
+        tell("Writing", 0, 10)
+
+
+def line(at: int, kind: int, data: bytes) -> str:
+    """A record of Intel HEX."""
+    record = bytes([len(data), at >> 8, at & 0xFF, kind]) + data
+    return f":{record.hex().upper()}{-sum(record) & 0xFF:02X}\n"
+
+
+A, B, THE_END = line(0, 0, b"A" * 16), line(16, 0, b"B" * 16), line(0, 1, b"")
+LAST = line(0, 2, b"\x30\0") + line(0xDFF0, 0, b"Z" * 16)
+"""The flash's last bytes."""
+
+
+@pytest.mark.parametrize(
+    ("text", "length"),
+    [
+        (A + THE_END, 16),
+        ("\ufeff" + A.lower() + "\n \r\n" + THE_END + "\n", 16),
+        (B + A + line(0, 3, bytes(4)) + line(0, 5, bytes(4)) + THE_END, 32),
+        (A + line(0, 4, b"\0\1") + A + THE_END, 0x10010),
+        (A + LAST + THE_END, FLASH),
+    ],
+)
+def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
+    path = tmp_path / "some.hex"
+    path.write_text(text, encoding="utf-8")
+    image = flash.firmware(path)
+    assert len(image) == length
+    assert image.startswith(b"A" * 16)
+    assert set(image[32:-16]) <= {0xFF}
+
+
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        (":0100000041BE\n:00000001FF\n", ""),
-        (":0100000041BE\n", "cut off"),
-        (":0100000041BF\n:00000001FF\n", "line 1"),
-        ("hello\n", "line 1"),
-        (":00000001FF\n", "0 bytes"),
+        ("", "after line 0"),
+        (A + "\n" + B, "after line 3"),
+        ("hello\n", "line 1 is no record"),
+        (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is no record"),
+        (THE_END, "holds no data"),
+        (B + THE_END, "line 1 begins at 0x10"),
+        (A + B + line(31, 0, b"AA") + THE_END, "line 3 writes once more what line 2 "),
+        (B + A + line(15, 0, b"A") + THE_END, "line 3 writes once more what line 2 "),
+        (A + THE_END + "\n" + B, "line 4 comes after the end"),
+        (A + line(0, 9, b"x") + THE_END, "line 2 is no record that Intel HEX knows: kind 9"),
+        (A + line(0, 4, bytes([255] * 8)) + B + THE_END, "line 2 .* kind 4 with 8 bytes"),
+        (A + line(0, 2, b"") + B + THE_END, "line 2 .* kind 2 with 0 bytes"),
+        (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3 lies at 0xffff0000; .* up to 0x3e000"),
+        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4 lies at 0x3e000"),
+        (A + line(0, 2, b"\x30\0") + line(0xDFFF, 0, b"ZZ") + THE_END, "line 3 lies at 0x3dfff"),
     ],
 )
-def test_a_hex_file_is_read_or_its_wrong_line_named(tmp_path: Path, text: str, why: str) -> None:
+def test_what_is_no_image_for_the_board_is_refused_and_its_line_named(
+    tmp_path: Path, text: str, why: str
+) -> None:
     path = tmp_path / "some.hex"
     path.write_text(text)
-    if why:
-        with pytest.raises(WrongUsage, match=why):
+    with pytest.raises(WrongUsage, match=why):
+        flash.firmware(path)
+
+
+def test_what_is_no_file_or_far_too_long_is_not_read(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "long").write_text("\n" * (hexfile.LONGEST_FILE + 1))
+    for path, why in (
+        (Path("/dev/zero"), "no regular file"),
+        (tmp_path / "pipe", "no regular file"),
+        (tmp_path, "no regular file"),
+        (tmp_path / "none", "No such file"),
+        (tmp_path / "long", "is longer"),
+    ):
+        with pytest.raises(WrongUsage, match=f"{path} .*{why}"):
             flash.firmware(path)
-    else:
-        assert hexfile.read(path) == b"A"
+
+
+RECORD = st.builds(
+    line,
+    st.sampled_from([0, 1, 16, 0xDFFF, 0xE000, 0xFFFF]) | st.integers(0, 0xFFFF),
+    st.sampled_from([0, 0, 0, 1, 2, 3, 4, 5, 6, 255]),
+    st.sampled_from([b"", b"\0\0", b"\0\3", b"\x30\0", b"\xff\xff", bytes(4)]) | st.binary(max_size=255),
+)
+
+
+@given(
+    text=st.binary()
+    | st.text().map(str.encode)
+    | st.lists(RECORD | st.text(max_size=20)).map(lambda lines: (A + "".join(lines) + THE_END).encode())
+)
+@example(text=b"")
+def test_any_file_is_an_image_or_its_wrong_line_is_named(
+    tmp_path_factory: pytest.TempPathFactory, text: bytes
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.hex"
+    path.write_bytes(text)
+    try:
+        image, refused = hexfile.read(path), ""
+    except WrongUsage as error:
+        image, refused = b"", error.message
+    known = r"any\.hex(, line \d+ | was cut off after line \d+: | holds no data)"
+    assert re.search(known, refused) if refused else 0 < len(image) <= FLASH
+
+
+@given(image=st.binary(min_size=1, max_size=2000), width=st.integers(1, 255), chance=st.randoms())
+def test_an_image_is_read_back_from_lines_in_any_order(
+    tmp_path_factory: pytest.TempPathFactory, image: bytes, width: int, chance: random.Random
+) -> None:
+    lines = [line(at, 0, image[at : at + width]) for at in range(0, len(image), width)]
+    chance.shuffle(lines)
+    path = tmp_path_factory.getbasetemp() / "any.hex"
+    path.write_text("".join(lines) + THE_END)
+    assert hexfile.read(path) == image
