@@ -205,9 +205,10 @@ class Legacy:
             return
         telemetry = self._board.telemetry
         state = 0 if telemetry is None else telemetry.state
+        if state & State.MOVING:
+            self._heard_s = time.monotonic()  # as good as a word: the answer comes when the arms rest
         patience_s = SILENT_S if state & State.ENABLED else PRETENDED_S
-        silent = not state & State.MOVING and time.monotonic() - self._heard_s > patience_s
-        if not self._board.link.connected or silent:
+        if not self._board.link.connected or time.monotonic() - self._heard_s > patience_s:
             self._warn("the board has not answered a line.")
             self._stale = True
             for line in self._lines:

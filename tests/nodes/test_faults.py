@@ -74,7 +74,8 @@ def test_silent_connections_do_not_keep_clients_out(stage: Stage) -> None:
 
 
 def test_two_robots_side_by_side_hear_nothing_of_each_other(stage: Stage) -> None:
-    first, second = stage.node("bea1"), stage.node("bea2")
+    stage.node("bea1")
+    stage.node("bea2")
     one, two = ready(stage.robot("bea1", "hw")), ready(stage.robot("bea2", "hw", "ben"))
     motion = one.look(yaw=20, wait=False)
     two.look(pitch=5, speed=60)
@@ -83,9 +84,7 @@ def test_two_robots_side_by_side_hear_nothing_of_each_other(stage: Stage) -> Non
     motion.wait()
     assert one.positions().commanded.short == pytest.approx(20, abs=0.1)
     assert (one.status().holder, two.status().holder) == ("ana", "ben")
-    assert first.board.telemetry is not None
-    assert second.board.telemetry is not None
-    assert first.board.telemetry.motion == 1
+    assert two.positions().commanded.short < 5
 
 
 def test_nobody_on_line_is_said_with_who_is(stage: Stage) -> None:
