@@ -7,6 +7,10 @@ import signal
 from collections.abc import Callable
 from types import FrameType
 
+SIGNALS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
+]
+"""Ask to end: Ctrl-C, kill, a terminal's window that is closed, Windows's Ctrl-Break."""
 TURN_S = 0.5
 """Windows delivers Ctrl-C only between waits, Linux a signal that another thread received, as after SIGCONT."""
 
@@ -21,9 +25,10 @@ class Ending:
         self._asked: queue.SimpleQueue[None] = queue.SimpleQueue()
 
     def heed_signals(self) -> None:
-        """From now on SIGINT and SIGTERM ask for it."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._on_signal)
+        """From now on signals ask for it; of a window that is closed only if nobody (nohup) wants it to go on."""
+        for number in SIGNALS:
+            if number in (signal.SIGINT, signal.SIGTERM) or signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._on_signal)
 
     def _on_signal(self, _signal: int, _frame: FrameType | None) -> None:
         self.ask()
@@ -45,3 +50,9 @@ class Ending:
         """Return when somebody has asked; `meanwhile` is called twice a second."""
         while not self.asked(TURN_S):
             meanwhile()
+
+
+def over() -> None:
+    """All is done and said: while Python leaves, signals have nothing to add."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from beatrix_zenoh import robot_file as lab
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
 from beatrix_zenoh.cli.verb import alone
+from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
 from hw_node.body import build
@@ -26,6 +29,11 @@ def hw(
     """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
     settings = resolve(name, connect)
     robot = lab.load(robot_file)
+    if port and legacy is not None and Path(port).resolve() == legacy.resolve():
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"--legacy {legacy} is the board's own port: choose a path that is not there yet, for example /tmp/beatrix.",
+        )
     raise typer.Exit(serve(lambda: build(port, settings.robot, robot), settings, robot=robot, legacy=legacy))
 
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 
 def main() -> None:
     """As a process of its own; ends with SystemExit."""
+    process(lambda: run(sys.argv[1:]))
+
+
+def process(work: Callable[[], int]) -> None:
+    """Do a whole process's work, which returns its exit code; ends with SystemExit."""
     try:
-        code = run(sys.argv[1:])
+        code = work()
         end()
     except KeyboardInterrupt:
         code = 130  # as shells say it
@@ -37,7 +43,7 @@ def run(words: list[str]) -> int:
 
 
 def end() -> None:
-    """All is done and said: while Python leaves, Ctrl-C has nothing to add."""
-    import signal
+    """All is done and said: while Python leaves, signals have nothing to add."""
+    from beatrix_zenoh.ending import over
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    over()

@@ -14,6 +14,7 @@ from typing import Self
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli import logs
+from beatrix_zenoh.ending import SIGNALS
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 READY_S = 20.0
@@ -23,10 +24,6 @@ END_S = 4.0
 TURN_S = 0.02
 LAST_WORDS = 5
 """Lines of a child's output that are shown when it has failed."""
-ENDINGS = [
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
-]
-
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Windows has a flag where other systems have `process_group`."""
 
@@ -171,7 +168,7 @@ def deaf() -> Iterator[None]:
 
 @contextmanager
 def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
-    before = [(number, signal.signal(number, handler)) for number in ENDINGS]
+    before = [(number, signal.signal(number, handler)) for number in SIGNALS]
     try:
         yield
     finally:

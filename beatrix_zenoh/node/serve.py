@@ -1,4 +1,4 @@
-"""Run a node as a process: wait for the router, serve, end cleanly on SIGINT and SIGTERM."""
+"""Run a node as a process: wait for the router, serve, end cleanly on a signal."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ import socket
 import sys
 import threading
 from collections import deque
+from itertools import islice
 from pathlib import Path
 from typing import Protocol
 
@@ -26,6 +27,8 @@ except ImportError:  # Windows has no pseudo-terminals
 else:
     POSSIBLE = True
 
+OURS = "/dev/.."
+"""Begins where our links lead to, in front of the device's own name: nobody else writes it so."""
 LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
 """A line that has begun is forgotten after this long without a byte."""
 TURN_S = 0.02
@@ -33,13 +36,17 @@ TURN_S = 0.02
 KEPT = 2048
 """Lines kept for a program that does not read, besides what the system keeps; then the oldest goes."""
 CHUNK = 4096
+LEFT_BEHIND = 16 * CHUNK
+"""The most that a system keeps of what a program has written; whatever is beyond is the next one's."""
+LOCAL = 3
+"""Where termios keeps the settings of which echo is one."""
 
 
 class Listener(Protocol):
     """What a terminal tells; called on its own thread, in order."""
 
     def opened(self) -> None:
-        """A program has opened it."""
+        """A program has opened it. It gets no line before `forget` has been called once for this."""
 
     def heard(self, line: bytes) -> None:
         """A whole line, without its end; never empty."""
@@ -51,8 +58,8 @@ class Listener(Protocol):
 class Terminal:
     """Lines from and to the program that has opened `path`; never waits for a program that does not read.
 
-    A program that opens it within milliseconds of another's end, while lines of that one still wait to be
-    read, is taken for the same.
+    Programs that follow each other faster than it looks (TURN_S, longer while nobody takes its lines) are
+    taken for one.
 
     Raises:
         Refused: BAD_VALUE, if there can be no terminal at `path`, and what to choose instead.
@@ -78,6 +85,9 @@ class Terminal:
             self._claim.close()
             raise
         self._lock = threading.Lock()
+        self._there = False
+        self._greetings_due = 0
+        """Openings that the listener has not heeded yet: what it writes is for a program that has gone."""
         self._begun = b""
         """What is left of a line that is half written: it must not be lost, or the next would be cut."""
         self._waiting: deque[bytes] = deque(maxlen=KEPT)
@@ -91,8 +101,14 @@ class Terminal:
     def write(self, line: bytes) -> None:
         """Give the program a line, with its end; what it does not read in time is lost, the oldest first."""
         with self._lock:
-            self._waiting.append(line)
-            self._flush()
+            if self._there and not self._greetings_due:
+                self._waiting.append(line)
+                self._flush()
+
+    def forget(self) -> None:
+        """What is written from now on is for the program that was told of last."""
+        with self._lock:
+            self._greetings_due -= 1
 
     def _flush(self) -> None:
         while self._begun or self._waiting:
@@ -116,55 +132,72 @@ class Terminal:
         poll = select.poll()
         poll.register(self._master, select.POLLIN)
         while not self._closing.wait(TURN_S):
-            if self._is_open(poll.poll(0)):
+            events = poll.poll(0)
+            if not hung_up(events) or events[0][1] & select.POLLIN:
+                self._greet()
                 listener.opened()
                 self._serve(poll, listener)
                 listener.closed()
 
-    @staticmethod
-    def _is_open(events: list[tuple[int, int]]) -> bool:
-        """Some program has it open, or has left something to read."""
-        return not any(event & select.POLLHUP and not event & select.POLLIN for _, event in events)
-
     def _serve(self, poll: select.poll, listener: Listener) -> None:
-        """Until the program has gone and all it wrote is read, or the next one has come."""
-        begun = b""
-        quiet_s, hung_up = 0.0, False
-        while not self._closing.is_set():
-            events = poll.poll(round(TURN_S * 1000))
-            hangs_up = any(event & select.POLLHUP for _, event in events)
-            if not self._is_open(events) or (hung_up and not hangs_up):
-                return
-            hung_up = hangs_up
-            with self._lock:
-                self._flush()
-            data = self._read() if events else b""
-            if data is None:
-                return
-            quiet_s = 0.0 if data else quiet_s + TURN_S
-            *lines, rest = (begun + data).replace(b"\n", b"\r").split(b"\r")
-            begun = b"" if quiet_s >= LINE_END_S else rest[: wire.TEXT_LINE_MAX + 1]
-            for line in filter(None, lines):
-                listener.heard(line)
+        """Until the program has gone and all its lines are handed over.
 
-    def _read(self) -> bytes | None:
-        """What is there; None if the program has gone."""
+        It looks for its end between any two lines: the sooner it is seen, the sooner the next one is told apart.
+        """
+        cutter = Cutter()
+        lines: deque[bytes] = deque()
+        gone = False
+        while not self._closing.is_set() and (lines or not gone):
+            if not gone:
+                gone = self._listen(poll, cutter, lines)
+            if lines:
+                listener.heard(lines.popleft())
+
+    def _listen(self, poll: select.poll, cutter: Cutter, lines: deque[bytes]) -> bool:
+        """Read if no line waits; read all that is left, and return True, if the program has gone."""
+        events = poll.poll(0 if lines else round(TURN_S * 1000))
+        if hung_up(events):
+            lines += cutter.cut(b"".join(islice(iter(self._read, b""), LEFT_BEHIND // CHUNK)))
+            self._wipe()
+            return True
+        if not lines:
+            lines += cutter.cut(self._read())
+        with self._lock:
+            self._flush()
+        return False
+
+    def _read(self) -> bytes:
+        """What is there; nothing if the program has gone."""
         try:
             return os.read(self._master, CHUNK)
-        except BlockingIOError:
-            return b""
         except OSError:
-            return None
+            return b""
 
-    def forget(self) -> None:
-        """What was written and not read is not for the program that comes next."""
-        with self._lock, contextlib.suppress(OSError):
+    def _greet(self) -> None:
+        """A program has come. Of its settings only an echo is touched: the robot would hear its own answers."""
+        with self._lock, contextlib.suppress(OSError, termios.error):
+            self._there = True
+            self._greetings_due += 1
+            settings = termios.tcgetattr(self._master)
+            if settings[LOCAL] & termios.ECHO:
+                settings[LOCAL] &= ~termios.ECHO
+                termios.tcsetattr(self._master, termios.TCSANOW, settings)
+
+    def _wipe(self) -> None:
+        """The program has gone: its settings and the answers it has not read are not for the next one.
+
+        Linux keeps 4 kB for the program, which only setting it up empties from here, and four times as much on their
+        way there; elsewhere it is one queue.
+        """
+        with self._lock, contextlib.suppress(OSError, termios.error):
+            self._there = False
             self._clear()
-            slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY)
-            try:
-                termios.tcflush(slave, termios.TCIFLUSH)
-            finally:
-                os.close(slave)
+            if sys.platform == "linux":
+                termios.tcflush(self._master, termios.TCOFLUSH)
+                tty.setraw(self._master, termios.TCSAFLUSH)
+            else:
+                termios.tcflush(self._master, termios.TCIFLUSH)
+                tty.setraw(self._master, termios.TCSANOW)
 
     def close(self) -> None:
         """Hang up and take the link away."""
@@ -172,10 +205,30 @@ class Terminal:
         if self._thread is not None:
             self._thread.join(timeout=2.0)
         with contextlib.suppress(OSError):
-            if str(self.path.readlink()) == self._device:
+            if str(self.path.readlink()) == OURS + self._device:
                 self.path.unlink()
         os.close(self._master)
         self._claim.close()
+
+
+def hung_up(events: list[tuple[int, int]]) -> bool:
+    """No program has the terminal open."""
+    return any(event & select.POLLHUP for _, event in events)
+
+
+class Cutter:
+    """Cuts what a program writes into lines."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+        self._quiet = 0
+
+    def cut(self, data: bytes) -> list[bytes]:
+        """Lines that end here, without their ends; called once every TURN_S if there is nothing."""
+        self._quiet = 0 if data else self._quiet + 1
+        *lines, rest = (self._begun + data).replace(b"\n", b"\r").split(b"\r")
+        self._begun = b"" if self._quiet * TURN_S >= LINE_END_S else rest[: wire.TEXT_LINE_MAX + 1]
+        return [line for line in lines if line]
 
 
 def claim(path: Path) -> socket.socket:
@@ -199,18 +252,19 @@ def claim(path: Path) -> socket.socket:
 
 
 def link(path: Path, device: str) -> None:
-    """Let `path` lead to `device`; a link of ours that was left behind is replaced.
+    """Let `path`, which is claimed, lead to `device`; a link of ours that was left behind is replaced.
 
     Raises:
         Refused: BAD_VALUE: something else is there, or nothing may be.
     """
     try:
-        if path.is_symlink() and str(path.readlink()).startswith("/dev/pts/"):
+        if sys.platform == "linux" and path.is_symlink() and str(path.readlink()).startswith(OURS):
             path.unlink()
-        path.symlink_to(device)
+        path.symlink_to(OURS + device)
     except FileExistsError as error:
         raise Refused(
-            Reason.BAD_VALUE, f"--legacy {path} is there already and no link of ours: choose another path."
+            Reason.BAD_VALUE,
+            f"--legacy {path} is there already: choose another path, or remove it if nobody needs it.",
         ) from error
     except OSError as error:
         raise Refused(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import signal
 import time
 from collections.abc import Iterator
@@ -14,7 +13,6 @@ import pytest
 import serial
 from dialogue import DIALOGUES, read, wanted
 from pty_board import PtyBoard
-from serial.tools import list_ports
 from stage import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
@@ -291,45 +289,6 @@ def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
         assert any("shortened" in line for line in place.robot.status().warnings)
         tilt = place.robot.positions().head
         assert abs(tilt.pitch) < 36
-
-
-@pytest.mark.skipif(not os.access("/dev", os.W_OK), reason="only an administrator may put a link into /dev")
-def test_a_link_in_dev_is_found_by_programs_that_look_for_ports() -> None:
-    path = Path("/dev/ttyACM97")
-    with Stage() as stage:
-        process = stage.simulation("bea", "--legacy", str(path))
-        assert str(path) in [port.device for port in list_ports.comports()]
-        process.end()
-        assert not path.is_symlink()
-
-
-def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
-    path = tmp_path / "COM4"
-    with Stage() as stage:
-        first = stage.simulation("bea", "--legacy", str(path))
-        second = stage.process(
-            "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
-        )
-        assert second.wait(20) == 1
-        assert any("belongs to another node" in line for line in second.lines)
-        assert path.exists()
-        first.end()
-        assert not path.is_symlink()
-
-
-def test_a_link_left_behind_is_replaced_and_anything_else_refused(tmp_path: Path) -> None:
-    path = tmp_path / "COM4"
-    with Stage() as stage:
-        stage.simulation("bea", "--legacy", str(path)).end(signal.SIGKILL)
-        assert path.is_symlink()
-        stage.simulation("bea2", "--legacy", str(path)).end()
-        assert not path.is_symlink()
-        path.write_text("precious")
-        for bad, why in ((path, "no link of ours"), (tmp_path / "none/COM4", "Choose a path you may write")):
-            process = stage.process("sim_node", "--connect", stage.endpoint, "--legacy", str(bad))
-            assert process.wait(20) == 1
-            assert any(why in line for line in process.lines)
-    assert path.read_text() == "precious"
 
 
 def test_a_board_that_is_lost_answers_nack_and_its_return_is_a_power_up(tmp_path: Path) -> None:

@@ -14,20 +14,23 @@ import beatrix_zenoh
 
 
 @pytest.mark.parametrize(
-    ("verb", "library"),
+    ("words", "library"),
     [
-        ("ls", "typer"),
-        ("ls", "msgspec"),
-        ("look", "zenoh"),
-        ("--help", "typer"),
-        ("hw", "serial"),
-        ("sim", "mujoco"),
+        ("beatrix_zenoh.cli ls", "typer"),
+        ("beatrix_zenoh.cli ls", "msgspec"),
+        ("beatrix_zenoh.cli look", "zenoh"),
+        ("beatrix_zenoh.cli --help", "typer"),
+        ("beatrix_zenoh.cli hw", "serial"),
+        ("beatrix_zenoh.cli sim", "mujoco"),
+        ("hw_node", "typer"),
+        ("hw_node", "serial"),
+        ("sim_node", "typer"),
     ],
 )
-def test_ctrl_c_during_an_import_is_quiet(verb: str, library: str, tmp_path: Path) -> None:
+def test_ctrl_c_during_an_import_is_quiet(words: str, library: str, tmp_path: Path) -> None:
     (tmp_path / f"{library}.py").write_text('import sys\nprint("here", flush=True)\nsys.stdin.read()\n')
     with subprocess.Popen(
-        [sys.executable, "-m", "beatrix_zenoh.cli", verb],
+        [sys.executable, "-m", *words.split()],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

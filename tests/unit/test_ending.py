@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 
 import pytest
 
-from beatrix_zenoh.ending import Ending
+from beatrix_zenoh.ending import SIGNALS, Ending
 
 EVERY_S = 20e-6
 
 
 @pytest.fixture
 def signals_as_before() -> Iterator[None]:
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
+    numbers = (*SIGNALS, signal.SIGALRM)
     before = [(number, signal.getsignal(number)) for number in numbers]
     yield
     signal.setitimer(signal.ITIMER_REAL, 0)
@@ -33,12 +35,27 @@ def test_it_stays_asked() -> None:
     ending.wait()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_asks(signals_as_before: None, number: signal.Signals) -> None:
     ending = Ending()
     ending.heed_signals()
     signal.raise_signal(number)
     assert ending.asked(0)
+
+
+def test_a_closed_window_does_not_end_what_was_started_with_nohup(signals_as_before: None) -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    ending = Ending()
+    ending.heed_signals()
+    signal.raise_signal(signal.SIGHUP)
+    assert not ending.asked(0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_while_python_leaves_changes_nothing(number: signal.Signals) -> None:
+    code = "import atexit, signal; from beatrix_zenoh.cli.app import process\n"
+    code += f"atexit.register(signal.raise_signal, {number:d}); process(lambda: 7)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 7
 
 
 def test_another_thread_asks() -> None:
