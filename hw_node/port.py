@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import serial
 from serial.tools import list_ports
@@ -11,6 +13,11 @@ from serial.tools import list_ports
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import BAUD
 from beatrix_zenoh.errors import NoAnswer
+
+try:
+    from termios import error as TerminalError  # noqa: N812 - it is a class
+except ImportError:  # Windows
+    TerminalError = OSError  # type: ignore[misc,assignment]
 
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
@@ -36,11 +43,12 @@ class SerialPort:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
-        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten."""
-        for pulled in (False, True):
-            self._serial.dtr = self._serial.rts = pulled
-            time.sleep(RESET_S)
-        self._serial.reset_input_buffer()
+        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten. OSError as `read`."""
+        with as_os_error():
+            for pulled in (False, True):
+                self._serial.dtr = self._serial.rts = pulled
+                time.sleep(RESET_S)
+            self._serial.reset_input_buffer()
 
     def write(self, data: bytes) -> None:
         """Send all of it; OSError if the device has gone or takes nothing for half a second."""
@@ -48,14 +56,24 @@ class SerialPort:
 
     def read(self, timeout_s: float) -> bytes:
         """What has come, waiting up to `timeout_s` for the first byte; OSError if the device has gone."""
-        if self._serial.timeout != timeout_s:  # setting it sets up the whole port again
-            self._serial.timeout = timeout_s
-        first: bytes = self._serial.read(1)
-        return first + self._serial.read(self._serial.in_waiting) if first else b""
+        with as_os_error():
+            if self._serial.timeout != timeout_s:  # setting it sets up the whole port again
+                self._serial.timeout = timeout_s
+            first: bytes = self._serial.read(1)
+            return first + self._serial.read(self._serial.in_waiting) if first else b""
 
     def close(self) -> None:
         """Free the device."""
         self._serial.close()
+
+
+@contextmanager
+def as_os_error() -> Iterator[None]:
+    """A port that goes just now can fail in words of its own, which pyserial lets through."""
+    try:
+        yield
+    except TerminalError as error:
+        raise OSError(*error.args) from error
 
 
 def why_not(error: Exception) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import termios
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -55,6 +56,23 @@ def test_a_port_that_is_not_there_is_none_or_is_used_says_so(tmp_path: Path) -> 
         assert "Errno" not in refused.value.message
     used.close()
     os.close(master)
+    os.close(slave)
+
+
+def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    master, slave = os.openpty()
+    port = SerialPort(os.ttyname(slave))
+
+    def gone() -> None:
+        os.close(master)
+        termios.tcflush(slave, termios.TCIFLUSH)
+
+    monkeypatch.setattr(type(port._serial), "dtr", None)
+    monkeypatch.setattr(type(port._serial), "rts", None)
+    monkeypatch.setattr(port._serial, "reset_input_buffer", gone)
+    with pytest.raises(OSError, match="5"):
+        port.reset_board()
+    port.close()
     os.close(slave)
 
 
