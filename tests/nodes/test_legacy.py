@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import groupby
 from pathlib import Path
 
@@ -27,8 +27,9 @@ PATIENCE_S = 10.0
 class Program:
     """A program of 2023, which opens its serial port with pyserial."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, begun: Callable[[], None] = lambda: None) -> None:
         self.port = serial.Serial(str(path), 9600, timeout=PATIENCE_S)
+        self._begun = begun
 
     def say(self, line: str, answers: int = 2) -> list[str]:
         """Send a line, wait for so many lines."""
@@ -42,6 +43,7 @@ class Program:
     def begin(self) -> Program:
         """As programs do."""
         assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
+        self._begun()
         return self
 
     @property
@@ -62,12 +64,15 @@ class Place:
         """It moves, and has made some steps."""
         return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
 
+    def _remember(self) -> None:
+        """Where it stands; a simulation was set upright."""
+        self.start = self.robot.positions().commanded.short
+
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
         """A program that has opened the port; nobody drives."""
         until(lambda: self.robot.status().holder == "", "free", 5.0)
-        program = Program(self.path)
-        self.start = self.robot.positions().commanded.short
+        program = Program(self.path, self._remember)
         try:
             yield program
         finally:
