@@ -95,15 +95,16 @@ class Driver:
             asker.answer(motion_reply(Phase.DONE, reason, text, number, took_s, self.arms()))
             asker.finish()
 
+        def accept(number: int, goal: Goal) -> None:
+            text = f"On the way, {goal.duration:.1f} s."
+            asker.answer(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
+
         try:
             goal = self._goal(query, asker)
-            number, started = self._begin(goal, asker, end)
+            number, started = self._begin(goal, asker, end, accept)
         except BeatrixError as error:
             told = error.message + (hint if error.reason in OF_VALUES else "")
             self.decline_motion(asker, BeatrixError(error.reason, told))
-            return
-        text = f"On the way, {goal.duration:.1f} s."
-        asker.answer(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
 
     def decline_motion(self, asker: Asker, error: BeatrixError) -> None:
         """Tell the asker why nothing moves."""
@@ -119,7 +120,14 @@ class Driver:
         self._halt.check(asker.who, asker.session, now, resting=not self._moving() and not self._stopping)
         return goal
 
-    def _begin(self, goal: Goal, asker: Asker, end: Callable[[Reason, str], None]) -> tuple[int, float]:
+    def _begin(
+        self,
+        goal: Goal,
+        asker: Asker,
+        end: Callable[[Reason, str], None],
+        accept: Callable[[int, Goal], None] = lambda *_: None,
+    ) -> tuple[int, float]:
+        """Give the board a goal, `accept` its motion, and only then tell the one it replaces; number and begin (monotonic, s)."""
         now = time.monotonic()
         # A new number even if the board will not answer: it may have heard, and ignores one that it knows.
         self._number = number = self._number % NUMBERS + 1
@@ -133,6 +141,7 @@ class Driver:
         boot = 0 if telemetry is None else telemetry.boot
         self._running = Running(number, asker, goal, boot, now + goal.duration + LATE_S, end)
         self._cause, self._moved_by = Reason.STOPPED, asker.session
+        accept(number, goal)
         if replaced is not None:
             replaced.end(Reason.REPLACED, f"A newer motion ({number}, from {asker.who}) took over.")
         return number, now

@@ -32,8 +32,10 @@ from avr.mega import HEX
 from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.board.link import Decoder
 
-SLICE_S: Final = 0.00025
-"""What the board says waits so long at most; what it hears goes onto its wire at once."""
+SLICE_S: Final = 0.001
+"""What the board says of itself waits so long at most; what it hears goes onto its wire at once."""
+ASKED_SLICE_S, ASKED_S = 0.0001, 0.005
+"""The same for so long after it was spoken to: it is about to answer."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
 """Cycles in one go after this process has had to wait: control lines still get through."""
 SPOILT: Final = 0.01
@@ -100,6 +102,7 @@ class Live:
         self._frozen = False
         self._running = True
         self._half_line = b""
+        self._heard_s = 0.0
         self._lags: list[float] = []
         self._memory = b"\xff" * EEPROM_SIZE
         self._plug()
@@ -146,7 +149,9 @@ class Live:
         """Until it is told to quit."""
         next_s = time.monotonic()
         while self._running:
-            next_s = max(next_s + SLICE_S, time.monotonic())
+            now = time.monotonic()
+            asked = now - self._heard_s < ASKED_S
+            next_s = max(next_s + (ASKED_SLICE_S if asked else SLICE_S), now)
             wires = [sys.stdin] if self._frozen else [sys.stdin, self._cable.master]
             ready, _, _ = select.select(wires, [], [], max(0.0, next_s - time.monotonic()))
             if sys.stdin in ready:
@@ -163,6 +168,7 @@ class Live:
             self._cable.give(said)
         if heard := self._cable.take():
             self._avr.send(heard)
+            self._heard_s = time.monotonic()
 
     def _listen(self, heard: bytes) -> None:
         if not heard:
