@@ -55,8 +55,8 @@ def load(path: Path | None) -> RobotData:
         robot = msgspec.convert(tables, RobotData)
         check(robot, fields)
         check_motions(robot)
-    except Refused as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error.message}") from error
+    except (Refused, msgspec.ValidationError) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error}") from error
     return robot
 
 

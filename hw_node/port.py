@@ -52,7 +52,8 @@ class SerialPort:
 
     def write(self, data: bytes) -> None:
         """Send all of it; OSError if the device has gone or takes nothing for half a second."""
-        self._serial.write(data)
+        with as_os_error():
+            self._serial.write(data)
 
     def read(self, timeout_s: float) -> bytes:
         """What has come, waiting up to `timeout_s` for the first byte; OSError if the device has gone."""
@@ -72,7 +73,7 @@ def as_os_error() -> Iterator[None]:
     """A port that goes just now can fail in words of its own, which pyserial lets through."""
     try:
         yield
-    except TerminalError as error:
+    except (TerminalError, TypeError) as error:  # TypeError: closed by another thread meanwhile
         raise OSError(*error.args) from error
 
 

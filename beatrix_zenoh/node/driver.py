@@ -28,12 +28,11 @@ from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.running import Running
+from beatrix_zenoh.node.running import NUMBERS, Running, next_number
 from beatrix_zenoh.node.switching import REFLECTED_S, calibrate, switch
 
 TEXT_SESSION = "text-port"
 """What stands for the session of old programs."""
-NUMBERS = 65535
 LATE_S = 2.0
 """How much longer than planned a motion may take before the board has not made it."""
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
@@ -130,14 +129,15 @@ class Driver:
         """Give the board a goal, `accept` its motion, and only then tell the one it replaces; number and begin (monotonic, s)."""
         now = time.monotonic()
         # A new number even if the board will not answer: it may have heard, and ignores one that it knows.
-        self._number = number = self._number % NUMBERS + 1
+        telemetry = self._board.telemetry
+        self._number = number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
         try:
             self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
         except NoAnswer:
             self.stop_motion()  # the board may have heard it, and nobody is told that it moves
             raise
         self._lease.take(asker.who, now)
-        replaced, telemetry = self._running, self._board.telemetry
+        replaced = self._running
         boot = 0 if telemetry is None else telemetry.boot
         self._running = Running(number, asker, goal, boot, now + goal.duration + LATE_S, end)
         self._cause, self._moved_by = Reason.STOPPED, asker.session
@@ -258,6 +258,11 @@ class Driver:
     def stopped(self, asker: Asker | None, error: BeatrixError | None, *, emergency: bool) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
         if asker is None:
+            if (
+                self._running is not None or self._texting
+            ):  # maybe begun behind STOP's back: its seat pauses, too
+                now = time.monotonic()
+                self._halt.press(self._lease.holder(now), self._moved_by, self._pressed_by, now)
             self._halt.sent()
             if error is None and emergency and not self._latched():
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
@@ -318,7 +323,10 @@ class Driver:
         lost = not self._board.link.connected
         if telemetry is not None:
             self._notices.started(telemetry.boot)
-        if self._lost and not lost and self._moving():
+        known = (
+            telemetry is not None and self._running is not None and telemetry.motion == self._running.number
+        )
+        if self._lost and not lost and self._moving() and not known:
             self.stop_motion()  # whoever asked for it was told that it has ended
         self._lost = lost
         if self._running is not None and telemetry is not None:

@@ -13,9 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import WARNING_TEXT, FrameType, State, Text, TextWarning, WarningCode
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.driver import TEXT_SESSION, Driver
 from beatrix_zenoh.node.terminal import Terminal
@@ -65,10 +66,11 @@ class Legacy:
         board: Board,
         driver: Driver,
         body: Body,
+        online: Callable[[], bool],
         post: Callable[[Callable[[], None]], None],
     ) -> None:
         self._terminal, self._board, self._driver = terminal, board, driver
-        self._body, self._post = body, post
+        self._body, self._online, self._post = body, online, post
         self._room = threading.Semaphore(HANDED_OVER)
         self._lines: deque[Line] = deque()
         self._heard_s = 0.0
@@ -152,10 +154,13 @@ class Legacy:
     def _send(self, line: Line) -> None:
         """Pass a line on, if the lease and the board allow it; else it is refused."""
         try:
+            if line.moves and not self._online():
+                raise NoAnswer(Reason.NO_ROUTER, "the router has gone, so nobody could stop a motion.")
             if line.text.startswith((MOVES, MOTORS, CALIBRATE)):
                 self._driver.text_check(moves=line.moves)
             if self._stale:
                 self._board.request(FrameType.TEXT_OPEN)
+                self._openings += 1
                 self._stale = False
             if line.text == CALIBRATE and self._homeless():
                 self._body.straighten()
@@ -207,7 +212,8 @@ class Legacy:
         state = 0 if telemetry is None else telemetry.state
         if state & State.MOVING:
             self._heard_s = time.monotonic()  # as good as a word: the answer comes when the arms rest
-        patience_s = SILENT_S if state & State.ENABLED else PRETENDED_S
+        pretends = not state & State.ENABLED and any(line.sent and line.moves for line in self._lines)
+        patience_s = PRETENDED_S if pretends else SILENT_S
         if not self._board.link.connected or time.monotonic() - self._heard_s > patience_s:
             self._warn("the board has not answered a line.")
             self._stale = True

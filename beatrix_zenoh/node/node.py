@@ -95,7 +95,14 @@ class Node:
         self.board.wait_for(lambda _: True, BOARD_READY_S)
         self._declare()
         if terminal is not None:
-            self._legacy = Legacy(terminal, self.board, self.driver, body, self._mailbox.post_event)
+            self._legacy = Legacy(
+                terminal,
+                self.board,
+                self.driver,
+                body,
+                lambda: roads.commands.connected,
+                self._mailbox.post_event,
+            )
         self._broadcast = Broadcast(roads.commands, self.reporter, self.name, self.twin)
         roads.commands.announce(self.alive_key)
         self._vigil = Vigil(roads, self.name, self.twin, self._cut)
@@ -144,7 +151,10 @@ class Node:
         """The way back to who asked, on the robot's own concrete key."""
         parts = incoming.key.split("/")
         who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
-        key = self._own_key(who, road) if who else keys.stop(self.name, self.twin)
+        # A reply needs a key without wildcards; a stop may have come on one with.
+        key = (
+            self._own_key("anybody" if "*" in who else who, road) if who else keys.stop(self.name, self.twin)
+        )
         wording = incoming.wording
 
         def answer(message: msgspec.Struct) -> None:
@@ -186,9 +196,9 @@ class Node:
     def _command(self, incoming: Incoming) -> None:
         asker = self._asker(incoming, "command")
         try:
-            names.check_seat(asker.who)
             query = requests.read(incoming.wording, CommandQuery)
-            if query.command not in ROADS:
+            if query.command not in ROADS:  # whoever and wherever it is, a stop is a stop
+                names.check_seat(asker.who)
                 self._check_key(incoming, asker.who, "command")
         except Refused as error:
             self.driver.answer_command(asker, error)

@@ -9,6 +9,9 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.node.answers import Asker
 from beatrix_zenoh.node.course import Goal
 
+NUMBERS = 65535
+"""The highest a motion can have."""
+
 
 @dataclass(frozen=True)
 class Running:
@@ -21,3 +24,9 @@ class Running:
     until_s: float
     """When it should have ended, and some more (monotonic)."""
     end: Callable[[Reason, str], None]
+
+
+def next_number(last: int, boards: int) -> int:
+    """Number of a motion: neither the last one nor the board's, which may be of a node before this one."""
+    number = last % NUMBERS + 1
+    return number % NUMBERS + 1 if number == boards else number

@@ -10,10 +10,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.ending import Ending
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.node.notices import RESTARTED
@@ -43,6 +44,12 @@ def serve(
     Raises:
         BeatrixError: it cannot serve: its name is taken, or its router goes while it begins.
     """
+    if legacy is not None and (robot.limits, robot.geometry) != (ROBOT.limits, ROBOT.geometry):
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            "--legacy and a --robot-file with other limits or another neck do not go together: programs of 2023 obey "
+            "what is compiled into the firmware. Leave one of them out.",
+        )
     ending = Ending()
     broken: list[threading.ExceptHookArgs] = []
 

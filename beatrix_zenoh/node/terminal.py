@@ -207,7 +207,10 @@ class Terminal:
         with contextlib.suppress(OSError):
             if str(self.path.readlink()) == OURS + self._device:
                 self.path.unlink()
-        os.close(self._master)
+        with self._lock:
+            self._there = False
+            self._clear()
+            os.close(self._master)
         self._claim.close()
 
 

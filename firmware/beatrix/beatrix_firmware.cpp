@@ -2525,8 +2525,8 @@ struct Train {
 void start_steps();
 // Cycles since some moment, wrapping every 4 ms. With interrupts off only.
 uint16_t now();
-// Make these steps, after those that are queued; there is room for one train beside the one being made. Dropped (and
-// told by unmade()) while the drivers are off.
+// Make these steps, after those that are queued; there is room for one train beside the one being made. Dropped while the
+// drivers are off: switching them off has ended every motion.
 void queue_train(uint8_t arm, const Train &train);
 
 }  // namespace mega

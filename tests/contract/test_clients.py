@@ -11,7 +11,7 @@ from stage import Stage, ask_raw, until
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions, Reason
+from beatrix_zenoh._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Question
 from beatrix_zenoh.drive import Gear
 
@@ -81,6 +81,18 @@ def test_a_put_on_the_stop_key_stops(robot: Robot) -> None:
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
+
+
+@pytest.mark.parametrize("who", ["legacy", "Ana", "*"])
+@pytest.mark.parametrize("command", ["STOP", "EMERGENCY_STOP"])
+def test_a_stop_is_a_stop_whoever_presses_it(robot: Robot, who: str, command: str) -> None:
+    motion = robot.look(yaw=60, wait=False)
+    key = f"beatrix/{robot.name}/{robot.twin}/cmd/{who}/command"
+    (answer,) = ask_raw(robot.client, key, command.encode(), "text/plain")
+    assert not answer.error
+    assert codec.decode_json(answer.payload, CommandReply).result
+    with pytest.raises(Interrupted):
+        motion.wait()
 
 
 def test_looking_around_with_a_wildcard_does_not_stop(robot: Robot) -> None:

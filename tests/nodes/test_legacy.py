@@ -175,11 +175,24 @@ def test_the_router_goes_and_an_old_program_is_stopped(tmp_path: Path) -> None:
         stage.process("sim_node", *node).expect("ready")
         program = Program(tmp_path / "COM4")
         program.begin()
-        program.port.write(b"@MOVRALL 600 600 600\r")
+        program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
         assert program.read(1) == ["ACK\n"], "it moves"
         router.end(signal.SIGKILL)
-        assert program.read(1) == ["NACK\n"]
+        assert program.read(3) == ["NACK\n", "ACK\n", "NACK\n"]
+        at = program.x
+        assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"], "nobody could stop it"
+        assert program.x == at < 500
         program.port.close()
+
+
+def test_limits_of_a_lab_that_old_programs_could_not_keep_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "lab.toml").write_text("[limits]\nyaw_max = 10.0\n", encoding="utf-8")
+    with Stage() as stage:
+        node = ("--connect", stage.endpoint, "--legacy", str(tmp_path / "COM4"))
+        process = stage.process("sim_node", *node, "--robot-file", str(tmp_path / "lab.toml"))
+        assert process.wait(20) == 2
+        assert any("do not go together" in line for line in process.lines)
+    assert not (tmp_path / "COM4").is_symlink()
 
 
 def test_the_next_program_gets_no_answer_of_the_one_before(place: Place) -> None:
