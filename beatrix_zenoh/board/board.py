@@ -141,6 +141,12 @@ class Board:
         """The newest telemetry; None before the first."""
         return self._telemetry
 
+    @property
+    def state(self) -> int:
+        """State bits of the newest telemetry, 0 before the first."""
+        telemetry = self._telemetry
+        return 0 if telemetry is None else telemetry.state
+
     def wait_for(self, holds: Callable[[Telemetry], bool], timeout_s: float) -> bool:
         """Wait until telemetry fulfils `holds`; False if it does not within `timeout_s`."""
         with self._news:

@@ -8,17 +8,8 @@ import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.endpoint import ours
-from beatrix_zenoh.bus.transport import (
-    HALF_OPEN,
-    LEASE_MS,
-    RUNTIME,
-    TCP,
-    WAIT_CLOSE_US,
-    WAIT_DROP_US,
-    configured,
-    short,
-)
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
+from beatrix_zenoh.errors import WrongUsage
 
 
 def open_router(listen: str) -> zenoh.Session:
@@ -39,22 +30,12 @@ def open_router(listen: str) -> zenoh.Session:
         "mode": "router",
         "listen/endpoints": [listen],
         "listen/exit_on_failure": True,
-        "scouting/multicast/enabled": False,
         "scouting/delay": 0,
         "adminspace/enabled": True,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tcp": TCP,
-        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
         "transport/link/tx/queue/congestion_control/block/wait_before_close": WAIT_CLOSE_US,
-        "transport/link/tx/lease": LEASE_MS,
         "transport/unicast/accept_pending": HALF_OPEN,
         "transport/unicast/accept_timeout": LEASE_MS,
     }
-    config = configured(settings)
-    try:
-        return zenoh.open(config)
-    except zenoh.ZError as error:
-        raise NoAnswer(
-            Reason.NO_ROUTER,
-            f"Cannot listen at {listen}: is another router running there? Choose another with --listen. ({short(error)})",
-        ) from error
+    return opened(
+        settings, f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
+    )

@@ -16,11 +16,9 @@ import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.endpoint import parts, probe
 from beatrix_zenoh.bus.question import PRIORITIES, Answer, Question
-from beatrix_zenoh.bus.transport import LEASE_MS, TCP, WAIT_DROP_US, configured, short
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.bus.transport import opened
 from beatrix_zenoh.requests import Wording
 
 
@@ -248,24 +246,15 @@ def connect(endpoint: str, *, label: str = "") -> Bus:
         "connect/endpoints": [endpoint],
         "connect/timeout_ms": 0,
         "connect/retry": {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2},
-        "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tx/lease": LEASE_MS,
-        "transport/link/tcp": TCP,
-        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
         "metadata": {"name": label},
     }
-    config = configured(settings)
 
     def open_session() -> zenoh.Session:
         probe(endpoint)
-        try:
-            return zenoh.open(config)
-        except zenoh.ZError as error:
-            raise NoAnswer(
-                Reason.NO_ROUTER,
-                f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router? ({short(error)})",
-            ) from error
+        return opened(
+            settings,
+            f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router?",
+        )
 
     return Bus(open_session, endpoint)

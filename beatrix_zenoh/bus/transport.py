@@ -7,6 +7,9 @@ from collections.abc import Mapping
 
 import zenoh
 
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import NoAnswer
+
 LEASE_MS = 2000
 """A frozen session, or router, counts as gone after this long; the default of 10 s is too long for a moving robot."""
 TCP = {"so_sndbuf": 32768, "so_rcvbuf": 32768}
@@ -23,14 +26,27 @@ HALF_OPEN = 1000
 """Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
 
 
-def configured(settings: Mapping[str, object]) -> zenoh.Config:
-    """Zenoh's defaults, but for these."""
+COMMON = {
+    "scouting/multicast/enabled": False,
+    "transport/shared_memory/enabled": False,
+    "transport/link/tcp": TCP,
+    "transport/link/tx/lease": LEASE_MS,
+    "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
+}
+"""For sessions and router alike."""
+
+
+def opened(settings: Mapping[str, object], trouble: str) -> zenoh.Session:
+    """A session with Zenoh's defaults, but for COMMON and these.
+
+    Raises:
+        NoAnswer: NO_ROUTER, with `trouble` and what Zenoh says, without the places in its source.
+    """
     config = zenoh.Config()
-    for key, value in settings.items():
+    for key, value in {**COMMON, **settings}.items():
         config.insert_json5(key, json.dumps(value))
-    return config
-
-
-def short(error: zenoh.ZError) -> str:
-    """What Zenoh says, without the places in its source."""
-    return str(error).partition(" at /")[0]
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        said = str(error).partition(" at /")[0]
+        raise NoAnswer(Reason.NO_ROUTER, f"{trouble} ({said})") from error

@@ -169,8 +169,8 @@ def deaf() -> Iterator[None]:
 @contextmanager
 def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
     # Who was started by nohup wants to outlive a window; Ctrl-C is for us also where a shell has made us deaf to it.
-    heard = [n for n in SIGNALS if n == signal.SIGINT or signal.getsignal(n) is not signal.SIG_IGN]
-    before = [(number, signal.signal(number, handler)) for number in heard]
+    numbers = [n for n in SIGNALS if n == signal.SIGINT or signal.getsignal(n) is not signal.SIG_IGN]
+    before = [(number, signal.signal(number, handler)) for number in numbers]
     try:
         yield
     finally:

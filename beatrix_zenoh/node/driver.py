@@ -252,21 +252,19 @@ class Driver:
         self._pressed_by = session
         if emergency:
             self._emergency_s = now
-        streaming = self._running is not None or self._texting or now - self._ended_s < STREAM_S
+        streaming = self._driven or now - self._ended_s < STREAM_S
         self._halt.press(self._lease.holder(now) if streaming else "", self._moved_by, session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None, *, emergency: bool) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
         if asker is None:
-            if (
-                self._running is not None or self._texting
-            ):  # maybe begun behind STOP's back: its seat pauses, too
+            if self._driven:  # maybe begun behind STOP's back: its seat pauses, too
                 now = time.monotonic()
                 self._halt.press(self._lease.holder(now), self._moved_by, self._pressed_by, now)
             self._halt.sent()
             if error is None and emergency and not self._latched():
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
-            elif error is None and (self._running is not None or self._texting):
+            elif error is None and self._driven:
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
         if error is None and emergency and not self._latched():
@@ -288,7 +286,7 @@ class Driver:
 
     def router_gone(self) -> None:
         """Nobody can be heard any more, not even STOP: end what runs, whoever asked for it."""
-        if self._running is not None or self._texting:
+        if self._driven:
             self._let_go()
 
     def _let_go(self) -> None:
@@ -340,8 +338,7 @@ class Driver:
                     self._answer(asker, Reason.OK, self._at_rest("Stopped"))
 
     def _at_rest(self, how: str) -> str:
-        telemetry = self._board.telemetry
-        if telemetry is not None and telemetry.state & State.EMERGENCY:
+        if self._board.state & State.EMERGENCY:
             return "Motors off, latched until enabled; home is forgotten."
         return f"{how}; the arms rest at {degrees(self.arms())}."
 
@@ -368,14 +365,17 @@ class Driver:
         self._lease.rest(self._ended_s)
         running.end(reason, text)
 
+    @property
+    def _driven(self) -> bool:
+        """A motion is under way, somebody's or an old program's."""
+        return self._running is not None or self._texting
+
     def _moving(self) -> bool:
-        telemetry = self._board.telemetry
-        connected = self._board.link.connected
-        return connected and telemetry is not None and bool(telemetry.state & State.MOVING)
+        return self._board.link.connected and bool(self._board.state & State.MOVING)
 
     def close(self) -> None:
         """Stop what runs, wait until it rests, tell everybody who waits."""
-        if self._running is not None or self._texting:
+        if self._driven:
             self._cause = Reason.SHUTDOWN
             self.stop_motion()
             self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.8)

@@ -175,8 +175,7 @@ class Legacy:
 
     def _homeless(self) -> bool:
         """Motors on and home unknown: the program's zero becomes the robot's home."""
-        telemetry = self._board.telemetry
-        return telemetry is not None and telemetry.state & (State.ENABLED | State.CALIBRATED) == State.ENABLED
+        return self._board.state & (State.ENABLED | State.CALIBRATED) == State.ENABLED
 
     def _warn(self, text: str) -> None:
         self._driver.warn(f"old program: {text}")
@@ -208,8 +207,7 @@ class Legacy:
         """Give up what the board will not answer any more: it was lost, reset, or the line was."""
         if not any(line.sent for line in self._lines):
             return
-        telemetry = self._board.telemetry
-        state = 0 if telemetry is None else telemetry.state
+        state = self._board.state
         if state & State.MOVING:
             self._heard_s = time.monotonic()  # as good as a word: the answer comes when the arms rest
         pretends = not state & State.ENABLED and any(line.sent and line.moves for line in self._lines)

@@ -25,7 +25,7 @@ def switch(board: Board, *, on: bool) -> str:
     reflected(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
     if not on:
         return "Motors off; home is forgotten."
-    if known_home(board.telemetry):
+    if board.state & State.CALIBRATED:
         return "Motors on; home is known."
     return "Motors on. If the head is upright, calibrate; else disable and set it upright first."
 
@@ -36,12 +36,12 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     Raises:
         Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED.
     """
-    telemetry = board.telemetry
-    if telemetry is None or not board.link.connected:
+    if not board.link.connected:
         raise unheard(board.link)
-    if telemetry.state & State.MOVING:
+    state = board.state
+    if state & State.MOVING:
         raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
-    if not telemetry.state & State.ENABLED:
+    if not state & State.ENABLED:
         raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
     body.straighten()
     board.request(FrameType.CALIBRATE)
@@ -49,17 +49,12 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     reflected(
         board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
     )
-    if known_home(telemetry) and any(stood):
+    if state & State.CALIBRATED and any(stood):
         return (
             f"This is home now. Home was known already, and the arms stood at {degrees(stood)} from it: was that "
             "meant? Limits count from home. To set it anew: disable, set the head upright, enable, calibrate."
         )
     return "This is home now."
-
-
-def known_home(telemetry: Telemetry | None) -> bool:
-    """Home is known."""
-    return telemetry is not None and bool(telemetry.state & State.CALIBRATED)
 
 
 def reflected(board: Board, holds: Callable[[Telemetry], bool]) -> None:

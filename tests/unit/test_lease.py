@@ -100,17 +100,14 @@ def test_stop_pressed_again_sets_nobody_free() -> None:
         halt.check("ana", "mine", 1.3, resting=True)
 
 
-def test_own_stop_does_not_undo_that_of_somebody_else() -> None:
-    halt = stopped("ana", "other")
-    halt.press("ana", "mine", "mine", 0.1)
-    halt.sent()
-    with pytest.raises(Refused, match="send no motion"):
-        halt.check("ana", "mine", 0.2, resting=True)
-
-
-def test_somebody_elses_stop_holds_after_own() -> None:
-    halt = stopped("ana", "mine")
-    halt.press("", "", "other", 0.1)
+@pytest.mark.parametrize(
+    ("first", "again"),
+    [("other", ("ana", "mine", "mine")), ("mine", ("", "", "other"))],
+    ids=["own", "other"],
+)
+def test_somebody_elses_stop_holds_before_and_after_own(first: str, again: tuple[str, str, str]) -> None:
+    halt = stopped("ana", first)
+    halt.press(*again, 0.1)
     halt.sent()
     with pytest.raises(Refused, match="send no motion"):
         halt.check("ana", "mine", 0.2, resting=True)
