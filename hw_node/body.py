@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from beatrix_zenoh._generated.messages import Fault, PlantStatus, Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Move, Telemetry
+from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.drive import Gear
@@ -35,7 +35,7 @@ class Hardware:
     def straighten(self) -> None:
         """A person has set the head upright before."""
 
-    def preview(self, move: Move) -> Preview | None:  # noqa: ARG002
+    def preview(self, move: Move | MoveStraight) -> Preview | None:  # noqa: ARG002
         """No copy of the real thing."""
         return None
 

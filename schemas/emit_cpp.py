@@ -121,10 +121,7 @@ def header(contract: Contract) -> str:
         "".join(f"  FRAME_{n} = 0x{r['type']:02X},  // {r['doc']}\n" for n, r in table["frame"].items())
         + "};\n\n"
     )
-    out += (
-        "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t MOVE_STRAIGHT = 1;\nstatic const uint8_t TEXT_LAST = 1;\n\n"
-        + CODEC
-    )
+    out += "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t TEXT_LAST = 1;\n\n" + CODEC
     out += "".join(frame(name, row) for name, row in table["frame"].items() if "fields" in row)
     return out + "}  // namespace beatrix\n\n#endif\n"
 

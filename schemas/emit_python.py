@@ -132,6 +132,11 @@ def frame_class(name: str, table: dict[str, object]) -> str:
         at += used
     lines += [
         "",
+        "    @property",
+        "    def kind(self) -> FrameType:",
+        '        """First byte of its frame."""',
+        f"        return FrameType.{name}",
+        "",
         "    def pack(self) -> bytes:",
         '        """Payload bytes, without type, seq and checksum."""',
     ]

@@ -55,8 +55,9 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
 FRAMES: list[tuple[str, int, dict[str, object]]] = [
     ("HELLO", 1, {}),
     ("PING", 255, {}),
-    ("MOVE", 7, {"flags": 1, "motion": 513, "target": [100, -200, 32767], "speed": [1400, 1, 65535]}),
-    ("MOVE", 0, {"flags": 0, "motion": 0, "target": [0, 0, 0], "speed": [256, 256, 256]}),
+    ("MOVE", 7, {"motion": 513, "target": [100, -200, 32767], "speed": [1400, 1, 65535]}),
+    ("MOVE", 0, {"motion": 0, "target": [0, 0, 0], "speed": [256, 256, 256]}),
+    ("MOVE_STRAIGHT", 8, {"motion": 514, "target": [0, -32768, 7], "speed": 1400}),
     ("STOP", 3, {}),
     ("EMERGENCY_STOP", 4, {}),
     ("ENABLE", 5, {"value": 1}),

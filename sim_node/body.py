@@ -8,7 +8,7 @@ import time
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Move, Telemetry
+from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.node import Pose, Preview
@@ -82,7 +82,7 @@ class Simulation:
         with self._lock:
             self._plant.straighten()
 
-    def preview(self, move: Move) -> Preview | None:
+    def preview(self, move: Move | MoveStraight) -> Preview | None:
         """Run a copy of firmware and plant ahead of time."""
         with self._lock, self._board.lock:
             memory, plant = self._firmware.snapshot(), self._plant.copy()

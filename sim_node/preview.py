@@ -16,6 +16,7 @@ from beatrix_zenoh._generated.serial import (
     Error,
     FrameType,
     Move,
+    MoveStraight,
     Outcome,
     State,
     Telemetry,
@@ -44,7 +45,7 @@ _SEQ_PING: Final = 2
 
 
 def run_ahead(
-    plant: Plant, firmware: Firmware, move: Move, cancelled: Callable[[], bool] = lambda: False
+    plant: Plant, firmware: Firmware, move: Move | MoveStraight, cancelled: Callable[[], bool] = lambda: False
 ) -> Preview:
     """Carry out a motion until the arms rest, as fast as the machine can, and say how it went.
 
@@ -53,7 +54,7 @@ def run_ahead(
     if `cancelled` says so.
     """
     run = _Run(plant, firmware)
-    run.send(FrameType.MOVE, _SEQ_MOVE, move.pack())
+    run.send(move.kind, _SEQ_MOVE, move.pack())
     while not run.at_rest():
         if cancelled():
             raise Interrupted(Reason.STOPPED, "The preview was cancelled; nothing has moved.")
@@ -150,7 +151,7 @@ class _Run:
         for frame in self._decoder.feed(self._firmware.transmit()):
             if frame.type == FrameType.TELEMETRY:
                 self._telemetry = Telemetry.unpack(frame.payload)
-            elif frame.type == FrameType.MOVE | FrameType.ACK:
+            elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.seq == _SEQ_MOVE:
                 _check(frame)
 
 

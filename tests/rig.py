@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import Protocol
 
 from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Enable, Error, FrameType, Move, Outcome, State, Telemetry
+from beatrix_zenoh._generated.serial import (
+    Enable,
+    Error,
+    FrameType,
+    Move,
+    MoveStraight,
+    Outcome,
+    State,
+    Telemetry,
+)
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware
 
@@ -122,10 +131,11 @@ class Rig:
         straight: bool = False,
         motion: int | None = None,
     ) -> Error:
-        """MOVE under the next number, unless told which."""
+        """MOVE, or MOVE_STRAIGHT at the first speed, under the next number, unless told which."""
         self.motion = (self.motion + 1) % 65536 if motion is None else motion
         speeds = (speed, speed, speed) if isinstance(speed, int) else speed
-        return self.ask(FrameType.MOVE, Move(int(straight), self.motion, target, speeds).pack())
+        move = MoveStraight(self.motion, target, speeds[0]) if straight else Move(self.motion, target, speeds)
+        return self.ask(move.kind, move.pack())
 
     def raw(self, data: bytes) -> list[Frame]:
         """Send bytes as they are; everything but telemetry that came back."""

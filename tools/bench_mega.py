@@ -305,7 +305,7 @@ def main() -> None:
                 good=off <= 0.5,
             )
             turn_round(robot, seen, FrameType.PING, b"")
-            turn_round(robot, seen, FrameType.MOVE, Move(0, 900, (0, 0, 0), robot.top).pack())
+            turn_round(robot, seen, FrameType.MOVE, Move(900, (0, 0, 0), robot.top).pack())
             flood(robot, seen)
         sizes(folder)
     show("shortest pulse or pause [us]", f"{seen.pulse / 16:.2f}", "1", good=seen.pulse >= 16)

@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 from beatrix_zenoh import Refused, Robot, codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions
-from beatrix_zenoh._generated.serial import FrameType, Move
+from beatrix_zenoh._generated.serial import MoveStraight
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.client import Client, Conversation
 from beatrix_zenoh.settings import Settings
@@ -227,11 +227,11 @@ def round_trips(port: Path, count: int = 300) -> list[float]:
     board.start()
     while not board.link.connected:
         time.sleep(0.01)
-    move, took = Move(0, 1, (100, 100, 100), (800, 800, 800)).pack(), []
+    move, took = MoveStraight(1, (100, 100, 100), 800), []
     for _ in range(count):
         began = time.perf_counter()
         with suppress(Refused):
-            board.request(FrameType.MOVE, move)
+            board.move(move)
         took.append(time.perf_counter() - began)
         time.sleep(0.005)
     board.close()
@@ -256,7 +256,11 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
     with TemporaryDirectory() as folder:
         port = Path(folder) / "board"
         mega = Mega(port)
-        yield "Mega at 250 000 baud: MOVE -> its answer, no node [ms]", spread_ms(round_trips(port)), ""
+        yield (
+            "Mega at 250 000 baud: MOVE_STRAIGHT -> its answer, no node [ms]",
+            spread_ms(round_trips(port)),
+            "",
+        )
         node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", str(port))
         with Client(Settings(NAME, endpoint, "ana")) as client:
             robot = Robot(NAME, "hw", client=client)

@@ -7,7 +7,7 @@ import statistics
 import time
 
 from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Enable, FrameType, Move
+from beatrix_zenoh._generated.serial import Enable, FrameType, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.drive import Arms, Gear
@@ -58,7 +58,7 @@ def preview_factor(gear: Gear) -> float:
     plant, firmware = Plant(), Firmware()
     firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
     firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
-    nod = Move(1, 1, gear.to_steps(Neck().inverse(0.0, 0.4, 0.0)), (1000, 1000, 1000))
+    nod = MoveStraight(1, gear.to_steps(Neck().inverse(0.0, 0.4, 0.0)), 1000)
     begin = time.perf_counter()
     seen = run_ahead(plant, firmware, nod)
     return seen.duration_s / (time.perf_counter() - begin)

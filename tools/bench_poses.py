@@ -45,7 +45,8 @@ class Bench:
             goal = self.course.goal(query, self.telemetry)
         except Refused:
             return False
-        self.firmware.receive(encode(FrameType.MOVE, 3, goal.frame(1).pack()))
+        move = goal.frame(1)
+        self.firmware.receive(encode(move.kind, 3, move.pack()))
         self.run(20)
         while self.telemetry.state & State.MOVING:
             self.firmware.receive(encode(FrameType.PING, 4, b""))

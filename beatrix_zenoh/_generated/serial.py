@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x1395DE64
+CONTRACT: Final = 0xF7771E75
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -192,7 +192,7 @@ class FrameType(IntEnum):
     PING = 0x02
     """Keep moving. Answered with ACK."""
     MOVE = 0x03
-    """Go to these step counts; replaces a running motion smoothly. Answered with ACK."""
+    """Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
     STOP = 0x04
     """Decelerate to rest, stay enabled. Answered with ACK at once."""
     EMERGENCY_STOP = 0x05
@@ -203,6 +203,8 @@ class FrameType(IntEnum):
     """The present position becomes home. Answered with ACK."""
     SET_NAME = 0x08
     """Keep this robot name in non-volatile memory. Answered with ACK."""
+    MOVE_STRAIGHT = 0x0B
+    """As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK."""
     TEXT_OPEN = 0x09
     """A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK."""
     HELLO_REPLY = 0x81
@@ -217,16 +219,14 @@ class FrameType(IntEnum):
     """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
 
 
-_MOVE: Final = Struct("<BH3h3H")
+_MOVE: Final = Struct("<H3h3H")
 MOVE_SIZE: Final = _MOVE.size
 """Payload bytes of MOVE."""
 
 
 class Move(NamedTuple):
-    """Go to these step counts; replaces a running motion smoothly. Answered with ACK."""
+    """Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
 
-    flags: int
-    """bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0."""
     motion: int
     """the host's number for it, echoed in TELEMETRY"""
     target: tuple[int, int, int]
@@ -234,15 +234,20 @@ class Move(NamedTuple):
     speed: tuple[int, int, int]
     """top speed of each arm, > 0 [0.25 microstep/s]"""
 
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.MOVE
+
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
-        return _MOVE.pack(self.flags, self.motion, *self.target, *self.speed)
+        return _MOVE.pack(self.motion, *self.target, *self.speed)
 
     @classmethod
     def unpack(cls, payload: bytes) -> Move:
         """Raises struct.error if the length does not fit."""
         values = _MOVE.unpack(payload)
-        return cls(values[0], values[1], (values[2], values[3], values[4]), (values[5], values[6], values[7]))
+        return cls(values[0], (values[1], values[2], values[3]), (values[4], values[5], values[6]))
 
 
 _ENABLE: Final = Struct("<B")
@@ -255,6 +260,11 @@ class Enable(NamedTuple):
 
     value: int
     """0 or 1"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.ENABLE
 
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
@@ -278,6 +288,11 @@ class SetName(NamedTuple):
     name: bytes
     """[a-z0-9-], padded with zeros"""
 
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.SET_NAME
+
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
         return _SET_NAME.pack(self.name)
@@ -287,6 +302,37 @@ class SetName(NamedTuple):
         """Raises struct.error if the length does not fit."""
         values = _SET_NAME.unpack(payload)
         return cls(values[0])
+
+
+_MOVE_STRAIGHT: Final = Struct("<H3hH")
+MOVE_STRAIGHT_SIZE: Final = _MOVE_STRAIGHT.size
+"""Payload bytes of MOVE_STRAIGHT."""
+
+
+class MoveStraight(NamedTuple):
+    """As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK."""
+
+    motion: int
+    """as in MOVE"""
+    target: tuple[int, int, int]
+    """absolute, from home [microstep]"""
+    speed: int
+    """top speed of the arm with most to do, > 0 [0.25 microstep/s]"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.MOVE_STRAIGHT
+
+    def pack(self) -> bytes:
+        """Payload bytes, without type, seq and checksum."""
+        return _MOVE_STRAIGHT.pack(self.motion, *self.target, self.speed)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> MoveStraight:
+        """Raises struct.error if the length does not fit."""
+        values = _MOVE_STRAIGHT.unpack(payload)
+        return cls(values[0], (values[1], values[2], values[3]), values[4])
 
 
 _HELLO_REPLY: Final = Struct("<I3BI32s")
@@ -305,6 +351,11 @@ class HelloReply(NamedTuple):
     """how often the board was started"""
     name: bytes
     """robot name, padded with zeros"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.HELLO_REPLY
 
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
@@ -327,6 +378,11 @@ class Ack(NamedTuple):
 
     error: int
     """0 or an error code"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.ACK
 
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
@@ -363,6 +419,11 @@ class Telemetry(NamedTuple):
     """of the set points [0.25 microstep/s]"""
     rejected: int
     """frames thrown away since start"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.TELEMETRY
 
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
@@ -406,6 +467,11 @@ class Text(NamedTuple):
     text: bytes
     """the line with its end, as a program has to see it; at most 54 bytes"""
 
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.TEXT
+
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""
         return _TEXT.pack(self.flags) + self.text
@@ -427,6 +493,11 @@ class TextWarning(NamedTuple):
 
     code: int
     """a warning code"""
+
+    @property
+    def kind(self) -> FrameType:
+        """First byte of its frame."""
+        return FrameType.TEXT_WARNING
 
     def pack(self) -> bytes:
         """Payload bytes, without type, seq and checksum."""

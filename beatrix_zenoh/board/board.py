@@ -20,6 +20,7 @@ from beatrix_zenoh._generated.serial import (
     FrameType,
     HelloReply,
     Move,
+    MoveStraight,
     Telemetry,
     Text,
     TextWarning,
@@ -27,7 +28,6 @@ from beatrix_zenoh._generated.serial import (
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
-STRAIGHT = 1
 STOPS = (FrameType.STOP, FrameType.EMERGENCY_STOP)
 READ_S = 0.05
 REOPEN_S = 0.3
@@ -156,12 +156,9 @@ class Board:
 
     # -- requests -------------------------------------------------------------------------------
 
-    def move(
-        self, motion: int, target: tuple[int, int, int], speed: tuple[int, int, int], *, straight: bool
-    ) -> None:
-        """Go to microsteps `target` at quarter microsteps per second `speed`; raises as `request`."""
-        frame = Move(STRAIGHT if straight else 0, motion, target, speed)
-        self.request(FrameType.MOVE, frame.pack())
+    def move(self, move: Move | MoveStraight) -> None:
+        """Begin a motion; raises as `request`."""
+        self.request(move.kind, move.pack())
 
     def enable(self, *, on: bool) -> None:
         """Switch the motors; raises as `request`."""

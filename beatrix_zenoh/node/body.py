@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
-from beatrix_zenoh._generated.serial import Move, Telemetry
+from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.drive import Arms
 
@@ -50,7 +50,7 @@ class Body(Protocol):
     def straighten(self) -> None:
         """What a person does before calibrating: put the head upright. A robot waits for its person."""
 
-    def preview(self, move: Move) -> Preview | None:
+    def preview(self, move: Move | MoveStraight) -> Preview | None:
         """Carry out a motion on a copy; None if this body has no copy."""
 
     def plant(self) -> PlantStatus | None:

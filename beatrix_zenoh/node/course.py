@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
 from beatrix_zenoh._generated.robot import RobotData
-from beatrix_zenoh._generated.serial import Move, Telemetry
-from beatrix_zenoh.board.board import STRAIGHT
+from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.drive import Arms, Gear
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.kinematics import Neck
@@ -37,9 +36,11 @@ class Goal:
         """Seconds until the arms rest."""
         return self.plan.duration
 
-    def frame(self, motion: int) -> Move:
-        """The MOVE that carries it out."""
-        return Move(STRAIGHT if self.straight else 0, motion, self.steps, self.quarters)
+    def frame(self, motion: int) -> Move | MoveStraight:
+        """What carries it out."""
+        if self.straight:
+            return MoveStraight(motion, self.steps, self.quarters[0])
+        return Move(motion, self.steps, self.quarters)
 
 
 class Course:

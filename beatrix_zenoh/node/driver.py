@@ -132,7 +132,7 @@ class Driver:
         telemetry = self._board.telemetry
         self._number = number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
         try:
-            self._board.move(number, goal.steps, goal.quarters, straight=goal.straight)
+            self._board.move(goal.frame(number))
         except NoAnswer:
             self.stop_motion()  # the board may have heard it, and nobody is told that it moves
             raise

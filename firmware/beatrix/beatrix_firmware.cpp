@@ -23,7 +23,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x1395DE64UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0xF7771E75UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -97,12 +97,13 @@ enum StateBit : uint8_t {
 enum FrameType : uint8_t {
   FRAME_HELLO = 0x01,  // Who is there? Answered with HELLO_REPLY.
   FRAME_PING = 0x02,  // Keep moving. Answered with ACK.
-  FRAME_MOVE = 0x03,  // Go to these step counts; replaces a running motion smoothly. Answered with ACK.
+  FRAME_MOVE = 0x03,  // Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK.
   FRAME_STOP = 0x04,  // Decelerate to rest, stay enabled. Answered with ACK at once.
   FRAME_EMERGENCY_STOP = 0x05,  // Motors off now, latched until ENABLE. Answered with ACK.
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // The present position becomes home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Keep this robot name in non-volatile memory. Answered with ACK.
+  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
   FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
@@ -112,7 +113,6 @@ enum FrameType : uint8_t {
 };
 
 static const uint8_t REPLY_BIT = 0x80;
-static const uint8_t MOVE_STRAIGHT = 1;
 static const uint8_t TEXT_LAST = 1;
 
 // Little-endian access, the same on every processor.
@@ -121,24 +121,21 @@ inline uint32_t get_u32(const uint8_t *p) { return uint32_t(get_u16(p)) | (uint3
 inline void put_u16(uint8_t *p, uint16_t v) { p[0] = uint8_t(v); p[1] = uint8_t(v >> 8); }
 inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p + 2, uint16_t(v >> 16)); }
 
-// Go to these step counts; replaces a running motion smoothly. Answered with ACK.
+// Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK.
 struct Move {
-  static const uint8_t SIZE = 15;
-  uint8_t flags;  // bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0.
+  static const uint8_t SIZE = 14;
   uint16_t motion;  // the host's number for it, echoed in TELEMETRY
   int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
-    flags = uint8_t(p[0]);
-    motion = get_u16(p + 1);
-    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 3 + 2 * i));
-    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 9 + 2 * i);
+    motion = get_u16(p + 0);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 2 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 8 + 2 * i);
   }
   void write(uint8_t *p) const {
-    p[0] = uint8_t(flags);
-    put_u16(p + 1, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 3 + 2 * i, uint16_t(target[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 9 + 2 * i, speed[i]);
+    put_u16(p + 0, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 2 + 2 * i, uint16_t(target[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 8 + 2 * i, speed[i]);
   }
 };
 
@@ -163,6 +160,24 @@ struct SetName {
   }
   void write(uint8_t *p) const {
     for (uint8_t i = 0; i < 32; i++) p[0 + 1 * i] = uint8_t(name[i]);
+  }
+};
+
+// As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
+struct MoveStraight {
+  static const uint8_t SIZE = 10;
+  uint16_t motion;  // as in MOVE
+  int16_t target[3];  // absolute, from home [microstep]
+  uint16_t speed;  // top speed of the arm with most to do, > 0 [0.25 microstep/s]
+  void read(const uint8_t *p) {
+    motion = get_u16(p + 0);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 2 + 2 * i));
+    speed = get_u16(p + 8);
+  }
+  void write(uint8_t *p) const {
+    put_u16(p + 0, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 2 + 2 * i, uint16_t(target[i]));
+    put_u16(p + 8, speed);
   }
 };
 
@@ -792,7 +807,7 @@ class Motion {
   void survey(const Move &move, uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
-  void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
+  void plan(const Move &move, bool straight, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   // Takes the place of a running motion.
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.
@@ -1081,7 +1096,7 @@ class Machine {
   Error enable(uint8_t value);
   Error calibrate();
   // Whoever calls this has checked the move.
-  void go(const Move &move);
+  void go(const Move &move, bool straight);
   void stop();
   void say(const char *line, bool last);
   void warn(uint8_t code);
@@ -1093,10 +1108,10 @@ class Machine {
   void look_for_silence(uint16_t tick, uint16_t silence);
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
-  Error check_move(const uint8_t *payload) const;
+  Error check_move(uint8_t type, const uint8_t *payload) const;
   Error check(const Move &move) const;
-  void move(const uint8_t *payload);
-  bool repeated(const uint8_t *payload) const;
+  void move(uint8_t type, const uint8_t *payload, uint8_t size);
+  bool repeated(uint8_t type, const uint8_t *payload, uint8_t size) const;
   Error set_name(const uint8_t *payload);
   void emergency_stop();
   void switch_off(Outcome why);
@@ -1114,6 +1129,7 @@ class Machine {
   TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
+  uint8_t last_move_type_ = 0;  // of the frame in last_move_; 0: none was made since home is known
   Telemetry reported_ = Telemetry();
   uint32_t tick_ = 0;
   uint16_t motion_number_ = 0;
@@ -1122,7 +1138,6 @@ class Machine {
   bool byte_came_ = false;        // since then
   uint8_t telemetry_seq_ = 0;
   uint8_t text_seq_ = 0;
-  bool has_moved_ = false;  // last_move_ holds a move made since home is known
   bool enabled_ = false;
   bool calibrated_ = false;
   bool emergency_ = false;
@@ -1166,9 +1181,14 @@ namespace beatrix {
 
 static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "no arm within the guard is further from their mean than a turn");
 
+static bool known(uint8_t type) {
+  return (type >= FRAME_HELLO && type <= FRAME_TEXT_OPEN) || type == FRAME_MOVE_STRAIGHT;
+}
+
 static bool fits(uint8_t type, uint8_t size) {
   switch (type) {
     case FRAME_MOVE: return size == Move::SIZE;
+    case FRAME_MOVE_STRAIGHT: return size == MoveStraight::SIZE;
     case FRAME_ENABLE: return size == Enable::SIZE;
     case FRAME_SET_NAME: return size == SetName::SIZE;
     default: return size == 0;
@@ -1176,10 +1196,11 @@ static bool fits(uint8_t type, uint8_t size) {
 }
 
 Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
-  if (type < FRAME_HELLO || type > FRAME_TEXT_OPEN) return ERROR_UNKNOWN;
+  if (!known(type)) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
-    case FRAME_MOVE: return check_move(payload);
+    case FRAME_MOVE:
+    case FRAME_MOVE_STRAIGHT: return check_move(type, payload);
     case FRAME_STOP:
       text_.call_off();
       stop();
@@ -1198,31 +1219,43 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   }
 }
 
-Error Machine::check_move(const uint8_t *payload) const {
+// A straight motion's one speed stands for those of all arms.
+static void read_move(uint8_t type, const uint8_t *payload, Move *move) {
+  if (type == FRAME_MOVE) return move->read(payload);
+  MoveStraight straight;
+  straight.read(payload);
+  move->motion = straight.motion;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    move->target[i] = straight.target[i];
+    move->speed[i] = straight.speed;
+  }
+}
+
+Error Machine::check_move(uint8_t type, const uint8_t *payload) const {
   Move wanted;
-  wanted.read(payload);
+  read_move(type, payload, &wanted);
   return check(wanted);
 }
 
 // The answer has been sent before: nothing can refuse the move any more, and planning it takes half a millisecond.
-void Machine::move(const uint8_t *payload) {
-  if (repeated(payload)) return;
+void Machine::move(uint8_t type, const uint8_t *payload, uint8_t size) {
+  if (repeated(type, payload, size)) return;
   Move wanted;
-  wanted.read(payload);
+  read_move(type, payload, &wanted);
   text_.give_way(*this);
-  go(wanted);
-  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
-  has_moved_ = true;
+  go(wanted, type == FRAME_MOVE_STRAIGHT);
+  for (uint8_t i = 0; i < size; i++) last_move_[i] = payload[i];
+  last_move_type_ = type;
 }
 
-void Machine::go(const Move &move) {
+void Machine::go(const Move &move, bool straight) {
   uint32_t todo[ARMS];
   bool resting;
   {
     TickHeld held;
     motion_.survey(move, todo, &resting);
   }
-  motion_.plan(move, todo, resting, &plan_);
+  motion_.plan(move, straight, todo, resting, &plan_);
   TickHeld held;
   motion_.start(plan_);
   motion_number_ = move.motion;
@@ -1236,9 +1269,7 @@ void Machine::stop() {
 Error Machine::check(const Move &move) const {
   if (!enabled_) return ERROR_NOT_ENABLED;
   if (!calibrated_) return ERROR_NOT_CALIBRATED;
-  if (move.flags & ~MOVE_STRAIGHT) return ERROR_BAD_VALUE;
-  uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
-  for (uint8_t i = 0; i < speeds; i++) {
+  for (uint8_t i = 0; i < ARMS; i++) {
     if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
   int32_t target[ARMS];
@@ -1252,9 +1283,9 @@ Error Machine::check(const Move &move) const {
 
 // The host asks again when an answer is lost: the same move under the same number is made once, and is not begun
 // anew after somebody has stopped it.
-bool Machine::repeated(const uint8_t *payload) const {
-  if (!has_moved_) return false;
-  for (uint8_t i = 0; i < Move::SIZE; i++) {
+bool Machine::repeated(uint8_t type, const uint8_t *payload, uint8_t size) const {
+  if (type != last_move_type_) return false;
+  for (uint8_t i = 0; i < size; i++) {
     if (payload[i] != last_move_[i]) return false;
   }
   return true;
@@ -1336,7 +1367,7 @@ void Machine::switch_off(Outcome why) {
 
 void Machine::forget_home() {
   calibrated_ = false;
-  has_moved_ = false;
+  last_move_type_ = 0;
 }
 
 }  // namespace beatrix
@@ -1602,7 +1633,9 @@ void Machine::answer() {
   uint8_t payload[Ack::SIZE];
   ack.write(payload);
   send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
-  if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
+  if (ack.error == ERROR_OK && (receiver_.type() == FRAME_MOVE || receiver_.type() == FRAME_MOVE_STRAIGHT)) {
+    move(receiver_.type(), receiver_.payload(), receiver_.size());
+  }
 }
 
 // Without a host there is no heartbeat: a program that opens the board itself only speaks when it wants something.
@@ -1741,9 +1774,9 @@ void Motion::survey(const Move &move, uint32_t todo[ARMS], bool *resting) const 
   *resting = !moving_;
 }
 
-void Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
+void Motion::plan(const Move &move, bool straight, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
   for (uint8_t i = 0; i < ARMS; i++) plan->target[i] = move.target[i];
-  if (move.flags & MOVE_STRAIGHT) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
+  if (straight) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
   for (uint8_t i = 0; i < ARMS; i++) set_full_ramp(from_quarters(move.speed[i]), &plan->ramp[i]);
 }
 
@@ -2127,10 +2160,9 @@ void TextPort::begin_move(Machine &machine) {
   if (limit != WITHIN_REACH) warn(limit);
   Move move = Move();
   for (uint8_t i = 0; i < ARMS; i++) move.target[i] = int16_t(target[i]);
-  move.flags = MOVE_STRAIGHT;
   move.motion = TEXT_MOTION;
   move.speed[0] = uint16_t(TEXT_SPEED);
-  machine.go(move);
+  machine.go(move, true);
   phase_ = MOVING;
 }
 

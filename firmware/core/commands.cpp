@@ -7,9 +7,14 @@ namespace beatrix {
 
 static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "no arm within the guard is further from their mean than a turn");
 
+static bool known(uint8_t type) {
+  return (type >= FRAME_HELLO && type <= FRAME_TEXT_OPEN) || type == FRAME_MOVE_STRAIGHT;
+}
+
 static bool fits(uint8_t type, uint8_t size) {
   switch (type) {
     case FRAME_MOVE: return size == Move::SIZE;
+    case FRAME_MOVE_STRAIGHT: return size == MoveStraight::SIZE;
     case FRAME_ENABLE: return size == Enable::SIZE;
     case FRAME_SET_NAME: return size == SetName::SIZE;
     default: return size == 0;
@@ -17,10 +22,11 @@ static bool fits(uint8_t type, uint8_t size) {
 }
 
 Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
-  if (type < FRAME_HELLO || type > FRAME_TEXT_OPEN) return ERROR_UNKNOWN;
+  if (!known(type)) return ERROR_UNKNOWN;
   if (!fits(type, size)) return ERROR_BAD_LENGTH;
   switch (type) {
-    case FRAME_MOVE: return check_move(payload);
+    case FRAME_MOVE:
+    case FRAME_MOVE_STRAIGHT: return check_move(type, payload);
     case FRAME_STOP:
       text_.call_off();
       stop();
@@ -39,31 +45,43 @@ Error Machine::obey(uint8_t type, const uint8_t *payload, uint8_t size) {
   }
 }
 
-Error Machine::check_move(const uint8_t *payload) const {
+// A straight motion's one speed stands for those of all arms.
+static void read_move(uint8_t type, const uint8_t *payload, Move *move) {
+  if (type == FRAME_MOVE) return move->read(payload);
+  MoveStraight straight;
+  straight.read(payload);
+  move->motion = straight.motion;
+  for (uint8_t i = 0; i < ARMS; i++) {
+    move->target[i] = straight.target[i];
+    move->speed[i] = straight.speed;
+  }
+}
+
+Error Machine::check_move(uint8_t type, const uint8_t *payload) const {
   Move wanted;
-  wanted.read(payload);
+  read_move(type, payload, &wanted);
   return check(wanted);
 }
 
 // The answer has been sent before: nothing can refuse the move any more, and planning it takes half a millisecond.
-void Machine::move(const uint8_t *payload) {
-  if (repeated(payload)) return;
+void Machine::move(uint8_t type, const uint8_t *payload, uint8_t size) {
+  if (repeated(type, payload, size)) return;
   Move wanted;
-  wanted.read(payload);
+  read_move(type, payload, &wanted);
   text_.give_way(*this);
-  go(wanted);
-  for (uint8_t i = 0; i < Move::SIZE; i++) last_move_[i] = payload[i];
-  has_moved_ = true;
+  go(wanted, type == FRAME_MOVE_STRAIGHT);
+  for (uint8_t i = 0; i < size; i++) last_move_[i] = payload[i];
+  last_move_type_ = type;
 }
 
-void Machine::go(const Move &move) {
+void Machine::go(const Move &move, bool straight) {
   uint32_t todo[ARMS];
   bool resting;
   {
     TickHeld held;
     motion_.survey(move, todo, &resting);
   }
-  motion_.plan(move, todo, resting, &plan_);
+  motion_.plan(move, straight, todo, resting, &plan_);
   TickHeld held;
   motion_.start(plan_);
   motion_number_ = move.motion;
@@ -77,9 +95,7 @@ void Machine::stop() {
 Error Machine::check(const Move &move) const {
   if (!enabled_) return ERROR_NOT_ENABLED;
   if (!calibrated_) return ERROR_NOT_CALIBRATED;
-  if (move.flags & ~MOVE_STRAIGHT) return ERROR_BAD_VALUE;
-  uint8_t speeds = move.flags & MOVE_STRAIGHT ? 1 : ARMS;
-  for (uint8_t i = 0; i < speeds; i++) {
+  for (uint8_t i = 0; i < ARMS; i++) {
     if (move.speed[i] == 0 || move.speed[i] > SPEED_MAX) return ERROR_SPEED;
   }
   int32_t target[ARMS];
@@ -93,9 +109,9 @@ Error Machine::check(const Move &move) const {
 
 // The host asks again when an answer is lost: the same move under the same number is made once, and is not begun
 // anew after somebody has stopped it.
-bool Machine::repeated(const uint8_t *payload) const {
-  if (!has_moved_) return false;
-  for (uint8_t i = 0; i < Move::SIZE; i++) {
+bool Machine::repeated(uint8_t type, const uint8_t *payload, uint8_t size) const {
+  if (type != last_move_type_) return false;
+  for (uint8_t i = 0; i < size; i++) {
     if (payload[i] != last_move_[i]) return false;
   }
   return true;
@@ -177,7 +193,7 @@ void Machine::switch_off(Outcome why) {
 
 void Machine::forget_home() {
   calibrated_ = false;
-  has_moved_ = false;
+  last_move_type_ = 0;
 }
 
 }  // namespace beatrix

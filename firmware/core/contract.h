@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x1395DE64UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0xF7771E75UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -81,12 +81,13 @@ enum StateBit : uint8_t {
 enum FrameType : uint8_t {
   FRAME_HELLO = 0x01,  // Who is there? Answered with HELLO_REPLY.
   FRAME_PING = 0x02,  // Keep moving. Answered with ACK.
-  FRAME_MOVE = 0x03,  // Go to these step counts; replaces a running motion smoothly. Answered with ACK.
+  FRAME_MOVE = 0x03,  // Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK.
   FRAME_STOP = 0x04,  // Decelerate to rest, stay enabled. Answered with ACK at once.
   FRAME_EMERGENCY_STOP = 0x05,  // Motors off now, latched until ENABLE. Answered with ACK.
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // The present position becomes home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Keep this robot name in non-volatile memory. Answered with ACK.
+  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
   FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
@@ -96,7 +97,6 @@ enum FrameType : uint8_t {
 };
 
 static const uint8_t REPLY_BIT = 0x80;
-static const uint8_t MOVE_STRAIGHT = 1;
 static const uint8_t TEXT_LAST = 1;
 
 // Little-endian access, the same on every processor.
@@ -105,24 +105,21 @@ inline uint32_t get_u32(const uint8_t *p) { return uint32_t(get_u16(p)) | (uint3
 inline void put_u16(uint8_t *p, uint16_t v) { p[0] = uint8_t(v); p[1] = uint8_t(v >> 8); }
 inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p + 2, uint16_t(v >> 16)); }
 
-// Go to these step counts; replaces a running motion smoothly. Answered with ACK.
+// Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK.
 struct Move {
-  static const uint8_t SIZE = 15;
-  uint8_t flags;  // bit 0 STRAIGHT: speed[0] is that of the arm with most to do; the others are slowed so that from rest all start and arrive together. Other bits must be 0.
+  static const uint8_t SIZE = 14;
   uint16_t motion;  // the host's number for it, echoed in TELEMETRY
   int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
-    flags = uint8_t(p[0]);
-    motion = get_u16(p + 1);
-    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 3 + 2 * i));
-    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 9 + 2 * i);
+    motion = get_u16(p + 0);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 2 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) speed[i] = get_u16(p + 8 + 2 * i);
   }
   void write(uint8_t *p) const {
-    p[0] = uint8_t(flags);
-    put_u16(p + 1, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 3 + 2 * i, uint16_t(target[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u16(p + 9 + 2 * i, speed[i]);
+    put_u16(p + 0, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 2 + 2 * i, uint16_t(target[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 8 + 2 * i, speed[i]);
   }
 };
 
@@ -147,6 +144,24 @@ struct SetName {
   }
   void write(uint8_t *p) const {
     for (uint8_t i = 0; i < 32; i++) p[0 + 1 * i] = uint8_t(name[i]);
+  }
+};
+
+// As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
+struct MoveStraight {
+  static const uint8_t SIZE = 10;
+  uint16_t motion;  // as in MOVE
+  int16_t target[3];  // absolute, from home [microstep]
+  uint16_t speed;  // top speed of the arm with most to do, > 0 [0.25 microstep/s]
+  void read(const uint8_t *p) {
+    motion = get_u16(p + 0);
+    for (uint8_t i = 0; i < 3; i++) target[i] = int16_t(get_u16(p + 2 + 2 * i));
+    speed = get_u16(p + 8);
+  }
+  void write(uint8_t *p) const {
+    put_u16(p + 0, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 2 + 2 * i, uint16_t(target[i]));
+    put_u16(p + 8, speed);
   }
 };
 

@@ -38,7 +38,9 @@ void Machine::answer() {
   uint8_t payload[Ack::SIZE];
   ack.write(payload);
   send(uint8_t(receiver_.type() | REPLY_BIT), receiver_.seq(), payload, Ack::SIZE);
-  if (receiver_.type() == FRAME_MOVE && ack.error == ERROR_OK) move(receiver_.payload());
+  if (ack.error == ERROR_OK && (receiver_.type() == FRAME_MOVE || receiver_.type() == FRAME_MOVE_STRAIGHT)) {
+    move(receiver_.type(), receiver_.payload(), receiver_.size());
+  }
 }
 
 // Without a host there is no heartbeat: a program that opens the board itself only speaks when it wants something.

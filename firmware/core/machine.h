@@ -37,7 +37,7 @@ class Machine {
   Error enable(uint8_t value);
   Error calibrate();
   // Whoever calls this has checked the move.
-  void go(const Move &move);
+  void go(const Move &move, bool straight);
   void stop();
   void say(const char *line, bool last);
   void warn(uint8_t code);
@@ -49,10 +49,10 @@ class Machine {
   void look_for_silence(uint16_t tick, uint16_t silence);
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
-  Error check_move(const uint8_t *payload) const;
+  Error check_move(uint8_t type, const uint8_t *payload) const;
   Error check(const Move &move) const;
-  void move(const uint8_t *payload);
-  bool repeated(const uint8_t *payload) const;
+  void move(uint8_t type, const uint8_t *payload, uint8_t size);
+  bool repeated(uint8_t type, const uint8_t *payload, uint8_t size) const;
   Error set_name(const uint8_t *payload);
   void emergency_stop();
   void switch_off(Outcome why);
@@ -70,6 +70,7 @@ class Machine {
   TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
+  uint8_t last_move_type_ = 0;  // of the frame in last_move_; 0: none was made since home is known
   Telemetry reported_ = Telemetry();
   uint32_t tick_ = 0;
   uint16_t motion_number_ = 0;
@@ -78,7 +79,6 @@ class Machine {
   bool byte_came_ = false;        // since then
   uint8_t telemetry_seq_ = 0;
   uint8_t text_seq_ = 0;
-  bool has_moved_ = false;  // last_move_ holds a move made since home is known
   bool enabled_ = false;
   bool calibrated_ = false;
   bool emergency_ = false;

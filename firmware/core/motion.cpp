@@ -16,9 +16,9 @@ void Motion::survey(const Move &move, uint32_t todo[ARMS], bool *resting) const 
   *resting = !moving_;
 }
 
-void Motion::plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
+void Motion::plan(const Move &move, bool straight, const uint32_t todo[ARMS], bool resting, Plan *plan) const {
   for (uint8_t i = 0; i < ARMS; i++) plan->target[i] = move.target[i];
-  if (move.flags & MOVE_STRAIGHT) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
+  if (straight) return plan_straight(from_quarters(move.speed[0]), todo, resting, plan);
   for (uint8_t i = 0; i < ARMS; i++) set_full_ramp(from_quarters(move.speed[i]), &plan->ramp[i]);
 }
 

@@ -18,7 +18,7 @@ class Motion {
   void survey(const Move &move, uint32_t todo[ARMS], bool *resting) const;
   // Straight: speed[0] is that of the arm with most to do, the others are slowed in proportion; from rest their
   // accelerations are as well, so that all start and arrive together.
-  void plan(const Move &move, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
+  void plan(const Move &move, bool straight, const uint32_t todo[ARMS], bool resting, Plan *plan) const;
   // Takes the place of a running motion.
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason counts.

@@ -177,10 +177,9 @@ void TextPort::begin_move(Machine &machine) {
   if (limit != WITHIN_REACH) warn(limit);
   Move move = Move();
   for (uint8_t i = 0; i < ARMS; i++) move.target[i] = int16_t(target[i]);
-  move.flags = MOVE_STRAIGHT;
   move.motion = TEXT_MOTION;
   move.speed[0] = uint16_t(TEXT_SPEED);
-  machine.go(move);
+  machine.go(move, true);
   phase_ = MOVING;
 }
 

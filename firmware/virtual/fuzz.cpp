@@ -48,13 +48,12 @@ void give_any_frame(Input &input, uint8_t how) {
   uint8_t payload[beatrix::MAX_PAYLOAD];
   uint8_t size = uint8_t(input.next() % (beatrix::MAX_PAYLOAD + 1));
   for (uint8_t i = 0; i < size; i++) payload[i] = input.next();
-  give_frame(uint8_t(how % 11), payload, size);
+  give_frame(uint8_t(how % 13), payload, size);
 }
 
 // A move whose fields are mostly allowed.
 void give_move(Input &input, uint8_t how) {
   beatrix::Move move;
-  move.flags = how & 1;
   move.motion = input.next();
   for (uint8_t i = 0; i < beatrix::ARMS; i++) {
     move.target[i] = int16_t((input.next() - 128) * (how & 2 ? 24 : 3) + (how >> 4));
@@ -62,7 +61,9 @@ void give_move(Input &input, uint8_t how) {
   }
   uint8_t payload[beatrix::Move::SIZE];
   move.write(payload);
-  give_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
+  // A straight one has the first speed only, and is the same otherwise.
+  if (how & 1) give_frame(beatrix::FRAME_MOVE_STRAIGHT, payload, beatrix::MoveStraight::SIZE);
+  else give_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
 }
 
 // Whoever asked, whatever they asked for: no limit is crossed, and no motor turns that is off.

@@ -39,7 +39,6 @@ struct Seen {
 // Targets close to what is allowed: arms close together, or turned far.
 Move any_move(Chance &chance, bool far) {
   Move move;
-  move.flags = uint8_t(chance.between(0, 1));
   int32_t turn = far ? chance.between(2200, 2340) * (chance.between(0, 1) ? 1 : -1) : chance.between(-300, 300);
   int32_t apart = far ? chance.between(1, 500) : chance.between(0, 1) ? 1058 : 529;
   for (uint8_t i = 0; i < ARMS; i++) {
@@ -91,7 +90,7 @@ extern "C" void live(uint32_t seed, uint32_t motions, Seen *seen) {
       bool resting;
       motion.survey(move, todo, &resting);
       Plan plan;
-      motion.plan(move, todo, resting, &plan);
+      motion.plan(move, chance.between(0, 1), todo, resting, &plan);
       motion.start(plan);
     }
     if (chance.between(0, 9) == 0) motion.brake(OUTCOME_STOPPED);

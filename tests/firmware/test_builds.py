@@ -15,7 +15,7 @@ from dialogue import DIALOGUES, read, wanted
 from program import BYTE_MS, Program
 from rig import ROOT, SPEED_MAX, Core, HostFirmware
 
-from beatrix_zenoh._generated.serial import CONTRACT, Enable, FrameType, HelloReply, Move
+from beatrix_zenoh._generated.serial import CONTRACT, Enable, FrameType, HelloReply, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
@@ -104,12 +104,13 @@ def script(core: Core, seed: int) -> bytes:
     chance = random.Random(seed)
     said = [core.transmit()]
     for seq in range(1, 250):
-        target = tuple(chance.randint(-600, 600) for _ in range(3))
-        speed = tuple(chance.randint(1, SPEED_MAX) for _ in range(3))
-        move = Move(chance.randint(0, 1), seq, target, speed).pack()  # type: ignore[arg-type]
+        target = chance.randint(-600, 600), chance.randint(-600, 600), chance.randint(-600, 600)
+        top = [chance.randint(1, SPEED_MAX) for _ in range(3)]
+        straight = chance.randint(0, 1)
+        move = MoveStraight(seq, target, top[0]) if straight else Move(seq, target, (top[0], top[1], top[2]))
         data = chance.choices(
             [
-                encode(FrameType.MOVE, seq, move),
+                encode(move.kind, seq, move.pack()),
                 encode(FrameType.STOP, seq, b""),
                 encode(FrameType.ENABLE, seq, Enable(chance.randint(0, 1)).pack()),
                 encode(FrameType.CALIBRATE, seq, b""),

@@ -178,35 +178,48 @@ def test_a_bad_name_is_refused_and_changes_nothing(name: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "speed", "flags", "error"),
+    ("target", "speed", "error"),
     [
-        ((0, 0, 0), (1, SPEED_MAX, 1), 0, Error.OK),
-        ((0, 0, 0), (0, 1, 1), 0, Error.SPEED),
-        ((0, 0, 0), (1, 1, 0), 0, Error.SPEED),
-        ((0, 0, 0), (SPEED_MAX + 1, 1, 1), 1, Error.SPEED),
-        ((0, 0, 0), (1, 0, 65535), 1, Error.OK),
-        ((0, 0, 0), (1, 1, 1), 2, Error.BAD_VALUE),
-        ((32767, 0, 0), (1, 1, 1), 0, Error.GAP),
-        ((0, -32768, 0), (1, 1, 1), 0, Error.GAP),
-        ((32767, 32767, 32767), (1, 1, 1), 0, Error.YAW),
-        ((-32768, -32768, -32768), (1, 1, 1), 0, Error.YAW),
-        ((529, -529, 0), (1, 1, 1), 0, Error.OK),
-        ((530, -529, 0), (1, 1, 1), 0, Error.GAP),
-        ((0, 529, -529), (1, 1, 1), 0, Error.OK),
-        ((0, 529, -530), (1, 1, 1), 0, Error.GAP),
-        ((-529, 0, 529), (1, 1, 1), 0, Error.OK),
-        ((-529, 0, 530), (1, 1, 1), 0, Error.GAP),
-        ((2324, 2325, 2325), (1, 1, 1), 0, Error.OK),
-        ((2325, 2325, 2325), (1, 1, 1), 0, Error.YAW),
-        ((-2325, -2325, -2325), (1, 1, 1), 0, Error.YAW),
+        ((0, 0, 0), (1, SPEED_MAX, 1), Error.OK),
+        ((0, 0, 0), (0, 1, 1), Error.SPEED),
+        ((0, 0, 0), (1, 1, 0), Error.SPEED),
+        ((0, 0, 0), (SPEED_MAX + 1, 1, 1), Error.SPEED),
+        ((32767, 0, 0), (1, 1, 1), Error.GAP),
+        ((0, -32768, 0), (1, 1, 1), Error.GAP),
+        ((32767, 32767, 32767), (1, 1, 1), Error.YAW),
+        ((-32768, -32768, -32768), (1, 1, 1), Error.YAW),
+        ((529, -529, 0), (1, 1, 1), Error.OK),
+        ((530, -529, 0), (1, 1, 1), Error.GAP),
+        ((0, 529, -529), (1, 1, 1), Error.OK),
+        ((0, 529, -530), (1, 1, 1), Error.GAP),
+        ((-529, 0, 529), (1, 1, 1), Error.OK),
+        ((-529, 0, 530), (1, 1, 1), Error.GAP),
+        ((2324, 2325, 2325), (1, 1, 1), Error.OK),
+        ((2325, 2325, 2325), (1, 1, 1), Error.YAW),
+        ((-2325, -2325, -2325), (1, 1, 1), Error.YAW),
     ],
 )
 def test_moves_that_cannot_be_are_refused(
-    ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], flags: int, error: Error
+    ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], error: Error
 ) -> None:
-    payload = bytes([flags, 1, 0]) + b"".join(t.to_bytes(2, "little", signed=True) for t in target)
-    payload += b"".join(s.to_bytes(2, "little") for s in speed)
-    assert ready.ask(FrameType.MOVE, payload) == error
+    assert ready.move(target, speed) == error
+    assert bool(ready.state & State.MOVING) == (error == Error.OK)
+
+
+@pytest.mark.parametrize(
+    ("target", "speed", "error"),
+    [
+        ((0, 0, 0), SPEED_MAX, Error.OK),
+        ((0, 0, 0), 0, Error.SPEED),
+        ((0, 0, 0), SPEED_MAX + 1, Error.SPEED),
+        ((530, -529, 0), 1, Error.GAP),
+        ((2325, 2325, 2325), 1, Error.YAW),
+    ],
+)
+def test_straight_moves_that_cannot_be_are_refused(
+    ready: Rig, target: tuple[int, int, int], speed: int, error: Error
+) -> None:
+    assert ready.move(target, speed, straight=True) == error
     assert bool(ready.state & State.MOVING) == (error == Error.OK)
 
 
@@ -219,6 +232,15 @@ def test_a_repeated_move_is_made_once(ready: Rig) -> None:
     assert ready.steps == other.steps
     ready.run()
     assert (ready.steps, ready.outcome) == ((300, -100, 7), Outcome.DONE)
+
+
+def test_a_straight_move_under_the_number_of_another_is_no_repetition(ready: Rig) -> None:
+    ready.move((300, 300, 300), 800, motion=5)
+    ready.ask(FrameType.STOP)
+    ready.run()
+    assert ready.move((300, 300, 300), 800, straight=True, motion=5) == Error.OK
+    ready.run()
+    assert (ready.steps, ready.outcome) == ((300, 300, 300), Outcome.DONE)
 
 
 def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:

@@ -11,7 +11,7 @@ from avr.mega import Mega
 from numpy.typing import NDArray
 from rig import SPEED_MAX, Rig, Steps
 
-from beatrix_zenoh._generated.serial import FrameType, Move
+from beatrix_zenoh._generated.serial import FrameType, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
@@ -33,7 +33,9 @@ def script(seed: int) -> dict[int, bytes]:
         around = chance.randint(-300, 300)
         target = (around, around + chance.randint(-200, 200), around + chance.randint(-200, 200))
         speed = (SPEED_MAX, chance.randint(500, SPEED_MAX), chance.randint(500, SPEED_MAX))
-        move = encode(FrameType.MOVE, 1, Move(chance.randint(0, 1), ms, target, speed).pack())
+        straight = chance.randint(0, 1)
+        wanted = MoveStraight(ms, target, speed[0]) if straight else Move(ms, target, speed)
+        move = encode(wanted.kind, 1, wanted.pack())
         frames[ms] = chance.choice([move, move, move, encode(FrameType.STOP, 2, b"")])
         ms += chance.choice([chance.randint(5, 40), chance.randint(40, 300)])
     frames[STOP_MS] = encode(FrameType.STOP, 3, b"")

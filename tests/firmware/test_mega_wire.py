@@ -12,7 +12,7 @@ from rig import damaged
 from beatrix_zenoh._generated.serial import Error, FrameType, Move, State
 from beatrix_zenoh.board.link import encode
 
-MOVE = encode(FrameType.MOVE, 7, Move(0, 513, (100, -200, 300), (1400, 1400, 1400)).pack())
+MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
 
 
 def test_of_3000_damaged_moves_none_is_acted_on_and_the_next_frame_is_served() -> None:

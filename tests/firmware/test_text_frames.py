@@ -13,7 +13,7 @@ from beatrix_zenoh._generated.serial import (
     Enable,
     Error,
     FrameType,
-    Move,
+    MoveStraight,
     TextWarning,
     WarningCode,
 )
@@ -186,7 +186,7 @@ def test_whatever_comes_every_known_line_is_answered_and_frames_keep_working(see
                 encode(FrameType.STOP, 1, b""),
                 encode(FrameType.ENABLE, 1, Enable(chance.randint(0, 1)).pack()),
                 encode(
-                    FrameType.MOVE, 1, Move(1, 5, (chance.randint(-300, 300), 0, 0), (900, 900, 900)).pack()
+                    FrameType.MOVE_STRAIGHT, 1, MoveStraight(5, (chance.randint(-300, 300), 0, 0), 900).pack()
                 ),
                 b"@MOVRX %d\r" % chance.randint(-300, 300),
                 b"@STOPALL\r",

@@ -12,7 +12,7 @@ from program import Program
 from rig import ARM_SPACING, ARM_TURN, GAP_MIN, YAW_SUM_MAX, Steps, least_gap
 
 from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import FrameType, Move, Outcome, WarningCode
+from beatrix_zenoh._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
 from beatrix_zenoh.drive import Gear
 from beatrix_zenoh.kinematics import Neck
 
@@ -151,11 +151,11 @@ def test_along_the_limit_of_the_turn_the_guard_is_not_met(framed: Program, way: 
     assert framed.position == tuple(a + b for a, b in zip(before, way, strict=True))
 
 
-TOO_FAR_OUT = Move(1, 5, (400, -600, 400), (2000, 2000, 2000)).pack()
+TOO_FAR_OUT = MoveStraight(5, (400, -600, 400), 2000).pack()
 
 
 def test_from_beyond_the_limit_only_ways_back_are_open(framed: Program) -> None:
-    framed.frame(FrameType.MOVE, TOO_FAR_OUT)
+    framed.frame(FrameType.MOVE_STRAIGHT, TOO_FAR_OUT)
     framed.tick(3000)
     assert framed.core.steps() == (400, -600, 400)
     assert not allowed(framed.core.steps())

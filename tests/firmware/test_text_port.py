@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from program import Program
 
-from beatrix_zenoh._generated.serial import Enable, FrameType, Move, Outcome, State, WarningCode
+from beatrix_zenoh._generated.serial import Enable, FrameType, MoveStraight, Outcome, State, WarningCode
 from beatrix_zenoh.board.virtual import Firmware
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED = [ACK, ACK], [ACK, NACK]
-TO_ORIGIN = Move(1, 7, (0, 0, 0), (4000, 4000, 4000)).pack()
+TO_ORIGIN = MoveStraight(7, (0, 0, 0), 4000).pack()
 
 
 @pytest.fixture
@@ -64,7 +64,7 @@ def test_calnow_tells_the_machine_its_home_if_it_has_none(framed: Program) -> No
 def test_calnow_leaves_a_known_home_alone(framed: Program) -> None:
     framed.ready().run("@MOVRALL 100 100 100")
     framed.say("@ENMOTORS ON", "@CALNOW")
-    framed.frame(FrameType.MOVE, TO_ORIGIN)
+    framed.frame(FrameType.MOVE_STRAIGHT, TO_ORIGIN)
     framed.tick(2000)
     assert framed.core.steps() == (0, 0, 0)
     assert framed.position == (-100, -100, -100)
@@ -130,7 +130,7 @@ def test_an_emergency_is_not_ended_by_text(framed: Program) -> None:
     assert framed.run("@MOVRX 10") == DONE
 
 
-MOVE_ELSEWHERE = (FrameType.MOVE, TO_ORIGIN)
+MOVE_ELSEWHERE = (FrameType.MOVE_STRAIGHT, TO_ORIGIN)
 STOP = (FrameType.STOP, b"")
 EMERGENCY = (FrameType.EMERGENCY_STOP, b"")
 OFF = (FrameType.ENABLE, b"\0")
@@ -161,7 +161,7 @@ def test_a_move_that_has_arrived_is_done_though_the_host_moves_on_at_once(framed
     framed.ready()
     framed.send(b"@MOVRX 1\r")
     framed.core.tick(1)
-    framed.frame(FrameType.MOVE, TO_ORIGIN)
+    framed.frame(FrameType.MOVE_STRAIGHT, TO_ORIGIN)
     framed.tick(200)
     assert framed.new() == DONE
     assert framed.core.steps() == (0, 0, 0)
@@ -169,7 +169,7 @@ def test_a_move_that_has_arrived_is_done_though_the_host_moves_on_at_once(framed
 
 def test_a_text_move_replaces_the_hosts_and_says_so_by_its_number(framed: Program) -> None:
     framed.ready()
-    framed.frame(FrameType.MOVE, Move(1, 7, (500, 500, 500), (2000, 2000, 2000)).pack())
+    framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (500, 500, 500), 2000).pack())
     framed.tick(300)
     assert framed.telemetry[-1].motion == 7
     assert framed.run("@MOVHOME") == DONE
@@ -180,7 +180,7 @@ def test_a_text_move_replaces_the_hosts_and_says_so_by_its_number(framed: Progra
 
 def test_stopall_stops_the_hosts_motion_too(framed: Program) -> None:
     framed.ready()
-    framed.frame(FrameType.MOVE, Move(1, 7, (500, 500, 500), (800, 800, 800)).pack())
+    framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (500, 500, 500), 800).pack())
     framed.tick(500)
     assert framed.say("@STOPALL") == [ACK]
     framed.tick(150)
@@ -214,7 +214,7 @@ def test_opening_the_port_makes_the_present_position_0(framed: Program) -> None:
 
 def test_opening_the_port_leaves_the_hosts_motion_alone(framed: Program) -> None:
     framed.ready()
-    framed.frame(FrameType.MOVE, Move(1, 7, (200, 200, 200), (2000, 2000, 2000)).pack())
+    framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (200, 200, 200), 2000).pack())
     framed.frame(FrameType.TEXT_OPEN)
     framed.tick(1000)
     assert framed.core.steps() == (200, 200, 200)

@@ -18,13 +18,15 @@ from beatrix_zenoh._generated.serial import (
     FrameType,
     HelloReply,
     Move,
+    MoveStraight,
     State,
 )
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 
 VECTORS = json.loads((ROOT / "schemas/vectors/serial.json").read_text(encoding="utf-8"))
-MOVE = encode(FrameType.MOVE, 7, Move(0, 513, (100, -200, 300), (1400, 1400, 1400)).pack())
+MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
+STRAIGHT = encode(FrameType.MOVE_STRAIGHT, 7, MoveStraight(513, (100, -200, 300), 1400).pack())
 
 
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda v: f"{v['frame']}-{v['seq']}")
@@ -42,11 +44,12 @@ def test_hello_tells_contract_version_boot_and_name() -> None:
     assert (hello.contract, hello.boot, hello.name.rstrip(b"\0")) == (CONTRACT, 0xDEADBEEF, b"bea-1")
 
 
-def test_of_3000_damaged_moves_none_is_acted_on(ready: Rig) -> None:
-    chance, whole = random.Random(1), MOVE.strip(b"\0")
+@pytest.mark.parametrize("move", [MOVE, STRAIGHT])
+def test_of_3000_damaged_moves_none_is_acted_on(ready: Rig, move: bytes) -> None:
+    chance, whole = random.Random(1), move.strip(b"\0")
     tried = 0
     while tried < 3000:
-        data = damaged(MOVE, chance)
+        data = damaged(move, chance)
         if whole in data.split(b"\0"):
             continue  # only the delimiters were hit: the frame is as it was
         tried += 1
@@ -82,7 +85,7 @@ def test_every_request_is_answered_once(kind: int, payload: bytes) -> None:
     assert (reply.type, reply.seq) == (kind | 0x80, 77)
 
 
-@pytest.mark.parametrize("kind", [0x00, 0x0A, 0x3F])
+@pytest.mark.parametrize("kind", [0x00, 0x0A, 0x0C, 0x3F])
 def test_an_unknown_type_is_called_unknown(rig: Rig, kind: int) -> None:
     (reply,) = rig.raw(encode(kind, 1, b"?"))
     assert reply.payload == bytes([Error.UNKNOWN])

@@ -30,8 +30,8 @@ class LazyPort:
 
     def write(self, data: bytes) -> None:
         for frame in self._decoder.feed(data):
-            if self.lazy and frame.type == FrameType.MOVE:
-                self._said += encode(FrameType.MOVE | FrameType.ACK, frame.seq, b"\0")
+            if self.lazy and frame.type in (FrameType.MOVE, FrameType.MOVE_STRAIGHT):
+                self._said += encode(frame.type | FrameType.ACK, frame.seq, b"\0")
             else:
                 self._port.write(encode(frame.type, frame.seq, frame.payload))
 

@@ -173,7 +173,7 @@ def test_two_callers_at_once_get_their_own_answers(tmp_path: Path) -> None:
                 for _ in range(100):
                     board.request(kind)
 
-            move = Move(0, 1, (100, 100, 100), (800, 800, 800)).pack()
+            move = Move(1, (100, 100, 100), (800, 800, 800)).pack()
             with ThreadPoolExecutor() as callers:
                 asked = [
                     callers.submit(refused, FrameType.MOVE, move, Reason.NOT_ENABLED),

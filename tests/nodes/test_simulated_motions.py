@@ -30,7 +30,7 @@ def test_jumps_past_the_node_never_leave_the_home_assembly() -> None:
     for number, target in enumerate(
         [(1000, 0, 0), (-1000, 1000, 0), (2000, 2000, 2000), (0, -1000, 1000)] * 3
     ):
-        move = Move(0, number + 1, target, (4000, 4000, 4000))
+        move = Move(number + 1, target, (4000, 4000, 4000))
         bench.firmware.receive(encode(FrameType.MOVE, number + 1, move.pack()))
         for _ in range(4):  # the next jump comes in mid-move
             bench.firmware.receive(encode(FrameType.PING, 200, b""))

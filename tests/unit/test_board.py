@@ -10,7 +10,16 @@ import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, State, Telemetry, Text, TextWarning
+from beatrix_zenoh._generated.serial import (
+    Error,
+    FrameType,
+    HelloReply,
+    MoveStraight,
+    State,
+    Telemetry,
+    Text,
+    TextWarning,
+)
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
@@ -123,7 +132,7 @@ def test_two_callers_at_once_never_get_each_others_answer(rig: Rig) -> None:
 
 def test_the_firmwares_refusal_keeps_its_reason(rig: Rig) -> None:
     with pytest.raises(Refused, match="motors are off") as refusal:
-        rig.board.move(1, (0, 0, 0), (400, 400, 400), straight=True)
+        rig.board.move(MoveStraight(1, (0, 0, 0), 400))
     assert refusal.value.reason is Reason.NOT_ENABLED
 
 
@@ -146,7 +155,7 @@ def test_firmware_of_another_contract_is_named_and_not_moved(rig: Rig) -> None:
 def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(7, (500, 500, 500), (400, 400, 400), straight=True)
+    rig.board.move(MoveStraight(7, (500, 500, 500), 400))
     stranger = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
     rig.port.forged = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
     while rig.board.link.understood:
@@ -159,7 +168,7 @@ def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
 def test_text_is_no_heartbeat(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(7, (500, 500, 500), (1600, 1600, 1600), straight=True)
+    rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
     while not rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.02):
         rig.board.send_text(b"@GETXPOS")
     assert rig.heard[-1].position == (500, 500, 500)
@@ -242,5 +251,5 @@ def test_a_reset_board_is_noticed_by_its_boot_number(rig: Rig) -> None:
 def test_the_heartbeat_keeps_an_idle_host_moving(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(7, (500, 500, 500), (1600, 1600, 1600), straight=True)
+    rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
     assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)

@@ -7,7 +7,7 @@ import pytest
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Enable, FrameType, Move
+from beatrix_zenoh._generated.serial import Enable, FrameType, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.drive import Arms, Gear
@@ -19,13 +19,12 @@ from sim_node.preview import SAMPLES_MAX, run_ahead
 
 GEAR = Gear()
 NECK = Neck()
-STRAIGHT = 1
 NODDED = NECK.inverse(0.3, 0.35, 0.0)
 
 
-def move_to(arms: Arms, speed: float = 30.0) -> Move:
+def move_to(arms: Arms, speed: float = 30.0) -> MoveStraight:
     """A straight motion of the arms (rad) at a speed (deg/s)."""
-    return Move(STRAIGHT, 7, GEAR.to_steps(arms), GEAR.speed_to_quarters([math.radians(speed)] * 3))
+    return MoveStraight(7, GEAR.to_steps(arms), GEAR.speed_to_quarters([math.radians(speed)] * 3)[0])
 
 
 def ready() -> tuple[Plant, Firmware]:
@@ -51,7 +50,7 @@ def copy_of(firmware: Firmware) -> Firmware:
     return other
 
 
-def preview(move: Move) -> Preview:
+def preview(move: Move | MoveStraight) -> Preview:
     return run_ahead(*ready(), move)
 
 
@@ -103,7 +102,7 @@ def test_a_preview_moves_nothing() -> None:
 def test_a_preview_tells_what_then_happens() -> None:
     plant, firmware = ready()
     seen = run_ahead(plant.copy(), copy_of(firmware), move_to(NODDED))
-    firmware.receive(encode(FrameType.MOVE, 3, move_to(NODDED).pack()))
+    firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     for arms, head in zip(seen.arms, seen.head, strict=True):
         assert plant.arms() == pytest.approx(arms, abs=1e-9)
         assert plant.head() == pytest.approx(head, abs=1e-9)
@@ -113,7 +112,7 @@ def test_a_preview_tells_what_then_happens() -> None:
 
 def test_a_preview_starts_from_a_motion_under_way() -> None:
     plant, firmware = ready()
-    firmware.receive(encode(FrameType.MOVE, 3, move_to(NODDED).pack()))
+    firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     pass_time(plant, firmware, 300)
     seen = run_ahead(plant.copy(), copy_of(firmware), move_to((0.0, 0.0, 0.0)))
     assert seen.arms[0] == plant.arms()
@@ -132,7 +131,7 @@ def test_a_motion_that_the_guard_would_stop_is_refused() -> None:
     half_turn = math.radians(170)
     speeds = GEAR.speed_to_quarters([math.radians(speed) for speed in (80.0, 10.0, 10.0)])
     with pytest.raises(Refused, match="too close") as refusal:
-        preview(Move(0, 7, GEAR.to_steps([half_turn] * 3), speeds))
+        preview(Move(7, GEAR.to_steps([half_turn] * 3), speeds))
     assert refusal.value.reason is Reason.ARM_GAP
 
 

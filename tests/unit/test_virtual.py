@@ -40,7 +40,7 @@ def telemetry(data: bytes) -> list[Telemetry]:
 def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1) -> None:
     firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
     firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
-    firmware.receive(encode(FrameType.MOVE, 3, Move(0, motion, target, SPEED).pack()))
+    firmware.receive(encode(FrameType.MOVE, 3, Move(motion, target, SPEED).pack()))
 
 
 def test_a_board_says_nothing_before_it_is_spoken_to() -> None:
