@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import ctypes
 import os
 import random
 import select
@@ -39,6 +40,8 @@ ASKED_SLICE_S, ASKED_S = 0.0001, 0.005
 CATCH_UP: Final = 20 * CYCLES_PER_MS
 """Cycles in one go after this process has had to wait: control lines still get through."""
 SPOILT: Final = 0.01
+PR_SET_TIMERSLACK: Final = 29
+"""linux/prctl.h; ns."""
 WORDS: Final = ("reset", "freeze", "go", "unplug", "plug", "noise", "quiet", "swallow", "quit")
 
 
@@ -147,6 +150,7 @@ class Live:
 
     def run(self) -> None:
         """Until it is told to quit."""
+        ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1)  # otherwise each slice ends 0.05 ms late
         next_s = time.monotonic()
         while self._running:
             now = time.monotonic()
