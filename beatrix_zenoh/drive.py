@@ -29,10 +29,6 @@ class Gear:
         x, y, z = (count / scale for count, scale in zip(steps, self._steps_per_rad, strict=True))
         return x, y, z
 
-    def quarters_to_rad(self, quarters: Sequence[int]) -> Arms:
-        """Velocities of TELEMETRY, quarter microsteps per second, in rad/s."""
-        return self.to_rad([value / 4 for value in quarters])
-
     def speed_to_quarters(self, speeds: Sequence[float]) -> tuple[int, int, int]:
         """Speeds in rad/s as quarter microsteps per second, the unit of MOVE; at least 1."""
         x, y, z = (

@@ -30,7 +30,7 @@ class Hardware:
 
     def pose(self, telemetry: Telemetry) -> Pose:
         """Arms as the firmware counts: the robot has no angle sensors."""
-        return Pose(self._gear.to_rad(telemetry.position), self._gear.quarters_to_rad(telemetry.velocity))
+        return Pose(self._gear.to_rad(telemetry.position), self._gear.to_rad(telemetry.velocity))
 
     def straighten(self) -> None:
         """A person has set the head upright before."""

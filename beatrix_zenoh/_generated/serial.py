@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0xF7771E75
+CONTRACT: Final = 0x651C773B
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -21,6 +21,8 @@ MAX_PAYLOAD: Final = 56
 """longest payload [byte]"""
 TELEMETRY_PERIOD: Final = 10
 """TELEMETRY is sent this often, and at once when a motion ends or the state changes [ms]"""
+TELEMETRY_PATIENCE: Final = 2
+"""TELEMETRY lets a frame that is coming in go first, at most for this long after its period [ms]"""
 HEARTBEAT_TIMEOUT: Final = 500
 """without any valid frame for this long while moving, the firmware stops the arms [ms]"""
 HEARTBEAT_PERIOD: Final = 200
@@ -212,7 +214,7 @@ class FrameType(IntEnum):
     ACK = 0x80
     """Answer to everything else; its type on the wire is the request's type | 0x80."""
     TELEMETRY = 0xC0
-    """Unasked while there is a host, every telemetry_period and at once on a change. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them."""
     TEXT = 0xC1
     """One line of the answer to a line of text. seq counts them, together with TEXT_WARNING."""
     TEXT_WARNING = 0xC2
@@ -395,18 +397,18 @@ class Ack(NamedTuple):
         return cls(values[0])
 
 
-_TELEMETRY: Final = Struct("<IIBBH3i3iH")
+_TELEMETRY: Final = Struct("<HHBBH3h3hH")
 TELEMETRY_SIZE: Final = _TELEMETRY.size
 """Payload bytes of TELEMETRY."""
 
 
 class Telemetry(NamedTuple):
-    """Unasked while there is a host, every telemetry_period and at once on a change. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them."""
 
     tick: int
-    """since start [ms]"""
+    """since start, modulo 65536 [ms]"""
     boot: int
-    """as in HELLO_REPLY: a change means the board was reset"""
+    """as in HELLO_REPLY, modulo 65536: a change means the board was reset"""
     state: int
     """state bits"""
     outcome: int
@@ -416,7 +418,7 @@ class Telemetry(NamedTuple):
     position: tuple[int, int, int]
     """steps made [microstep]"""
     velocity: tuple[int, int, int]
-    """of the set points [0.25 microstep/s]"""
+    """of the set points [microstep/s]"""
     rejected: int
     """frames thrown away since start"""
 

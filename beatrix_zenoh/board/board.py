@@ -271,7 +271,7 @@ class Board:
     def _receive(self, frame: Frame) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
             telemetry = Telemetry.unpack(frame.payload)
-            if self._hello is None or telemetry.boot != self._hello.boot:
+            if self._hello is None or telemetry.boot != self._hello.boot % 2**16:
                 self._set_connected(connected=False)  # another board, or it was reset: greet it first
                 return
             with self._news:

@@ -59,7 +59,7 @@ class Course:
             Refused: OUT_OF_REACH, ARM_GAP, YAW_LIMIT, SPEED_LIMIT or BAD_VALUE.
         """
         start = self.gear.to_rad(telemetry.position)
-        velocity = self.gear.quarters_to_rad(telemetry.velocity)
+        velocity = self.gear.to_rad(telemetry.velocity)
         straight = isinstance(query, PoseQuery)
         if isinstance(query, PoseQuery):
             target = self._arms_of(query, start)

@@ -23,7 +23,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0xF7771E75UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0x651C773BUL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -32,6 +32,7 @@ static const uint32_t BAUD = 250000;  // bit/s: exact on a 16 MHz AVR
 static const uint16_t MAX_ENCODED = 62;  // byte: longest COBS block, without the two delimiters
 static const uint16_t MAX_PAYLOAD = 56;  // byte: longest payload
 static const uint16_t TELEMETRY_PERIOD = 10;  // ms: TELEMETRY is sent this often, and at once when a motion ends or the state changes
+static const uint16_t TELEMETRY_PATIENCE = 2;  // ms: TELEMETRY lets a frame that is coming in go first, at most for this long after its period
 static const uint16_t HEARTBEAT_TIMEOUT = 500;  // ms: without any valid frame for this long while moving, the firmware stops the arms
 static const uint16_t HEARTBEAT_PERIOD = 200;  // ms: the host sends something at least this often
 static const uint16_t REPLY_TIMEOUT = 100;  // ms: then the host asks again
@@ -107,7 +108,7 @@ enum FrameType : uint8_t {
   FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
   FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
   FRAME_TEXT_WARNING = 0xC2,  // What the old protocol has no words for. Sent once for several of a kind in quick succession.
 };
@@ -214,36 +215,36 @@ struct Ack {
   }
 };
 
-// Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+// Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
 struct Telemetry {
-  static const uint8_t SIZE = 38;
-  uint32_t tick;  // since start [ms]
-  uint32_t boot;  // as in HELLO_REPLY: a change means the board was reset
+  static const uint8_t SIZE = 22;
+  uint16_t tick;  // since start, modulo 65536 [ms]
+  uint16_t boot;  // as in HELLO_REPLY, modulo 65536: a change means the board was reset
   uint8_t state;  // state bits
   uint8_t outcome;  // how the last motion ended
   uint16_t motion;  // number of the running or last motion; text_motion: the text port's
-  int32_t position[3];  // steps made [microstep]
-  int32_t velocity[3];  // of the set points [0.25 microstep/s]
+  int16_t position[3];  // steps made [microstep]
+  int16_t velocity[3];  // of the set points [microstep/s]
   uint16_t rejected;  // frames thrown away since start
   void read(const uint8_t *p) {
-    tick = get_u32(p + 0);
-    boot = get_u32(p + 4);
-    state = uint8_t(p[8]);
-    outcome = uint8_t(p[9]);
-    motion = get_u16(p + 10);
-    for (uint8_t i = 0; i < 3; i++) position[i] = int32_t(get_u32(p + 12 + 4 * i));
-    for (uint8_t i = 0; i < 3; i++) velocity[i] = int32_t(get_u32(p + 24 + 4 * i));
-    rejected = get_u16(p + 36);
+    tick = get_u16(p + 0);
+    boot = get_u16(p + 2);
+    state = uint8_t(p[4]);
+    outcome = uint8_t(p[5]);
+    motion = get_u16(p + 6);
+    for (uint8_t i = 0; i < 3; i++) position[i] = int16_t(get_u16(p + 8 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) velocity[i] = int16_t(get_u16(p + 14 + 2 * i));
+    rejected = get_u16(p + 20);
   }
   void write(uint8_t *p) const {
-    put_u32(p + 0, tick);
-    put_u32(p + 4, boot);
-    p[8] = uint8_t(state);
-    p[9] = uint8_t(outcome);
-    put_u16(p + 10, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 12 + 4 * i, uint32_t(position[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 24 + 4 * i, uint32_t(velocity[i]));
-    put_u16(p + 36, rejected);
+    put_u16(p + 0, tick);
+    put_u16(p + 2, boot);
+    p[4] = uint8_t(state);
+    p[5] = uint8_t(outcome);
+    put_u16(p + 6, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 8 + 2 * i, uint16_t(position[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 14 + 2 * i, uint16_t(velocity[i]));
+    put_u16(p + 20, rejected);
   }
 };
 
@@ -374,9 +375,9 @@ inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE
 inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
 inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
 
-// Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
+// Quarter microsteps per second to microsteps per tick, 2^40 / 4000; and to microsteps per second, 1000 / 2^40 rounded.
 inline Fine from_quarters(uint16_t speed) { return Fine(0, 274877907) * speed; }
-inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
+inline int16_t to_rate(const Fine &speed) { return int16_t(Fine(speed.whole() * 125 + (int64_t(1) << 36)).high >> 5); }
 
 // Proportions: 32 binary places, from 0 to WHOLE.
 static const uint64_t WHOLE = uint64_t(1) << 32;
@@ -646,6 +647,8 @@ class Receiver {
   Got take(uint8_t byte);
   // Nothing came for so long that what has begun will not end.
   void give_up();
+  // A frame has begun and may still become one.
+  bool in_frame() const { return mode_ == BLANK || mode_ == BLOCK; }
 
   uint8_t type() const { return body_[0]; }
   uint8_t seq() const { return body_[1]; }
@@ -1106,6 +1109,7 @@ class Machine {
   void answer();
   bool has_host() const;
   void look_for_silence(uint16_t tick, uint16_t silence);
+  bool answers_soon(uint16_t tick) const;
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(uint8_t type, const uint8_t *payload) const;
@@ -1479,7 +1483,7 @@ Got Receiver::take(uint8_t byte) {
 }
 
 void Receiver::give_up() {
-  if (mode_ == BLANK || mode_ == BLOCK || mode_ == BROKEN) rejected_++;
+  if (in_frame() || mode_ == BROKEN) rejected_++;
   mode_ = BETWEEN;
 }
 
@@ -1658,7 +1662,13 @@ void Machine::poll() {
   }
   look_for_silence(tick, silence);
   text_.poll(*this);
-  if (silence < HOST_GONE) report();
+  if (silence < HOST_GONE && !answers_soon(tick)) report();
+}
+
+// Behind a TELEMETRY that has just begun an answer would have to wait for longer than its question takes.
+bool Machine::answers_soon(uint16_t tick) const {
+  return receiver_.in_frame() && uint16_t(tick - byte_tick_) <= 1 &&
+         uint16_t(tick - reported_.tick) < TELEMETRY_PERIOD + TELEMETRY_PATIENCE;
 }
 
 void Machine::look_for_silence(uint16_t tick, uint16_t silence) {
@@ -1690,20 +1700,20 @@ void Machine::report() {
 bool Machine::has_news() const {
   TickHeld held;
   return state() != reported_.state || motion_.outcome() != reported_.outcome || motion_number_ != reported_.motion ||
-         tick_ - reported_.tick >= TELEMETRY_PERIOD;
+         uint16_t(uint16_t(tick_) - reported_.tick) >= TELEMETRY_PERIOD;
 }
 
 Telemetry Machine::observe() const {
   TickHeld held;
   Telemetry now;
-  now.tick = tick_;
-  now.boot = hal::boot_number();
+  now.tick = uint16_t(tick_);
+  now.boot = uint16_t(hal::boot_number());
   now.state = state();
   now.outcome = motion_.outcome();
   now.motion = motion_number_;
   for (uint8_t i = 0; i < ARMS; i++) {
-    now.position[i] = motion_.axis(i).steps();
-    now.velocity[i] = to_quarters(motion_.axis(i).velocity());
+    now.position[i] = int16_t(motion_.axis(i).steps());
+    now.velocity[i] = to_rate(motion_.axis(i).velocity());
   }
   now.rejected = receiver_.rejected();
   return now;

@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0xF7771E75UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0x651C773BUL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -16,6 +16,7 @@ static const uint32_t BAUD = 250000;  // bit/s: exact on a 16 MHz AVR
 static const uint16_t MAX_ENCODED = 62;  // byte: longest COBS block, without the two delimiters
 static const uint16_t MAX_PAYLOAD = 56;  // byte: longest payload
 static const uint16_t TELEMETRY_PERIOD = 10;  // ms: TELEMETRY is sent this often, and at once when a motion ends or the state changes
+static const uint16_t TELEMETRY_PATIENCE = 2;  // ms: TELEMETRY lets a frame that is coming in go first, at most for this long after its period
 static const uint16_t HEARTBEAT_TIMEOUT = 500;  // ms: without any valid frame for this long while moving, the firmware stops the arms
 static const uint16_t HEARTBEAT_PERIOD = 200;  // ms: the host sends something at least this often
 static const uint16_t REPLY_TIMEOUT = 100;  // ms: then the host asks again
@@ -91,7 +92,7 @@ enum FrameType : uint8_t {
   FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
   FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
   FRAME_TEXT_WARNING = 0xC2,  // What the old protocol has no words for. Sent once for several of a kind in quick succession.
 };
@@ -198,36 +199,36 @@ struct Ack {
   }
 };
 
-// Unasked while there is a host, every telemetry_period and at once on a change. seq counts them.
+// Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
 struct Telemetry {
-  static const uint8_t SIZE = 38;
-  uint32_t tick;  // since start [ms]
-  uint32_t boot;  // as in HELLO_REPLY: a change means the board was reset
+  static const uint8_t SIZE = 22;
+  uint16_t tick;  // since start, modulo 65536 [ms]
+  uint16_t boot;  // as in HELLO_REPLY, modulo 65536: a change means the board was reset
   uint8_t state;  // state bits
   uint8_t outcome;  // how the last motion ended
   uint16_t motion;  // number of the running or last motion; text_motion: the text port's
-  int32_t position[3];  // steps made [microstep]
-  int32_t velocity[3];  // of the set points [0.25 microstep/s]
+  int16_t position[3];  // steps made [microstep]
+  int16_t velocity[3];  // of the set points [microstep/s]
   uint16_t rejected;  // frames thrown away since start
   void read(const uint8_t *p) {
-    tick = get_u32(p + 0);
-    boot = get_u32(p + 4);
-    state = uint8_t(p[8]);
-    outcome = uint8_t(p[9]);
-    motion = get_u16(p + 10);
-    for (uint8_t i = 0; i < 3; i++) position[i] = int32_t(get_u32(p + 12 + 4 * i));
-    for (uint8_t i = 0; i < 3; i++) velocity[i] = int32_t(get_u32(p + 24 + 4 * i));
-    rejected = get_u16(p + 36);
+    tick = get_u16(p + 0);
+    boot = get_u16(p + 2);
+    state = uint8_t(p[4]);
+    outcome = uint8_t(p[5]);
+    motion = get_u16(p + 6);
+    for (uint8_t i = 0; i < 3; i++) position[i] = int16_t(get_u16(p + 8 + 2 * i));
+    for (uint8_t i = 0; i < 3; i++) velocity[i] = int16_t(get_u16(p + 14 + 2 * i));
+    rejected = get_u16(p + 20);
   }
   void write(uint8_t *p) const {
-    put_u32(p + 0, tick);
-    put_u32(p + 4, boot);
-    p[8] = uint8_t(state);
-    p[9] = uint8_t(outcome);
-    put_u16(p + 10, motion);
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 12 + 4 * i, uint32_t(position[i]));
-    for (uint8_t i = 0; i < 3; i++) put_u32(p + 24 + 4 * i, uint32_t(velocity[i]));
-    put_u16(p + 36, rejected);
+    put_u16(p + 0, tick);
+    put_u16(p + 2, boot);
+    p[4] = uint8_t(state);
+    p[5] = uint8_t(outcome);
+    put_u16(p + 6, motion);
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 8 + 2 * i, uint16_t(position[i]));
+    for (uint8_t i = 0; i < 3; i++) put_u16(p + 14 + 2 * i, uint16_t(velocity[i]));
+    put_u16(p + 20, rejected);
   }
 };
 

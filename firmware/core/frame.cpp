@@ -81,7 +81,7 @@ Got Receiver::take(uint8_t byte) {
 }
 
 void Receiver::give_up() {
-  if (mode_ == BLANK || mode_ == BLOCK || mode_ == BROKEN) rejected_++;
+  if (in_frame() || mode_ == BROKEN) rejected_++;
   mode_ = BETWEEN;
 }
 

@@ -23,6 +23,8 @@ class Receiver {
   Got take(uint8_t byte);
   // Nothing came for so long that what has begun will not end.
   void give_up();
+  // A frame has begun and may still become one.
+  bool in_frame() const { return mode_ == BLANK || mode_ == BLOCK; }
 
   uint8_t type() const { return body_[0]; }
   uint8_t seq() const { return body_[1]; }

@@ -63,7 +63,13 @@ void Machine::poll() {
   }
   look_for_silence(tick, silence);
   text_.poll(*this);
-  if (silence < HOST_GONE) report();
+  if (silence < HOST_GONE && !answers_soon(tick)) report();
+}
+
+// Behind a TELEMETRY that has just begun an answer would have to wait for longer than its question takes.
+bool Machine::answers_soon(uint16_t tick) const {
+  return receiver_.in_frame() && uint16_t(tick - byte_tick_) <= 1 &&
+         uint16_t(tick - reported_.tick) < TELEMETRY_PERIOD + TELEMETRY_PATIENCE;
 }
 
 void Machine::look_for_silence(uint16_t tick, uint16_t silence) {
@@ -95,20 +101,20 @@ void Machine::report() {
 bool Machine::has_news() const {
   TickHeld held;
   return state() != reported_.state || motion_.outcome() != reported_.outcome || motion_number_ != reported_.motion ||
-         tick_ - reported_.tick >= TELEMETRY_PERIOD;
+         uint16_t(uint16_t(tick_) - reported_.tick) >= TELEMETRY_PERIOD;
 }
 
 Telemetry Machine::observe() const {
   TickHeld held;
   Telemetry now;
-  now.tick = tick_;
-  now.boot = hal::boot_number();
+  now.tick = uint16_t(tick_);
+  now.boot = uint16_t(hal::boot_number());
   now.state = state();
   now.outcome = motion_.outcome();
   now.motion = motion_number_;
   for (uint8_t i = 0; i < ARMS; i++) {
-    now.position[i] = motion_.axis(i).steps();
-    now.velocity[i] = to_quarters(motion_.axis(i).velocity());
+    now.position[i] = int16_t(motion_.axis(i).steps());
+    now.velocity[i] = to_rate(motion_.axis(i).velocity());
   }
   now.rejected = receiver_.rejected();
   return now;

@@ -47,6 +47,7 @@ class Machine {
   void answer();
   bool has_host() const;
   void look_for_silence(uint16_t tick, uint16_t silence);
+  bool answers_soon(uint16_t tick) const;
   void report();
   Error obey(uint8_t type, const uint8_t *payload, uint8_t size);
   Error check_move(uint8_t type, const uint8_t *payload) const;

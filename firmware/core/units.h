@@ -93,9 +93,9 @@ inline int32_t floor_steps(const Fine &position) { return position.high >> (FINE
 inline bool is_whole(const Fine &position) { return position.low == 0 && uint8_t(position.high) == 0; }
 inline int32_t ceil_steps(const Fine &position) { return floor_steps(position) + (is_whole(position) ? 0 : 1); }
 
-// Quarter microsteps per second to microsteps per tick and back: 2^40 / 4000, and 4000 / 2^40 rounded.
+// Quarter microsteps per second to microsteps per tick, 2^40 / 4000; and to microsteps per second, 1000 / 2^40 rounded.
 inline Fine from_quarters(uint16_t speed) { return Fine(0, 274877907) * speed; }
-inline int32_t to_quarters(const Fine &speed) { return Fine(speed.whole() * 125 + (int64_t(1) << 34)).high >> 3; }
+inline int16_t to_rate(const Fine &speed) { return int16_t(Fine(speed.whole() * 125 + (int64_t(1) << 36)).high >> 5); }
 
 // Proportions: 32 binary places, from 0 to WHOLE.
 static const uint64_t WHOLE = uint64_t(1) << 32;

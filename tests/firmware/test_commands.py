@@ -134,6 +134,12 @@ def test_an_emergency_stops_within_the_same_call(ready: Rig) -> None:
     assert ready.steps == at
 
 
+def test_telemetry_tells_how_fast_each_arm_goes(ready: Rig) -> None:
+    ready.move((400, -400, 0), (1000, 2002, 1000))
+    ready.tick(400)
+    assert ready.last.velocity == (250, -501, 0)  # 500.5 is rounded away from the whole number below
+
+
 def test_switching_off_in_mid_move_is_told(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)

@@ -10,10 +10,12 @@ from rig import Rig
 
 from beatrix_zenoh._generated.serial import (
     HOST_GONE,
+    TELEMETRY_SIZE,
     Enable,
     Error,
     FrameType,
     MoveStraight,
+    Telemetry,
     TextWarning,
     WarningCode,
 )
@@ -47,9 +49,7 @@ def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> No
     firmware.receive(PING)
     firmware.tick(5000)
     frames = Decoder().feed(firmware.transmit())
-    told = [
-        int.from_bytes(frame.payload[:4], "little") for frame in frames if frame.type == FrameType.TELEMETRY
-    ]
+    told = [Telemetry.unpack(frame.payload).tick for frame in frames if frame.type == FrameType.TELEMETRY]
     assert told[0] == 500
     assert 500 + HOST_GONE - 10 <= told[-1] < 500 + HOST_GONE
     firmware.receive(PING)
@@ -57,7 +57,13 @@ def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> No
 
 
 @pytest.mark.parametrize(
-    "data", [b"\0\x05\x02\xff\x70\xcd\0", encode(FrameType.TELEMETRY, 1, bytes(38)), b"@PING\r", b"\0\0\0"]
+    "data",
+    [
+        b"\0\x05\x02\xff\x70\xcd\0",
+        encode(FrameType.TELEMETRY, 1, bytes(TELEMETRY_SIZE)),
+        b"@PING\r",
+        b"\0\0\0",
+    ],
 )
 def test_only_valid_requests_make_a_host(data: bytes) -> None:
     firmware = Firmware()

@@ -13,6 +13,8 @@ from rig import ROOT, Rig, damaged
 from beatrix_zenoh._generated.serial import (
     CONTRACT,
     HOST_GONE,
+    TELEMETRY_PATIENCE,
+    TELEMETRY_PERIOD,
     Ack,
     Error,
     FrameType,
@@ -117,6 +119,31 @@ def test_thrown_away_frames_are_counted(rig: Rig) -> None:
 def test_telemetry_comes_every_ten_milliseconds_and_counts(rig: Rig) -> None:
     rig.tick(100)
     assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
+
+
+def byte_a_millisecond(rig: Rig, data: bytes) -> None:
+    for byte in data:
+        rig.raw(bytes([byte]))
+        rig.tick(1)
+
+
+def test_telemetry_waits_for_a_frame_that_comes_in(rig: Rig) -> None:
+    ping = encode(FrameType.PING, 1, b"")
+    rig.tick(10 - len(ping) + 2)  # its period ends just before the last byte
+    byte_a_millisecond(rig, ping)
+    assert [t.tick for t in rig.telemetry] == [11]
+
+
+def test_telemetry_waits_no_longer_than_it_has_patience(rig: Rig) -> None:
+    byte_a_millisecond(rig, b"\0" + b"\x30" * 40)
+    period = TELEMETRY_PERIOD + TELEMETRY_PATIENCE
+    assert [t.tick for t in rig.telemetry] == [period, 2 * period, 3 * period]
+
+
+def test_telemetry_does_not_wait_for_a_frame_that_was_left_off(rig: Rig) -> None:
+    rig.raw(b"\0\x30\x30")
+    rig.tick(50)
+    assert [t.tick for t in rig.telemetry] == [10, 20, 30, 40, 50]
 
 
 def test_telemetry_leaves_room_for_a_reply() -> None:
