@@ -62,7 +62,7 @@ class Link:
     port: str
     connected: bool
     trouble: str
-    """Why the port cannot be opened, or that the board is silent; empty if all is well."""
+    """Why the port cannot be opened, what firmware is there instead of ours, or that the board is silent; else empty."""
     hello: HelloReply | None
     rejected: int
     retries: int
@@ -131,10 +131,12 @@ class Board:
     @property
     def link(self) -> Link:
         """The connection as it is now."""
-        trouble = "" if self._connected else self._trouble or f"{self._port_name} is silent; is it powered?"
-        return Link(
-            self._port_name, self._connected, trouble, self._hello, self._decoder.rejected, self._retries
-        )
+        hello, trouble = self._hello, self._trouble
+        if not trouble and hello is not None and hello.contract != wire.CONTRACT:
+            trouble = mismatch_text(hello)
+        elif not trouble and not self._connected:
+            trouble = f"{self._port_name} is silent; is it powered?"
+        return Link(self._port_name, self._connected, trouble, hello, self._decoder.rejected, self._retries)
 
     @property
     def telemetry(self) -> Telemetry | None:
@@ -303,7 +305,9 @@ class Board:
 
 
 def unheard(link: Link) -> NoAnswer:
-    """What to tell people while there is no board."""
+    """What to tell people while there is no board, or one that cannot be understood."""
+    if link.hello is not None and not link.understood:
+        return NoAnswer(Reason.CONTRACT_MISMATCH, link.trouble)
     return NoAnswer(Reason.BOARD_LOST, f"The node does not hear its board: {link.trouble}")
 
 

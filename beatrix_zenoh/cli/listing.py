@@ -19,6 +19,8 @@ from beatrix_zenoh.settings import resolve
 
 ANSWER_S = 1.0
 HEADS = ("robot", "on", "state", "driver", "version", "firmware")
+OF_THE_BOARD = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
+"""Told in the board's own words, where there are any."""
 Place = tuple[str, str]
 """Name and twin of a robot."""
 
@@ -95,7 +97,7 @@ def troubles(status: Status | None) -> list[str]:
     """What a person should know."""
     if status is None:
         return ["is on line but does not answer: frozen, or its connection is."]
-    told = status.fault is Fault.NONE or (status.fault is Fault.BOARD_LOST and status.warnings)
+    told = status.fault is Fault.NONE or (status.fault in OF_THE_BOARD and status.warnings)
     return [*([] if told else [FAULT_TEXT[status.fault]]), *status.warnings]
 
 

@@ -195,14 +195,12 @@ class _Way:
                 return index
             if floor < self._ends[index]:
                 self.floors[index] = min(self._ends[index], max(floor, value))
-            if value < self._least[index]:
-                self._least[index] = value
+            self._least[index] = min(self._least[index], value)
         return None
 
     def expect(self, index: int, value: float) -> None:
         """Count a value met on the way."""
-        if value < self._least[index]:
-            self._least[index] = value
+        self._least[index] = min(self._least[index], value)
 
     def extremes(self) -> Extremes:
         """The worst values met."""

@@ -340,6 +340,9 @@ class Driver:
     def _at_rest(self, how: str) -> str:
         if self._board.state & State.EMERGENCY:
             return "Motors off, latched until enabled; home is forgotten."
+        link = self._board.link
+        if not link.connected:
+            return f"The board has taken it, but does not say where the arms are. {link.trouble}"
         return f"{how}; the arms rest at {degrees(self.arms())}."
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:

@@ -108,10 +108,11 @@ class Legacy:
     def _open(self) -> None:
         try:
             self._board.request(FrameType.TEXT_OPEN)
+            self._stale = False
         except BeatrixError as error:
+            self._stale = True
             self._warn(error.message)
         self._openings += 1
-        self._stale = False
         self._lines.clear()
         self._terminal.forget()
         self._rest()

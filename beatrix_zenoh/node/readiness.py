@@ -14,9 +14,9 @@ def ready_telemetry(board: Board) -> Telemetry:
     Raises:
         Refused or NoAnswer: what is missing and what to do.
     """
-    telemetry = board.telemetry
-    if telemetry is None or not board.link.connected:
-        raise unheard(board.link)
+    telemetry, link = board.telemetry, board.link
+    if telemetry is None or not link.connected or not link.understood:
+        raise unheard(link)
     if telemetry.state & State.EMERGENCY:
         raise Refused(
             Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."

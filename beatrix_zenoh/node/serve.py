@@ -85,8 +85,10 @@ def _greet(node: Node, legacy: Path | None) -> None:
 
 
 def teller(board: Board) -> Callable[[], None]:
-    """Says on stderr that the board has gone, is there again or was restarted, since it was called last."""
+    """Says on stderr what is wrong with the board, and from then on what changes."""
     before = board.link
+    if before.trouble:
+        print(before.trouble, file=sys.stderr, flush=True)
 
     def tell() -> None:
         nonlocal before

@@ -16,6 +16,7 @@ from stage import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import serial
 from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.board.virtual import Firmware
@@ -266,6 +267,28 @@ def test_silent_board_is_lost_and_heard_again(stage: Stage, tmp_path: Path) -> N
         board.deaf = False
         wait_status(robot, lambda status: status.board.connected, "board heard again")
         assert robot.status().calibrated, "it was never reset"
+
+
+def test_a_node_without_a_board_says_so(stage: Stage, tmp_path: Path) -> None:
+    node = stage.hardware("bea", str(tmp_path / "tty"))
+    assert "plug the board in" in node.expect(str(tmp_path / "tty"))
+    status = stage.robot("bea", "hw").status()
+    assert (status.fault, "plug the board in" in status.warnings[0]) == (Fault.BOARD_LOST, True)
+
+
+def test_firmware_of_another_contract_is_not_moved_but_stops(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serial, "CONTRACT", 0xBAD)
+    stage.node("bea")
+    robot = stage.robot("bea", "hw")
+    for ask in (robot.enable, robot.home, lambda: robot.look(yaw=1)):
+        with pytest.raises(Refused, match="`beatrix flash`") as refused:
+            ask()
+        assert refused.value.reason is Reason.CONTRACT_MISMATCH
+    status = robot.status()
+    assert (status.fault, "`beatrix flash`" in status.warnings[0]) == (Fault.CONTRACT_MISMATCH, True)
+    robot.stop()
 
 
 def test_board_without_a_node_stops_by_itself(stage: Stage, tmp_path: Path) -> None:

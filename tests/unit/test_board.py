@@ -20,7 +20,7 @@ from beatrix_zenoh._generated.serial import (
     Text,
     TextWarning,
 )
-from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.board import Board, unheard
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 
@@ -150,6 +150,24 @@ def test_firmware_of_another_contract_is_named_and_not_moved(rig: Rig) -> None:
         with pytest.raises(NoAnswer, match=told) as refusal:
             ask()
         assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+
+
+def test_firmware_whose_telemetry_cannot_be_read_is_named_not_called_silent() -> None:
+    """Its frames may have other lengths: nothing but HELLO and the stops are the same in all versions."""
+    port = LossyPort(VirtualBoard(Firmware(boot=1)))
+    stranger = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
+    port.lose = [FrameType.HELLO_REPLY] * 100
+    port.instead = encode(FrameType.HELLO_REPLY, 0, stranger.pack())
+    board = Board(lambda: port, lambda _: None, lambda: None)
+    board.start()
+    try:
+        assert not board.wait_for(lambda _: True, 0.5)  # time stands still there: no telemetry
+        assert "00000bad" in board.link.trouble
+        refusal = unheard(board.link)
+        assert (refusal.reason, "beatrix flash" in refusal.message) == (Reason.CONTRACT_MISMATCH, True)
+        board.request(FrameType.STOP)
+    finally:
+        board.close()
 
 
 def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
