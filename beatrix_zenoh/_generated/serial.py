@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x651C773B
+CONTRACT: Final = 0xA726AAEB
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -206,7 +206,7 @@ class FrameType(IntEnum):
     SET_NAME = 0x08
     """Keep this robot name in non-volatile memory. Answered with ACK."""
     MOVE_STRAIGHT = 0x0B
-    """As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK."""
     TEXT_OPEN = 0x09
     """A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK."""
     HELLO_REPLY = 0x81
@@ -214,7 +214,7 @@ class FrameType(IntEnum):
     ACK = 0x80
     """Answer to everything else; its type on the wire is the request's type | 0x80."""
     TELEMETRY = 0xC0
-    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them."""
     TEXT = 0xC1
     """One line of the answer to a line of text. seq counts them, together with TEXT_WARNING."""
     TEXT_WARNING = 0xC2
@@ -230,7 +230,7 @@ class Move(NamedTuple):
     """Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
 
     motion: int
-    """the host's number for it, echoed in TELEMETRY"""
+    """the host's number for it, echoed in TELEMETRY; not text_motion, and not that of the motion before"""
     target: tuple[int, int, int]
     """absolute, from home [microstep]"""
     speed: tuple[int, int, int]
@@ -312,7 +312,7 @@ MOVE_STRAIGHT_SIZE: Final = _MOVE_STRAIGHT.size
 
 
 class MoveStraight(NamedTuple):
-    """As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK."""
 
     motion: int
     """as in MOVE"""
@@ -403,7 +403,7 @@ TELEMETRY_SIZE: Final = _TELEMETRY.size
 
 
 class Telemetry(NamedTuple):
-    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them."""
+    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them."""
 
     tick: int
     """since start, modulo 65536 [ms]"""
@@ -412,7 +412,7 @@ class Telemetry(NamedTuple):
     state: int
     """state bits"""
     outcome: int
-    """how the last motion ended"""
+    """how the motion ended; it stands until the next begins"""
     motion: int
     """number of the running or last motion; text_motion: the text port's"""
     position: tuple[int, int, int]

@@ -32,6 +32,9 @@ STOPS = (FrameType.STOP, FrameType.EMERGENCY_STOP)
 READ_S = 0.05
 REOPEN_S = 0.3
 HELLO_S = 0.2
+STRANGER_S = 1.0
+"""Firmware of another contract is greeted this rarely: a motion that another host has left behind shall end for want of
+a heartbeat."""
 REPLY_S = wire.REPLY_TIMEOUT / 1000
 HEARTBEAT_S = wire.HEARTBEAT_PERIOD / 1000
 LOST_S = 0.4
@@ -132,10 +135,11 @@ class Board:
     def link(self) -> Link:
         """The connection as it is now."""
         hello, trouble = self._hello, self._trouble
-        if not trouble and hello is not None and hello.contract != wire.CONTRACT:
-            trouble = mismatch_text(hello)
-        elif not trouble and not self._connected:
-            trouble = f"{self._port_name} is silent; is it powered?"
+        if not trouble and not self._connected:
+            if hello is not None and hello.contract != wire.CONTRACT:
+                trouble = mismatch_text(hello)
+            else:
+                trouble = f"{self._port_name or 'The port'} is silent; is it powered?"
         return Link(self._port_name, self._connected, trouble, hello, self._decoder.rejected, self._retries)
 
     @property
@@ -170,7 +174,6 @@ class Board:
         """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         if not self._connected:
             raise unheard(self.link)
-        self._check_contract()
         self._put(line + b"\r")
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
@@ -213,8 +216,9 @@ class Board:
         raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")
 
     def _check_contract(self) -> None:
-        if self._hello is not None and not self.link.understood:
-            raise NoAnswer(Reason.CONTRACT_MISMATCH, mismatch_text(self._hello))
+        link = self.link
+        if not link.understood:
+            raise unheard(link)
 
     def _write(self, frame: bytes) -> None:
         self._put(frame)
@@ -244,24 +248,32 @@ class Board:
             self._silent_s = self._hello_s = 0.0
             with contextlib.suppress(OSError, NoAnswer):
                 self._talk(port)
-            self._port = None
+            self._port = self._hello = None
             self._set_connected(connected=False)
             port.close()
             self._closed.wait(0 if self._closed.is_set() else REOPEN_S)
 
     def _talk(self, port: Port) -> None:
         while not self._closed.is_set():
-            now = time.monotonic()
-            if not self._connected and now - self._hello_s > HELLO_S:
-                self._hello_s = now
-                self._write(encode(FrameType.HELLO, 0, b""))
-            elif now - self._sent_s > HEARTBEAT_S:
-                self._write(encode(FrameType.PING, 0, b""))
+            self._keep_in_touch(time.monotonic())
             for frame in self._decoder.feed(self._listen(port)):
                 self._silent_s = 0.0
                 self._receive(frame)
             if self._silent_s > LOST_S:
-                self._set_connected(connected=False)
+                self._lose_sight()
+
+    def _keep_in_touch(self, now: float) -> None:
+        if self._hello is None or not self.link.understood:
+            if now - self._hello_s > (HELLO_S if self._hello is None else STRANGER_S):
+                self._hello_s = now
+                self._write(encode(FrameType.HELLO, 0, b""))
+        elif now - self._sent_s > HEARTBEAT_S:
+            self._write(encode(FrameType.PING, 0, b""))
+
+    def _lose_sight(self) -> None:
+        """Whoever is heard next may be another: greet first."""
+        self._hello = None
+        self._set_connected(connected=False)
 
     def _listen(self, port: Port) -> bytes:
         began_s = time.monotonic()
@@ -272,9 +284,12 @@ class Board:
 
     def _receive(self, frame: Frame) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
+            if not self.link.understood:
+                self._set_connected(connected=False)
+                return
             telemetry = Telemetry.unpack(frame.payload)
-            if self._hello is None or telemetry.boot != self._hello.boot % 2**16:
-                self._set_connected(connected=False)  # another board, or it was reset: greet it first
+            if telemetry.boot != self.link.boot % 2**16:
+                self._lose_sight()  # it was reset, or is another
                 return
             with self._news:
                 self._telemetry = telemetry
@@ -316,5 +331,6 @@ def mismatch_text(hello: HelloReply) -> str:
     return (
         f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
         f"{wire.CONTRACT:08x}: it is of another version, or was built for another robot (microsteps, gears, guard, "
-        "speed). End what uses the board and put this program's firmware onto it with `beatrix flash`."
+        "speed). End what uses the board and put this program's firmware onto it with `beatrix flash`; or, if it was "
+        "built on purpose, use the program that was generated with it."
     )

@@ -98,7 +98,7 @@ def robots(client: Client) -> Iterator[Finding]:
 def contract(title: str, info: Info) -> Finding:
     """Say whether it speaks our language."""
     if info.contract == CONTRACT:
-        return Finding(title, f"version {info.version}, same contract, firmware {info.firmware or 'none'}")
+        return Finding(title, f"version {info.version}, same messages, firmware {info.firmware or 'none'}")
     return Finding(
         title,
         f"version {info.version} speaks contract {info.contract}, this computer {CONTRACT}",

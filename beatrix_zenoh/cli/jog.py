@@ -31,7 +31,8 @@ WAYS = {
     **dict.fromkeys(("clockwise", "cw"), False),
 }
 """Whether it is counter-clockwise."""
-AGAIN = "Then enable, calibrate and jog again."
+READY = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
+AGAIN = f"Then {READY}, and jog again."
 
 T = TypeVar("T")
 
@@ -53,7 +54,12 @@ def jog(where: Where, *, as_json: bool) -> None:
     """
     with on_line(where, Which.HW) as line:
         (robot,) = line.robots()
-        robot.move(0, 0, 0, relative=True)  # turns nothing: who may not move says so before anybody looks
+        try:
+            robot.move(0, 0, 0, relative=True)  # turns nothing: who may not move says so before anybody looks
+        except Refused as error:
+            if error.reason in (Reason.NOT_ENABLED, Reason.NOT_CALIBRATED):
+                raise Refused(error.reason, f"{error.message} That is: {READY}.") from error
+            raise
         note(
             "Look at the robot from above. It turns home; then one arm after the other turns 15 deg and back. "
             "Ctrl-C stops."
@@ -160,11 +166,11 @@ def swap(seen: list[tuple[str, bool]]) -> list[str]:
 
 def describe(azimuth_deg: float, *, as_shipped: bool) -> list[str]:
     """What to write into a robot file if the arms point elsewhere than on the shipped robot; a remark if there is one."""
-    if abs((azimuth_deg - ROBOT.geometry.arm0_azimuth + 180) % 360 - 180) < JOG_DEG:
-        return []
     line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
     if not as_shipped:
         note(f"The robot runs with a file of its own: see that it says\n{line}")
+        return []
+    if abs((azimuth_deg - ROBOT.geometry.arm0_azimuth + 180) % 360 - 180) < JOG_DEG:
         return []
     elsewhere = "Your arms sit elsewhere than on the shipped robot."
     return [

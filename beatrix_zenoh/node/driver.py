@@ -267,7 +267,7 @@ class Driver:
             elif error is None and self._driven:
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
-        if error is None and emergency and not self._latched():
+        if error is None and emergency and self._board.link.connected and not self._latched():
             error = NoAnswer(
                 Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
             )
@@ -338,11 +338,11 @@ class Driver:
                     self._answer(asker, Reason.OK, self._at_rest("Stopped"))
 
     def _at_rest(self, how: str) -> str:
-        if self._board.state & State.EMERGENCY:
-            return "Motors off, latched until enabled; home is forgotten."
         link = self._board.link
         if not link.connected:
-            return f"The board has taken it, but does not say where the arms are. {link.trouble}"
+            return f"The board has taken it, but what it does now cannot be seen. {link.trouble}"
+        if self._board.state & State.EMERGENCY:
+            return "Motors off, latched until enabled; home is forgotten."
         return f"{how}; the arms rest at {degrees(self.arms())}."
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:

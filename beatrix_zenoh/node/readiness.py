@@ -15,7 +15,7 @@ def ready_telemetry(board: Board) -> Telemetry:
         Refused or NoAnswer: what is missing and what to do.
     """
     telemetry, link = board.telemetry, board.link
-    if telemetry is None or not link.connected or not link.understood:
+    if telemetry is None or not link.connected:
         raise unheard(link)
     if telemetry.state & State.EMERGENCY:
         raise Refused(

@@ -87,17 +87,18 @@ def _greet(node: Node, legacy: Path | None) -> None:
 def teller(board: Board) -> Callable[[], None]:
     """Says on stderr what is wrong with the board, and from then on what changes."""
     before = board.link
+    boot = before.boot
     if before.trouble:
         print(before.trouble, file=sys.stderr, flush=True)
 
     def tell() -> None:
-        nonlocal before
+        nonlocal before, boot
         link = board.link
         if link.trouble != before.trouble:
             print(link.trouble or f"The board at {link.port} is there.", file=sys.stderr, flush=True)
-        if before.boot and link.boot != before.boot:
+        if boot and link.boot and link.boot != boot:
             print(RESTARTED, file=sys.stderr, flush=True)
-        before = link
+        before, boot = link, link.boot or boot
 
     return tell
 

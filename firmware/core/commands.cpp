@@ -75,6 +75,7 @@ void Machine::move(uint8_t type, const uint8_t *payload, uint8_t size) {
 }
 
 void Machine::go(const Move &move, bool straight) {
+  last_move_type_ = 0;  // text may have asked for this one
   uint32_t todo[ARMS];
   bool resting;
   {

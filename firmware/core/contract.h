@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x651C773BUL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0xA726AAEBUL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -88,11 +88,11 @@ enum FrameType : uint8_t {
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // The present position becomes home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Keep this robot name in non-volatile memory. Answered with ACK.
-  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
+  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK.
   FRAME_TEXT_OPEN = 0x09,  // A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to everything else; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
+  FRAME_TELEMETRY = 0xC0,  // Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them.
   FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts them, together with TEXT_WARNING.
   FRAME_TEXT_WARNING = 0xC2,  // What the old protocol has no words for. Sent once for several of a kind in quick succession.
 };
@@ -109,7 +109,7 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 // Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK.
 struct Move {
   static const uint8_t SIZE = 14;
-  uint16_t motion;  // the host's number for it, echoed in TELEMETRY
+  uint16_t motion;  // the host's number for it, echoed in TELEMETRY; not text_motion, and not that of the motion before
   int16_t target[3];  // absolute, from home [microstep]
   uint16_t speed[3];  // top speed of each arm, > 0 [0.25 microstep/s]
   void read(const uint8_t *p) {
@@ -148,7 +148,7 @@ struct SetName {
   }
 };
 
-// As MOVE, but from rest all arms start and arrive together: those with less to do are slowed. Answered with ACK.
+// As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK.
 struct MoveStraight {
   static const uint8_t SIZE = 10;
   uint16_t motion;  // as in MOVE
@@ -199,13 +199,13 @@ struct Ack {
   }
 };
 
-// Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period. seq counts them.
+// Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them.
 struct Telemetry {
   static const uint8_t SIZE = 22;
   uint16_t tick;  // since start, modulo 65536 [ms]
   uint16_t boot;  // as in HELLO_REPLY, modulo 65536: a change means the board was reset
   uint8_t state;  // state bits
-  uint8_t outcome;  // how the last motion ended
+  uint8_t outcome;  // how the motion ended; it stands until the next begins
   uint16_t motion;  // number of the running or last motion; text_motion: the text port's
   int16_t position[3];  // steps made [microstep]
   int16_t velocity[3];  // of the set points [microstep/s]

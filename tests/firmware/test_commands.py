@@ -249,6 +249,24 @@ def test_a_straight_move_under_the_number_of_another_is_no_repetition(ready: Rig
     assert (ready.steps, ready.outcome) == ((300, 300, 300), Outcome.DONE)
 
 
+def test_a_move_after_another_home_is_no_repetition(ready: Rig) -> None:
+    ready.move((300, 300, 300), motion=5)
+    ready.run()
+    ready.ask(FrameType.CALIBRATE)
+    assert ready.move((300, 300, 300), motion=5) == Error.OK
+    assert State.MOVING in ready.state
+
+
+def test_a_move_after_one_of_text_is_no_repetition(ready: Rig) -> None:
+    ready.move((0, 0, 0), motion=5)
+    ready.run()
+    ready.raw(b"@CALNOW\r@MOVRALL 20 20 20 200\r")
+    ready.tick(300)
+    assert State.MOVING not in ready.state
+    ready.move((0, 0, 0), motion=5)
+    assert State.MOVING in ready.state
+
+
 def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
     ready.move((300, 300, 300), motion=5)
     ready.tick(100)

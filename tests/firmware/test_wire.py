@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -119,6 +120,15 @@ def test_thrown_away_frames_are_counted(rig: Rig) -> None:
 def test_telemetry_comes_every_ten_milliseconds_and_counts(rig: Rig) -> None:
     rig.tick(100)
     assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
+
+
+def test_telemetry_goes_on_in_time_when_its_clock_begins_anew(rig: Rig) -> None:
+    for _ in range(67):
+        rig.ask(FrameType.PING)
+        rig.tick(1000)
+    ticks = [t.tick for t in rig.telemetry]
+    assert {(later - earlier) % 2**16 for earlier, later in pairwise(ticks)} == {10}
+    assert ticks[-1] < ticks[0] + 2000
 
 
 def byte_a_millisecond(rig: Rig, data: bytes) -> None:

@@ -282,13 +282,14 @@ def test_firmware_of_another_contract_is_not_moved_but_stops(
     monkeypatch.setattr(serial, "CONTRACT", 0xBAD)
     stage.node("bea")
     robot = stage.robot("bea", "hw")
-    for ask in (robot.enable, robot.home, lambda: robot.look(yaw=1)):
+    for ask in (robot.enable, robot.calibrate, robot.home, lambda: robot.look(yaw=1)):
         with pytest.raises(Refused, match="`beatrix flash`") as refused:
             ask()
         assert refused.value.reason is Reason.CONTRACT_MISMATCH
     status = robot.status()
     assert (status.fault, "`beatrix flash`" in status.warnings[0]) == (Fault.CONTRACT_MISMATCH, True)
-    robot.stop()
+    for stop in (robot.stop, robot.emergency_stop):
+        assert "cannot be seen" in stop().message
 
 
 def test_board_without_a_node_stops_by_itself(stage: Stage, tmp_path: Path) -> None:

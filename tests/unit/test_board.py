@@ -179,8 +179,40 @@ def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     while rig.board.link.understood:
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
     rig.board.request(FrameType.STOP)
-    assert rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 2.0)
+    deadline_s, steps = time.monotonic() + 3.0, [rig.virtual.firmware.steps()]
+    while steps[-1] != steps[max(-20, -len(steps))] or len(steps) < 20:
+        assert time.monotonic() < deadline_s
+        rig.board.wait_for(lambda _: False, 0.01)
+        steps.append(rig.virtual.firmware.steps())
+    assert steps[-1] < (500, 500, 500)
     rig.board.request(FrameType.EMERGENCY_STOP)
+
+
+def test_a_board_that_was_started_more_often_than_telemetry_counts_is_found() -> None:
+    virtual = VirtualBoard(Firmware(boot=2**16 + 300))
+    ticker = RealTimeTicker(virtual)
+    board = Board(lambda: LossyPort(virtual), lambda _: None, lambda: None)
+    board.start()
+    try:
+        assert board.wait_for(lambda telemetry: telemetry.boot == 300, 2.0)
+        assert (board.link.connected, board.link.boot) == (True, 2**16 + 300)
+    finally:
+        board.close()
+        ticker.close()
+
+
+def test_another_board_at_the_port_is_greeted_whatever_the_first_was(rig: Rig) -> None:
+    """Even where its boot number is the same: else it would be taken for the first, of another contract or not."""
+    rig.port.gone = True
+    while rig.board.link.connected:
+        rig.board.wait_for(lambda _: False, 0.02)
+    assert rig.board.link.hello is None
+    with pytest.raises(NoAnswer) as refusal:
+        rig.board.enable(on=True)
+    assert refusal.value.reason is Reason.BOARD_LOST
+    rig.port.gone = False
+    rig.board.wait_for(lambda _: rig.board.link.connected, 3.0)
+    assert rig.board.link.hello is not None
 
 
 def test_text_is_no_heartbeat(rig: Rig) -> None:

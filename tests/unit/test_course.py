@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from beatrix_zenoh import Refused
@@ -30,3 +32,9 @@ def test_what_a_move_can_say_is_packed_as_asked() -> None:
     goal = COURSE.goal(PoseQuery(yaw=-3.0), at(0))
     assert goal.frame(7).unpack(goal.frame(7).pack()) == goal.frame(7)
     assert goal.steps == (-1998, -1998, -1998)
+
+
+def test_a_way_begins_as_fast_as_telemetry_says() -> None:
+    moving = at(100)._replace(velocity=(209, 209, 209))
+    (first, *_) = COURSE.goal(PoseQuery(yaw=0.5), moving).plan.trajectory.sections
+    assert first.velocity[0] == pytest.approx(209 / COURSE.gear.steps_per_turn * math.tau)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.node.mailbox import CAPACITY, Mailbox, Task
@@ -55,3 +57,31 @@ def test_too_many_commands_are_declined_as_busy_and_events_never() -> None:
     assert len(log.ran) == CAPACITY + 1
     assert log.ran[-1] == "event"
     assert log.declined == [(str(CAPACITY), Reason.BUSY)]
+
+
+def test_what_was_replaced_leaves_nothing_to_take() -> None:
+    """The reader waits for the next; nothing at all would end it, and the node with it."""
+    log, mailbox = Log(), Mailbox()
+    mailbox.post_latest("ana", log.task("old"))
+    mailbox.post_latest("ana", log.task("new"))
+    assert mailbox.take() is not None
+    reader = threading.Thread(target=mailbox.take, daemon=True)
+    reader.start()
+    reader.join(0.05)
+    assert reader.is_alive()
+    mailbox.post(log.task("command"))
+    reader.join(2.0)
+    assert not reader.is_alive()
+
+
+def test_a_full_mailbox_declines_motions_but_those_that_replace_another() -> None:
+    log, mailbox = Log(), Mailbox()
+    for number in range(CAPACITY - 1):
+        mailbox.post(log.task(str(number)))
+    for name in ("old", "new"):
+        mailbox.post_latest("ana", log.task(name))
+    mailbox.post_latest("ben", log.task("late"))
+    drain(mailbox)
+    assert log.ran[-1] == "new"
+    assert len(log.ran) == CAPACITY
+    assert log.declined == [("old", Reason.REPLACED), ("late", Reason.BUSY)]
