@@ -85,6 +85,17 @@ def accepted(robot: Robot, count: int = 500) -> list[float]:
     return took
 
 
+def answered(robot: Robot, count: int = 300) -> list[float]:
+    """Seconds from a question about state to its answer, 5 ms apart: Zenoh and threads, no check, no board."""
+    took = []
+    for _ in range(count):
+        began = time.perf_counter()
+        robot.positions()
+        took.append(time.perf_counter() - began)
+        time.sleep(0.005)
+    return took
+
+
 def first_movement(robot: Robot, count: int = 100) -> list[float]:
     """Seconds from a query to the first published position (measured in the plant) that has moved."""
     stream = robot.stream()
@@ -266,6 +277,7 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
             robot = Robot(NAME, "hw", client=client)
             robot.enable()
             robot.calibrate()
+            yield "the same minutes: a question's answer, no board [ms]", spread_ms(answered(robot)), ""
             yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
             for word, cure in (("reset", ""), ("freeze", "go"), ("unplug", "plug")):
                 yield (
