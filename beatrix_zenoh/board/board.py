@@ -215,10 +215,13 @@ class Board:
         error = Error(code)
         raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")
 
+    @property
+    def _understood(self) -> bool:
+        return self._hello is not None and self._hello.contract == wire.CONTRACT
+
     def _check_contract(self) -> None:
-        link = self.link
-        if not link.understood:
-            raise unheard(link)
+        if not self._understood:
+            raise unheard(self.link)
 
     def _write(self, frame: bytes) -> None:
         self._put(frame)
@@ -263,7 +266,7 @@ class Board:
                 self._lose_sight()
 
     def _keep_in_touch(self, now: float) -> None:
-        if self._hello is None or not self.link.understood:
+        if not self._understood:
             if now - self._hello_s > (HELLO_S if self._hello is None else STRANGER_S):
                 self._hello_s = now
                 self._write(encode(FrameType.HELLO, 0, b""))
@@ -284,11 +287,12 @@ class Board:
 
     def _receive(self, frame: Frame) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
-            if not self.link.understood:
+            hello = self._hello
+            if hello is None or not self._understood:
                 self._set_connected(connected=False)
                 return
             telemetry = Telemetry.unpack(frame.payload)
-            if telemetry.boot != self.link.boot % 2**16:
+            if telemetry.boot != hello.boot % 2**16:
                 self._lose_sight()  # it was reset, or is another
                 return
             with self._news:
