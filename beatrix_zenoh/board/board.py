@@ -88,7 +88,12 @@ class Link:
     @property
     def understood(self) -> bool:
         """The firmware speaks this contract."""
-        return self.hello is not None and self.hello.contract == wire.CONTRACT
+        return self.hello is not None and ours(self.hello)
+
+    @property
+    def foreign(self) -> bool:
+        """The firmware speaks another contract."""
+        return self.hello is not None and not self.understood
 
 
 class Board:
@@ -136,7 +141,7 @@ class Board:
         """The connection as it is now."""
         hello, trouble = self._hello, self._trouble
         if not trouble and not self._connected:
-            if hello is not None and hello.contract != wire.CONTRACT:
+            if hello is not None and not ours(hello):
                 trouble = mismatch_text(hello)
             else:
                 trouble = f"{self._port_name or 'The port'} is silent; is it powered?"
@@ -172,9 +177,13 @@ class Board:
 
     def send_text(self, line: bytes) -> None:
         """Pass a line of text on, without its end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
+        self.check_heard()
+        self._put(line + b"\r")
+
+    def check_heard(self) -> None:
+        """Raise NoAnswer (BOARD_LOST or CONTRACT_MISMATCH) unless the board is heard and understood."""
         if not self._connected:
             raise unheard(self.link)
-        self._put(line + b"\r")
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
         """Send a request and wait for its acknowledgement; asks again if it is lost.
@@ -217,7 +226,8 @@ class Board:
 
     @property
     def _understood(self) -> bool:
-        return self._hello is not None and self._hello.contract == wire.CONTRACT
+        hello = self._hello
+        return hello is not None and ours(hello)
 
     def _check_contract(self) -> None:
         if not self._understood:
@@ -288,7 +298,7 @@ class Board:
     def _receive(self, frame: Frame) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
             hello = self._hello
-            if hello is None or not self._understood:
+            if hello is None or not ours(hello):
                 self._set_connected(connected=False)
                 return
             telemetry = Telemetry.unpack(frame.payload)
@@ -323,9 +333,14 @@ class Board:
             self._thread.join(timeout=2.0)
 
 
+def ours(hello: HelloReply) -> bool:
+    """The firmware speaks this program's contract."""
+    return hello.contract == wire.CONTRACT
+
+
 def unheard(link: Link) -> NoAnswer:
     """What to tell people while there is no board, or one that cannot be understood."""
-    if link.hello is not None and not link.understood:
+    if link.foreign:
         return NoAnswer(Reason.CONTRACT_MISMATCH, link.trouble)
     return NoAnswer(Reason.BOARD_LOST, f"The node does not hear its board: {link.trouble}")
 

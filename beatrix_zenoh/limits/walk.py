@@ -133,13 +133,12 @@ class Walker:
         Raises BeatrixError if no head fits the arms at the start.
         """
         start = trajectory.sections[0].arms if trajectory.sections else trajectory.target
-        first = self.point(start)
-        way = _Way(first, self._bounds, self._slack)
+        way = _Way(self.point(start), self._bounds, self._slack)
         for section in trajectory.sections:
             since = 0.0
             while section.duration - since > _ROUNDING:
                 arms, velocity = section.at(since)
-                point = first if arms == start else self._visit(way, arms)
+                point = self._visit(way, arms)
                 if isinstance(point, int):
                     return Breach(point, section.begin + since, arms)
                 since += self._stride(way, point, velocity, section.acceleration, section.duration - since)
@@ -163,8 +162,7 @@ class Walker:
         pace = speed + math.sqrt(speed * speed + 2 * longest * rate)
         stride = min(left, 2 * longest / pace) if pace else left
         stride = min(stride, _turning(velocity, acceleration))
-        (u, v, w), (a, b, c) = velocity, acceleration
-        courses = [(x * u + y * v + z * w, x * a + y * b + z * c) for x, y, z in point.gradients]
+        courses = [(dot(by, velocity), dot(by, acceleration)) for by in point.gradients]
         for index, (first, second) in enumerate(courses):
             room = point.values[index] - way.floors[index] + self._slack[index]
             bend = self._curvature[index] / 2
@@ -195,7 +193,7 @@ class _Way:
                 return index
             if floor < self._ends[index]:
                 self.floors[index] = min(self._ends[index], max(floor, value))
-            self._least[index] = min(self._least[index], value)
+            self.expect(index, value)
         return None
 
     def expect(self, index: int, value: float) -> None:

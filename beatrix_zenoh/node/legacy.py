@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from beatrix_zenoh._generated import serial as wire
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import WARNING_TEXT, FrameType, State, Text, TextWarning, WarningCode
-from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.driver import TEXT_SESSION, Driver
@@ -157,8 +157,7 @@ class Legacy:
         try:
             if line.moves and not self._online():
                 raise NoAnswer(Reason.NO_ROUTER, "the router has gone, so nobody could stop a motion.")
-            if not self._board.link.connected:
-                raise unheard(self._board.link)
+            self._board.check_heard()
             if line.text.startswith((MOVES, MOTORS, CALIBRATE)):
                 self._driver.text_check(moves=line.moves)
             if self._stale:

@@ -88,7 +88,7 @@ class Reporter:
 
     def _fault(self, telemetry: Telemetry) -> Fault:
         link = self._board.link
-        if link.hello is not None and not link.understood:
+        if link.foreign:
             return Fault.CONTRACT_MISMATCH
         if not link.connected:
             return Fault.BOARD_LOST

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
-from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.node.body import Body
@@ -36,8 +36,7 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     Raises:
         Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED.
     """
-    if not board.link.connected:
-        raise unheard(board.link)
+    board.check_heard()
     state = board.state
     if state & State.MOVING:
         raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
