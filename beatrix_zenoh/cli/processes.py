@@ -37,6 +37,7 @@ class Child:
 
     def __init__(self, title: str, arguments: Sequence[str], log: Path) -> None:
         self.title, self.log = title, log
+        self._told = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "beatrix_zenoh.cli.child", *arguments],
@@ -60,6 +61,15 @@ class Child:
     def lines(self) -> list[str]:
         """What it has written."""
         return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+
+    def news(self) -> list[str]:
+        """The whole lines it has written since this was asked last."""
+        with self.log.open("rb") as log:
+            log.seek(self._told)
+            written = log.read()
+        whole = written[: written.rfind(b"\n") + 1]
+        self._told += len(whole)
+        return whole.decode("utf-8", errors="replace").splitlines()
 
     def end(self) -> None:
         """Ask it to end; kill it if it does not."""
@@ -117,6 +127,10 @@ class Fleet:
                     Reason.SHUTDOWN,
                     f"The {child.title} has ended (exit code {child.code}). {self._words_of(child)}",
                 )
+
+    def news(self) -> list[str]:
+        """What the children have written since this was asked last, each line with its child's title."""
+        return [f"{child.title}: {line}" for child in self.children for line in child.news()]
 
     def _words_of(self, child: Child) -> str:
         """What a child that failed wrote last, and where the rest is from now on, if there is more."""

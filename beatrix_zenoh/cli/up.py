@@ -56,6 +56,7 @@ def up(
         served = start_robots(fleet, settings, hw, robot_file, sim=not no_sim, ready=ready)
         with zbus.connect(settings.connect, label=settings.who) as bus:
             found = states(bus)
+            fleet.news()  # what they have said until now is in their states
         own = {twin: found.get((settings.robot, twin)) for twin in served}
         with until_told():
             if as_json:
@@ -172,7 +173,9 @@ def until_told() -> Iterator[None]:
 
 
 def stay(fleet: Fleet) -> NoReturn:
-    """Until somebody interrupts; raises Refused if a child ends by itself."""
+    """Pass on what the children say until somebody interrupts; raises Refused if one ends by itself."""
     while True:
         fleet.check()
+        for line in fleet.news():
+            note(line)
         time.sleep(WATCH_S)

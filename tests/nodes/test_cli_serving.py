@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pty_board import PtyBoard
 from stage import Process, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
@@ -145,6 +146,17 @@ def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
     assert any("simulation has ended" in line for line in up.lines)
     assert any(line.startswith("  ready beatrix/") for line in up.lines), "its last words"
     assert not [verb for verb, process in started.items() if alive(process)]
+
+
+def test_up_says_when_the_board_is_lost_and_when_it_is_back(endpoint: str, tmp_path: Path) -> None:
+    with PtyBoard(tmp_path / "board") as board:
+        up = Process(*CLI, "up", "--connect", endpoint, "--no-sim", "--hw", str(board.path))
+        up.expect("What they write")
+        board.unplug()
+        up.expect(f"hardware: {board.path} is not there: plug the board in")
+        board.plug()
+        up.expect(f"hardware: The board at {board.path} is there.")
+        assert up.end() == 0
 
 
 def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
