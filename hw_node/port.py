@@ -21,6 +21,8 @@ except ImportError:  # Windows
 
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
+NO_LINE = (errno.ENOTTY, errno.EINVAL)
+"""What Linux and macOS say to who pulls a line of a terminal that has none."""
 WRITE_S = 0.5
 RESET_S = 0.05
 
@@ -43,12 +45,24 @@ class SerialPort:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
-        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten. OSError as `read`."""
-        with as_os_error():
-            for pulled in (False, True):
-                self._serial.dtr = self._serial.rts = pulled
-                time.sleep(RESET_S)
-            self._serial.reset_input_buffer()
+        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten. OSError as `read`.
+
+        Raises:
+            NoAnswer: BOARD_LOST, this device has no such line.
+        """
+        try:
+            with as_os_error():
+                for pulled in (False, True):
+                    self._serial.dtr = self._serial.rts = pulled
+                    time.sleep(RESET_S)
+                self._serial.reset_input_buffer()
+        except OSError as error:
+            if error.errno not in NO_LINE:
+                raise
+            raise NoAnswer(
+                Reason.BOARD_LOST,
+                f"{self.name} has no reset line, so it is no Arduino's USB port: name that with --port.",
+            ) from error
 
     def write(self, data: bytes) -> None:
         """Send all of it; OSError if the device has gone or takes nothing for half a second."""

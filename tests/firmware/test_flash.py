@@ -208,7 +208,10 @@ def test_a_port_without_a_reset_line_is_told_and_nothing_written(capsys: pytest.
     master, slave = os.openpty()
     tty.setraw(slave)
     assert flash.main(["--port", os.ttyname(slave)]) == 1
-    assert capsys.readouterr().err.endswith(flash.NOTHING + "\n")
+    said = capsys.readouterr().err
+    assert said.endswith(
+        f"has no reset line, so it is no Arduino's USB port: name that with --port. {flash.NOTHING}\n"
+    )
     os.close(master)
     os.close(slave)
 
