@@ -22,6 +22,8 @@ VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "
 TICK: Final = 32
 _GONE: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
+_HEARD: Final = 4096
+"""Bytes fetched at once."""
 _PIECE: Final = 16_000_000
 """Cycles a call into C: a keyboard interrupt gets through."""
 
@@ -93,6 +95,8 @@ def _library() -> ctypes.CDLL:
     found.bench_open.argtypes = [ctypes.c_char_p, ctypes.c_char_p, number]
     found.bench_run.argtypes = [pointer, ctypes.c_uint64]
     found.bench_send.argtypes = [pointer, ctypes.c_char_p, number, ctypes.c_uint64]
+    found.bench_receive.argtypes = [pointer, ctypes.c_char_p, number]
+    found.bench_receive.restype = number
     found.bench_report.restype = ctypes.POINTER(_Report)
     found.bench_edges.restype = found.bench_sent.restype = pointer
     found.bench_hang.restype = number
@@ -118,7 +122,7 @@ class Avr:
         self._report = self._c.bench_report(self._board).contents
         self.byte_cycles = round(16_000_000 * 10 / baud)
         """Cycles of a byte on the host's wire: 10 bits."""
-        self._taken = 0
+        self._heard = ctypes.create_string_buffer(_HEARD)
         self._wire_free = 0
 
     def __enter__(self) -> Self:
@@ -175,10 +179,10 @@ class Avr:
 
     def receive(self) -> bytes:
         """Bytes that have come from the board since the last call; only those whole by now."""
-        fresh = self.sent(self._taken)
-        fresh = fresh[fresh["cycle"] <= self.cycle]
-        self._taken += len(fresh)
-        return bytes(fresh["byte"])
+        heard = b""
+        while count := self._c.bench_receive(self._board, self._heard, _HEARD):
+            heard += self._heard.raw[:count]
+        return heard
 
     @property
     def overruns(self) -> int:

@@ -60,11 +60,8 @@ class Cable:
         self.noisy = self.swallowing = False
 
     def take(self) -> bytes:
-        """What programs have sent."""
-        try:
-            return self._spoilt(os.read(self.master, 4096))
-        except BlockingIOError:
-            return b""
+        """What programs have sent; something must have come."""
+        return self._spoilt(os.read(self.master, 4096))
 
     def give(self, said: bytes) -> None:
         """To whoever has it open."""
@@ -161,17 +158,17 @@ class Live:
             if sys.stdin in ready:
                 self._listen(os.read(sys.stdin.fileno(), 4096))
             elif not self._frozen:
-                self._live()
+                self._live(heard=bool(ready))
 
-    def _live(self) -> None:
+    def _live(self, *, heard: bool) -> None:
         """Time up to now, what the board has said in it, what programs have sent just now."""
         due = round((time.monotonic() - self._began) * 1000 * CYCLES_PER_MS)
         self._avr.run_until(min(due, self._avr.cycle + CATCH_UP))
         self._lags.append(time.monotonic() - self._began - self._avr.cycle / (1000 * CYCLES_PER_MS))
         if said := self._avr.receive():
             self._cable.give(said)
-        if heard := self._cable.take():
-            self._avr.send(heard)
+        if heard:
+            self._avr.send(self._cable.take())
             self._heard_s = time.monotonic()
 
     def _listen(self, heard: bytes) -> None:

@@ -70,7 +70,7 @@ struct Bench {
   Edge *edges;
   size_t edge_room;
   Byte *sent;
-  size_t sent_room;
+  size_t sent_room, taken;
   uint64_t wire_free;  // when the board's own sending ends
 
   uint8_t *queue;  // bytes on their way to the board
@@ -468,6 +468,15 @@ void bench_send(Bench *b, const uint8_t *bytes, uint32_t count, uint64_t byte_cy
   b->report.unread = b->queue_tail - b->queue_head;
   b->byte_cycles = byte_cycles;
   if (idle) avr_cycle_timer_register(b->avr, byte_cycles, on_byte, b);
+}
+
+// Bytes from the board since the last call, those whole by now; returns how many, at most `room`.
+uint32_t bench_receive(Bench *b, uint8_t *bytes, uint32_t room) {
+  uint32_t count = 0;
+  while (count < room && b->taken < b->report.sent && b->sent[b->taken].cycle <= b->avr->cycle) {
+    bytes[count++] = b->sent[b->taken++].byte;
+  }
+  return count;
 }
 
 const Report *bench_report(Bench *b) { return &b->report; }
