@@ -16,8 +16,9 @@ from rich.progress import TaskID
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from hw_node import hexfile, stk500
+from hw_node.body import VIRTUAL
 from hw_node.port import SerialPort, find
 from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
 
@@ -123,6 +124,11 @@ def flash(
     """Put the firmware onto the board. Takes some ten seconds; the head must be held, for the motors go off."""
     with phases() as now:
         image = firmware(file)
+        if port.startswith(VIRTUAL.rstrip(":")):
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"--port {port} is a board in software, which has its firmware: name a serial port.",
+            )
         device = port or find()
         wire = SerialPort(device, stk500.BAUD)
         try:

@@ -6,12 +6,14 @@ import errno
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Final
 
 import serial
 from serial.tools import list_ports
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import BAUD
+from beatrix_zenoh.board.greeting import BOOT_S
 from beatrix_zenoh.errors import NoAnswer
 
 try:
@@ -30,6 +32,8 @@ RESET_S = 0.05
 class SerialPort:
     """Bytes to and from a serial device; the port protocol of `beatrix_zenoh.board`."""
 
+    boot_s: Final = BOOT_S
+
     def __init__(self, device: str, baud: int = BAUD) -> None:
         """Open `device` for this process alone.
 
@@ -38,9 +42,10 @@ class SerialPort:
         """
         self.name = device
         try:
-            self._serial = serial.serial_for_url(
-                device, baudrate=baud, timeout=0.05, write_timeout=WRITE_S, exclusive=True
-            )
+            with as_os_error():
+                self._serial = serial.serial_for_url(
+                    device, baudrate=baud, timeout=0.05, write_timeout=WRITE_S, exclusive=True
+                )
         except (OSError, ValueError) as error:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
@@ -100,7 +105,14 @@ def why_not(error: Exception) -> str:
         return "may not be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
     if number in (errno.EAGAIN, errno.EBUSY):
         return "is used by another program: end that first, another `beatrix hw` for example"
-    if number in (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR) or "configure port" in str(error):
+    if number in (
+        errno.ENOTTY,
+        errno.ENOTDIR,
+        errno.EISDIR,
+        errno.ENXIO,
+        errno.ENODEV,
+        errno.ELOOP,
+    ) or "configure port" in str(error):
         return "is no serial port: name another with --port"
     return f"cannot be opened ({error})"
 

@@ -65,6 +65,7 @@ def keys(contract: Contract) -> str:
 SPEAKING = """## Speaking to a board
 
 - Three numbers are those of the short, the middle and the long arm. Positive turns counter-clockwise, seen from above. Steps are microsteps of the motors: [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) say how many make a turn.
+- Opening a port resets most boards, and after a reset the boot loader listens for 0.9 s. Who speaks to it keeps it for 5 s more, and at this speed every byte counts: so open, say nothing for 1.2 s, then begin. A board that falls silent may have been reset while you spoke: say nothing for 6 s, or until it sends a frame.
 - Begin with HELLO, and compare the contract. If it is another, ask for nothing but STOP and EMERGENCY_STOP, which are the same in all versions, and try to read nothing else.
 - Every request is answered once: HELLO by HELLO_REPLY, the others by ACK. What is no whole and correct frame is not answered, only counted (`rejected` in TELEMETRY); frames of types from 0x40 on are passed over.
 - A request without an answer after reply_timeout is sent again as it was, seq and all. The board answers again. A MOVE or MOVE_STRAIGHT that is the same as the one before, motion number and all, is not begun anew; the other requests do no harm twice.

@@ -157,9 +157,9 @@ class Stage:
         process.expect("ready")
         return process
 
-    def mega(self, path: Path) -> Process:
-        """A simulated Mega with the shipped firmware, a port at `path`; obeys the words of tests/avr/live.py."""
-        process = self._started(Process("tests/avr/live.py", "--path", str(path), listens=True))
+    def mega(self, path: Path, *options: str) -> Process:
+        """A simulated Mega with the shipped firmware, a port at `path`; options and words are those of tests/avr/live.py."""
+        process = self._started(Process("tests/avr/live.py", "--path", str(path), *options, listens=True))
         process.expect("ready")
         return process
 

@@ -25,16 +25,13 @@ from beatrix_zenoh._generated.serial import (
     Text,
     TextWarning,
 )
+from beatrix_zenoh.board.greeting import Greeting
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 STOPS = (FrameType.STOP, FrameType.EMERGENCY_STOP)
 READ_S = 0.05
 REOPEN_S = 0.3
-HELLO_S = 0.2
-STRANGER_S = 1.0
-"""Firmware of another contract is greeted this rarely: a motion that another host has left behind shall end for want of
-a heartbeat."""
 REPLY_S = wire.REPLY_TIMEOUT / 1000
 HEARTBEAT_S = wire.HEARTBEAT_PERIOD / 1000
 LOST_S = 0.4
@@ -47,6 +44,10 @@ class Port(Protocol):
     @property
     def name(self) -> str:
         """What people call it: a device path, or `virtual:`."""
+
+    @property
+    def boot_s(self) -> float:
+        """How long a board needs to start, which opening the port may have reset, s."""
 
     def write(self, data: bytes) -> None:
         """Send all of it; OSError if the port has gone."""
@@ -69,6 +70,8 @@ class Link:
     hello: HelloReply | None
     rejected: int
     retries: int
+    reset: bool
+    """It was lost because it was reset."""
 
     @property
     def name(self) -> str:
@@ -123,8 +126,9 @@ class Board:
         self._decoder = Decoder()
         self._hello: HelloReply | None = None
         self._telemetry: Telemetry | None = None
-        self._connected = False
-        self._silent_s = self._sent_s = self._hello_s = 0.0
+        self._connected = self._reset = False
+        self._greeting = Greeting(0.0, 0.0)
+        self._silent_s = self._sent_s = 0.0
         self._seq = 0
         self._retries = 0
         self._closed = threading.Event()
@@ -145,7 +149,8 @@ class Board:
                 trouble = mismatch_text(hello)
             else:
                 trouble = f"{self._port_name or 'The port'} is silent; is it powered?"
-        return Link(self._port_name, self._connected, trouble, hello, self._decoder.rejected, self._retries)
+        rejected = self._decoder.rejected
+        return Link(self._port_name, self._connected, trouble, hello, rejected, self._retries, self._reset)
 
     @property
     def telemetry(self) -> Telemetry | None:
@@ -258,10 +263,12 @@ class Board:
                 continue
             self._port, self._port_name, self._decoder = port, port.name, Decoder()
             self._trouble = ""
-            self._silent_s = self._hello_s = 0.0
+            self._silent_s = 0.0
+            self._greeting = Greeting(time.monotonic(), port.boot_s)
             with contextlib.suppress(OSError, NoAnswer):
                 self._talk(port)
             self._port = self._hello = None
+            self._reset = False
             self._set_connected(connected=False)
             port.close()
             self._closed.wait(0 if self._closed.is_set() else REOPEN_S)
@@ -272,20 +279,23 @@ class Board:
             for frame in self._decoder.feed(self._listen(port)):
                 self._silent_s = 0.0
                 self._receive(frame)
-            if self._silent_s > LOST_S:
-                self._lose_sight()
+                if self._hello is None:
+                    self._greeting.heard()
+            if self._silent_s > LOST_S and (self._connected or self._hello is not None):
+                self._lose_sight(reset=False)
 
     def _keep_in_touch(self, now: float) -> None:
         if not self._understood:
-            if now - self._hello_s > (HELLO_S if self._hello is None else STRANGER_S):
-                self._hello_s = now
+            if self._greeting.due(now):
+                self._greeting.said(now, stranger=self._hello is not None)
                 self._write(encode(FrameType.HELLO, 0, b""))
         elif now - self._sent_s > HEARTBEAT_S:
             self._write(encode(FrameType.PING, 0, b""))
 
-    def _lose_sight(self) -> None:
+    def _lose_sight(self, *, reset: bool) -> None:
         """Whoever is heard next may be another: greet first."""
-        self._hello = None
+        self._greeting.lost(time.monotonic())
+        self._hello, self._reset = None, reset
         self._set_connected(connected=False)
 
     def _listen(self, port: Port) -> bytes:
@@ -303,7 +313,7 @@ class Board:
                 return
             telemetry = Telemetry.unpack(frame.payload)
             if telemetry.boot != hello.boot % 2**16:
-                self._lose_sight()  # it was reset, or is another
+                self._lose_sight(reset=True)
                 return
             with self._news:
                 self._telemetry = telemetry

@@ -157,6 +157,7 @@ class VirtualBoard:
     """
 
     name: Final = "virtual:"
+    boot_s: Final = 0.0
 
     def __init__(self, firmware: Firmware) -> None:
         self.firmware = firmware

@@ -262,7 +262,7 @@ class Driver:
                 now = time.monotonic()
                 self._halt.press(self._lease.holder(now), self._moved_by, self._pressed_by, now)
             self._halt.sent()
-            if error is None and emergency and not self._latched():
+            if error is None and emergency and self._board.link.connected and not self._latched():
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
             elif error is None and self._driven:
                 self.stop_motion()  # it may have been on its way when STOP passed it
@@ -347,7 +347,8 @@ class Driver:
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
         if lost or telemetry.boot != running.boot:
-            what = "does not answer any more" if lost else "was reset; home is not known"
+            reset = self._board.link.reset or not lost
+            what = "was reset; home is not known" if reset else "does not answer any more"
             self._finish(running, Reason.BOARD_LOST, f"The board {what}.")
         elif telemetry.motion == self._number != running.number and not telemetry.state & State.MOVING:
             self._finish(running, Reason.BOARD_LOST, "The board took a newer motion without saying so.")

@@ -31,32 +31,39 @@ class Mailbox:
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
         """As many as there are entries, and one to close: wakes its reader in half the time a Condition takes."""
         self._count = 0
+        self._closed = False
 
     def post(self, task: Task) -> None:
-        """Queue behind the others; declined as BUSY if too many wait."""
+        """Queue behind the others; declined as BUSY if too many wait, as SHUTDOWN once closed."""
         with self._lock:
-            full = len(self._entries) >= CAPACITY
-            if not full:
+            no = self._refusal(full=len(self._entries) >= CAPACITY)
+            if no is None:
                 self._put(self._number(), task)
-        if full:
-            task.decline(busy())
+        if no is not None:
+            task.decline(no)
 
-    def post_event(self, run: Callable[[], None]) -> None:
-        """Queue something that happened; never declined, for there are few of them."""
+    def post_event(
+        self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
+    ) -> None:
+        """Queue something that happened; declined only once closed, for there are few of them."""
         with self._lock:
-            self._put(self._number(), Task(run, lambda _: None))
+            no = self._refusal(full=False)
+            if no is None:
+                self._put(self._number(), Task(run, decline))
+        if no is not None:
+            decline(no)
 
     def post_latest(self, key: str, task: Task) -> None:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
         with self._lock:
-            replaced = self._entries.pop(key, None)
-            full = replaced is None and len(self._entries) >= CAPACITY
+            no = self._refusal(full=key not in self._entries and len(self._entries) >= CAPACITY)
+            replaced = None if no is not None else self._entries.pop(key, None)
             if replaced is not None:
                 self._entries[key] = task
-            elif not full:
+            elif no is None:
                 self._put(key, task)
-        if full:
-            task.decline(busy())
+        if no is not None:
+            task.decline(no)
         if replaced is not None:
             replaced.decline(
                 Refused(Reason.REPLACED, "A newer motion from this seat came before this one began.")
@@ -78,7 +85,14 @@ class Mailbox:
 
     def close(self) -> None:
         """Let the reader finish what waits and end."""
-        self._arrived.put(None)
+        with self._lock:
+            self._closed = True
+            self._arrived.put(None)
+
+    def _refusal(self, *, full: bool) -> Refused | None:
+        if self._closed:
+            return Refused(Reason.SHUTDOWN, "The node is closing.")
+        return busy() if full else None
 
 
 def busy() -> Refused:

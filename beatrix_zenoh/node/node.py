@@ -16,7 +16,7 @@ from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text, TextWarn
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.errors import BeatrixError, Refused, quoted
-from beatrix_zenoh.node.answers import Asker
+from beatrix_zenoh.node.answers import Asker, not_stopped
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.broadcast import Broadcast
 from beatrix_zenoh.node.claim import claim
@@ -33,7 +33,8 @@ from beatrix_zenoh.node.vigil import Vigil
 
 ARMS = ("short", "middle", "long")
 ROADS = {Command.STOP: FrameType.STOP, Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP}
-BOARD_READY_S = 1.5
+BOARD_READY_S = 1.7
+"""A board that was reset when its port was opened is heard within this long."""
 RADIANS = " (Over Zenoh angles are in rad: 10 deg = 0.1745 rad.)"
 """For those who typed a motion in text and are beyond a limit."""
 
@@ -226,7 +227,12 @@ class Node:
 
     def _stopped(self, road: FrameType, asker: Asker | None, error: BeatrixError | None) -> None:
         emergency = road is FrameType.EMERGENCY_STOP
-        self._mailbox.post_event(lambda: self.driver.stopped(asker, error, emergency=emergency))
+
+        def decline(closing: BeatrixError) -> None:
+            if asker is not None:
+                self.driver.answer_command(asker, closing if error is None else not_stopped(error))
+
+        self._mailbox.post_event(lambda: self.driver.stopped(asker, error, emergency=emergency), decline)
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]

@@ -21,8 +21,9 @@ def switch(board: Board, *, on: bool) -> str:
     Raises:
         Refused, NoAnswer: as `Board.request`.
     """
+    before = board.telemetry
     board.enable(on=on)
-    reflected(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+    reflected(board, before, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
     if not on:
         return "Motors off; home is forgotten."
     if board.state & State.CALIBRATED:
@@ -43,10 +44,13 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     if not state & State.ENABLED:
         raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
     body.straighten()
+    before = board.telemetry
     board.request(FrameType.CALIBRATE)
     # Known before, home is another place now: only the new position shows it.
     reflected(
-        board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+        board,
+        before,
+        lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position),
     )
     if state & State.CALIBRATED and any(stood):
         return (
@@ -56,7 +60,10 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     return "This is home now."
 
 
-def reflected(board: Board, holds: Callable[[Telemetry], bool]) -> None:
-    """Until telemetry shows what the firmware acknowledged, so that the next request sees it too."""
-    if not board.wait_for(holds, REFLECTED_S):
+def reflected(board: Board, before: Telemetry | None, holds: Callable[[Telemetry], bool]) -> None:
+    """Until telemetry newer than `before` shows what the firmware acknowledged, so that the next request sees it too.
+
+    What was known before may be another board's by now: it was reset just then, and knows no home.
+    """
+    if not board.wait_for(lambda telemetry: telemetry is not before and holds(telemetry), REFLECTED_S):
         raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")

@@ -361,8 +361,8 @@ static bool load(avr_t *avr, const char *path) {
     for (int i = 0; i < count; i++) avr_loadcode(avr, chunks[i].data, chunks[i].size, chunks[i].baseaddr);
     if (count <= 0) return false;
     avr->codeend = chunks[count - 1].baseaddr + chunks[count - 1].size;
-    // A boot loader alone: the fuses of the Mega start it instead of address 0.
-    if (chunks[0].baseaddr >= BOOT_LOADER) avr->reset_pc = avr->pc = BOOT_LOADER;
+    // With a boot loader, which comes last: the fuses of the Mega start it instead of address 0.
+    if (chunks[count - 1].baseaddr >= BOOT_LOADER) avr->reset_pc = avr->pc = BOOT_LOADER;
     return true;
   }
   elf_firmware_t firmware;

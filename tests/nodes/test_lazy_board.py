@@ -21,6 +21,7 @@ class LazyPort:
     """A port whose board acknowledges MOVE and forgets it, while it is lazy."""
 
     name = "lazy:"
+    boot_s = 0.0
 
     def __init__(self, port: Port) -> None:
         self._port = port

@@ -11,7 +11,8 @@ import pytest
 from stage import Process, Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Reason
 from beatrix_zenoh._generated.serial import FrameType, Move
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError
@@ -75,6 +76,7 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.BOARD_LOST
+    assert ("was reset" in ended.value.message) == (loss == "reset")
     if cure:
         wait_status(robot, lambda status: not status.board.connected, "board lost shown")
         for ask in (robot.calibrate, robot.stop, lambda: robot.look(yaw=1)):
@@ -94,6 +96,14 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     if not calibrated:
         told.node.expect("The board was restarted")
     ready(robot).look(yaw=2, speed=60)
+
+
+def test_a_board_that_was_just_reset_knows_no_home_when_it_is_enabled(told: Told) -> None:
+    told.say("reset")
+    query, key = CommandQuery(command=Command.ENABLE, value=True), keys.command("bea", "hw", "ana")
+    reply = told.robot.client.ask("bea", "hw", key, query, CommandReply, 3.0)
+    assert "home is known" not in reply.message
+    wait_status(told.robot, lambda status: status.board.connected and not status.calibrated, "seen as reset")
 
 
 def test_a_node_after_another_on_a_board_that_was_not_reset_moves_and_stops(tmp_path: Path) -> None:

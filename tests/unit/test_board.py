@@ -15,6 +15,7 @@ from beatrix_zenoh._generated.serial import (
     FrameType,
     HelloReply,
     MoveStraight,
+    Outcome,
     State,
     Telemetry,
     Text,
@@ -29,11 +30,12 @@ class LossyPort:
     """A virtual board whose wire can lose, delay or forge frames to the host."""
 
     name = "lossy:"
+    boot_s = 0.0
 
     def __init__(self, board: VirtualBoard) -> None:
         self.board = board
         self.lose: list[int] = []
-        self.gone = False
+        self.gone = self.mute = False
         self.forged = b""
         self.instead = b""
         """Comes in the place of every frame that is lost."""
@@ -49,6 +51,8 @@ class LossyPort:
             raise OSError("gone")
         out, self.forged = self.forged, b""
         for frame in self._decoder.feed(self.board.read(timeout_s)):
+            if self.mute:
+                continue
             if frame.type in self.lose:
                 self.lose.remove(frame.type)
                 out += self.instead
@@ -75,6 +79,11 @@ class Rig:
 
     def _changed(self) -> None:
         self.link_changes += 1
+
+    def steps(self) -> tuple[int, int, int]:
+        """Where the firmware has the arms."""
+        with self.virtual.lock:
+            return self.virtual.firmware.steps()
 
     def close(self) -> None:
         self.board.close()
@@ -303,3 +312,18 @@ def test_the_heartbeat_keeps_an_idle_host_moving(rig: Rig) -> None:
     rig.board.request(FrameType.CALIBRATE)
     rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
     assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)
+
+
+def test_a_board_that_is_not_heard_misses_its_host_and_stops(rig: Rig) -> None:
+    """It must not take a greeting for a heartbeat: nobody sees any more what it does."""
+    rig.board.enable(on=True)
+    rig.board.request(FrameType.CALIBRATE)
+    rig.board.move(MoveStraight(7, (1500, 1500, 1500), 800))
+    rig.port.mute = True
+    until, at = threading.Event(), (-1, -1, -1)
+    while at != (at := rig.steps()) or rig.board.link.connected:
+        until.wait(0.1)
+    rig.port.mute = False
+    assert rig.board.wait_for(lambda telemetry: telemetry.outcome == Outcome.HOST_LOST, 3.0)
+    assert rig.board.telemetry is not None
+    assert 0 < rig.board.telemetry.position[0] < 500

@@ -85,3 +85,17 @@ def test_a_full_mailbox_declines_motions_but_those_that_replace_another() -> Non
     assert log.ran[-1] == "new"
     assert len(log.ran) == CAPACITY
     assert log.declined == [("old", Reason.REPLACED), ("late", Reason.BUSY)]
+
+
+def test_once_closed_everything_is_declined_and_what_waited_still_runs() -> None:
+    log, mailbox = Log(), Mailbox()
+    mailbox.post_latest("ana", log.task("before"))
+    mailbox.close()
+    mailbox.post(log.task("command"))
+    mailbox.post_latest("ana", log.task("motion"))
+    late = log.task("event")
+    mailbox.post_event(late.run, late.decline)
+    while (task := mailbox.take()) is not None:
+        task.run()
+    assert log.ran == ["before"]
+    assert log.declined == [(name, Reason.SHUTDOWN) for name in ("command", "motion", "event")]

@@ -76,6 +76,15 @@ def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.M
     os.close(slave)
 
 
+def test_a_port_that_goes_while_it_is_opened_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(*_: object, **__: object) -> None:
+        raise termios.error(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(serial, "serial_for_url", gone)
+    with pytest.raises(NoAnswer, match="/dev/ttyACM0 cannot be opened"):
+        SerialPort("/dev/ttyACM0")
+
+
 def test_a_port_one_may_not_open_says_which_group_may(monkeypatch: pytest.MonkeyPatch) -> None:
     def forbid(*_: object, **__: object) -> None:
         raise serial.SerialException(errno.EACCES, "could not open port")

@@ -1,0 +1,44 @@
+"""A board as it is sold: the boot loader of the Arduino Mega runs at every reset, and must not be spoken to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from avr.mega import HEX
+from stage import Stage, ready, until, wait_status
+
+from beatrix_zenoh import Interrupted
+from beatrix_zenoh._generated.messages import Reason
+
+LOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex")
+END = ":00000001FF"
+
+
+@pytest.fixture
+def flash(tmp_path: Path) -> Path:
+    """All a board holds: the firmware, and behind it the boot loader."""
+    whole = tmp_path / "flash.hex"
+    lines = [line for line in HEX.read_text("ascii").splitlines() if line != END]
+    whole.write_text("\n".join([*lines, LOADER.read_text("ascii")]), "ascii")
+    return whole
+
+
+def test_a_board_with_its_boot_loader_is_found_and_after_a_reset_found_again(
+    tmp_path: Path, flash: Path
+) -> None:
+    with Stage() as stage:
+        mega = stage.mega(tmp_path / "board", "--firmware", str(flash))
+        node = stage.hardware("bea", str(tmp_path / "board"))
+        robot = ready(stage.robot("bea", "hw"))
+        motion = robot.look(yaw=60, wait=False)
+        until(lambda: robot.positions().commanded.short > 1, "moving")
+        mega.say("reset")
+        with pytest.raises(Interrupted) as ended:
+            motion.wait()
+        assert ended.value.reason is Reason.BOARD_LOST
+        assert robot.positions().velocity.short == 0
+        wait_status(robot, lambda status: status.board.connected, "found again", 20.0)
+        node.expect("The board was restarted")
+        assert not robot.status().calibrated
+        ready(robot).look(yaw=2, speed=60)
