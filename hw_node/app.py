@@ -14,7 +14,7 @@ from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
-from hw_node.body import build
+from hw_node.body import VIRTUAL, build
 
 
 def hw(
@@ -27,6 +27,10 @@ def hw(
     connect: Connect = None,
 ) -> None:
     """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
+    if port == VIRTUAL.rstrip(":"):
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"--port {port}: a board in software is written `{VIRTUAL}`, with a colon."
+        )
     settings = resolve(name, connect)
     robot = lab.load(robot_file)
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import Fault, PlantStatus, Reason
+from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.drive import Gear
-from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node import Pose, Preview
 from hw_node.port import SerialPort, find
 
@@ -71,8 +70,4 @@ class VirtualHardware(Hardware):
 
 def build(device: str, name: str, robot: RobotData = ROBOT) -> Hardware:
     """The body on `device`, or on a virtual board; no port is opened yet."""
-    if device == VIRTUAL.rstrip(":"):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"--port {device}: a board in software is written `{VIRTUAL}`, with a colon."
-        )
     return VirtualHardware(name, robot) if device == VIRTUAL else Hardware(device, robot)

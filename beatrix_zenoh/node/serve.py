@@ -96,7 +96,7 @@ def teller(board: Board) -> Callable[[], None]:
         link = board.link
         if link.trouble != before.trouble:
             print(link.trouble or f"The board at {link.port} is there.", file=sys.stderr, flush=True)
-        if boot and link.boot and link.boot != boot:
+        if boot and link.understood and link.boot != boot:
             print(RESTARTED, file=sys.stderr, flush=True)
         before, boot = link, link.boot or boot
 

@@ -119,6 +119,12 @@ def test_options_of_a_process_pass_through(endpoint: str) -> None:
     assert wrong.wait() == 2
 
 
+def test_a_board_in_software_without_its_colon_is_wrong_usage_before_any_router_is_missed() -> None:
+    robot = Process(*CLI, "hw", "--port", "virtual", "--connect", free_endpoint())
+    assert robot.wait() == 2
+    assert any("with a colon" in line for line in robot.lines)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)

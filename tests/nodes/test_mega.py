@@ -79,6 +79,8 @@ def test_a_board_lost_in_mid_move_is_told_and_found_again(
     assert ("was reset" in ended.value.message) == (loss == "reset")
     if cure:
         wait_status(robot, lambda status: not status.board.connected, "board lost shown")
+        assert not robot.status().moving
+        assert not robot.status().enabled
         for ask in (robot.calibrate, robot.stop, lambda: robot.look(yaw=1)):
             with pytest.raises(BeatrixError) as refused:
                 ask()

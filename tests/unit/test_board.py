@@ -112,6 +112,17 @@ def test_a_reply_lost_every_time_is_a_lost_board(rig: Rig) -> None:
     assert loss.value.reason is Reason.BOARD_LOST
 
 
+def test_an_answer_that_comes_late_is_not_taken_for_the_next_ones(rig: Rig) -> None:
+    rig.port.lose = [FrameType.ENABLE | 0x80] * 3
+    with pytest.raises(NoAnswer):
+        rig.board.enable(on=True)
+    rig.port.lose = [FrameType.ENABLE | 0x80] * 3
+    rig.port.instead = encode(FrameType.ENABLE | 0x80, rig.board._seq, b"\0")
+    with pytest.raises(NoAnswer):
+        rig.board.enable(on=True)
+    assert not rig.board._pending
+
+
 def test_two_callers_at_once_never_get_each_others_answer(rig: Rig) -> None:
     """STOP always succeeds, CALIBRATE with motors off never does: a mixed-up answer would show."""
     mixed: list[str] = []

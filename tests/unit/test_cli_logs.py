@@ -108,3 +108,17 @@ def test_what_is_not_certainly_ours_is_left_alone(temporary: Path, dead: int) ->
     assert (elsewhere / "router.log").exists()
     assert beginning.exists()
     assert somebodys.exists()
+
+
+def test_news_are_whole_lines_and_told_once() -> None:
+    with Fleet() as fleet:
+        child = fleet.start("teller", "--version")
+        until(lambda: child.code is not None, "ended")
+        fleet.news()
+        with child.log.open("a") as log:
+            log.write("one\ntw")
+        assert fleet.news() == ["teller: one"]
+        assert fleet.news() == []
+        with child.log.open("a") as log:
+            log.write("o\n")
+        assert fleet.news() == ["teller: two"]
