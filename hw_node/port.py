@@ -92,8 +92,12 @@ def as_os_error() -> Iterator[None]:
     """A port that goes just now can fail in words of its own, which pyserial lets through."""
     try:
         yield
-    except (TerminalError, TypeError) as error:  # TypeError: closed by another thread meanwhile
+    except TerminalError as error:
         raise OSError(*error.args) from error
+    except TypeError as error:
+        raise OSError("another thread has closed it just now") from error
+    except serial.SerialTimeoutException as error:
+        raise OSError("it takes nothing") from error
 
 
 def why_not(error: Exception) -> str:

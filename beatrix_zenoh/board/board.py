@@ -208,6 +208,8 @@ class Board:
             for attempt in range(wire.TRIES):
                 self._retries += attempt > 0
                 self._write(frame)
+                if self._hello is None:
+                    self._greeting.spoken(time.monotonic())
                 with contextlib.suppress(queue.Empty):
                     self._judge(kind, slot.get(timeout=REPLY_S))
                     return

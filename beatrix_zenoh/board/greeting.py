@@ -49,6 +49,10 @@ class Greeting:
         """A frame came from a board that is not known: firmware runs."""
         self._next_s = min(self._next_s, self._said_s + HELLO_S)
 
+    def spoken(self, now_s: float) -> None:
+        """Something else was said to a board that is not known: STOP, which is never withheld."""
+        self._next_s = max(self._next_s, now_s + LOADER_S)
+
     def lost(self, now_s: float) -> None:
         """The board has fallen silent, and may have been spoken to in its boot loader."""
         self._next_s, self._said = now_s + LOADER_S, 0

@@ -59,14 +59,20 @@ class Child:
         return self._process.poll()
 
     def lines(self) -> list[str]:
-        """What it has written."""
-        return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+        """What it has written; nothing if somebody has cleared away the folder."""
+        try:
+            return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
+        except FileNotFoundError:
+            return []
 
     def news(self) -> list[str]:
         """The whole lines it has written since this was asked last."""
-        with self.log.open("rb") as log:
-            log.seek(self._told)
-            written = log.read()
+        try:
+            with self.log.open("rb") as log:
+                log.seek(self._told)
+                written = log.read()
+        except FileNotFoundError:
+            return []
         whole = written[: written.rfind(b"\n") + 1]
         self._told += len(whole)
         return whole.decode("utf-8", errors="replace").splitlines()

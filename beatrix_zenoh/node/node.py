@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import threading
 import time
 from collections.abc import Callable
 
@@ -44,11 +45,18 @@ class Desk:
 
     def __init__(self, name: str) -> None:
         self._work: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        self._closed = False
         self._thread = threads.start(self._run, name)
 
     def hand(self, work: Callable[[], None]) -> None:
-        """Do `work` soon."""
-        self._work.put(work)
+        """Do `work` soon; once closed, here and now."""
+        with self._lock:
+            closed = self._closed
+            if not closed:
+                self._work.put(work)
+        if closed:
+            work()
 
     def _run(self) -> None:
         while (work := self._work.get()) is not None:
@@ -56,7 +64,9 @@ class Desk:
 
     def close(self) -> None:
         """Finish what was handed over, then end."""
-        self._work.put(None)
+        with self._lock:
+            self._closed = True
+            self._work.put(None)
         self._thread.join(timeout=2.0)
 
 

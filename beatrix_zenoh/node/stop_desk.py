@@ -32,12 +32,19 @@ class StopDesk:
         self._thread = threads.start(self._run, "stop")
 
     def press(self, road: FrameType, asker: Asker | None) -> None:
-        """STOP or EMERGENCY_STOP; `asker` is None if nobody waits for an answer."""
+        """STOP or EMERGENCY_STOP; `asker` is None if nobody waits for an answer.
+
+        Once closed nothing is sent any more: who closes it stops what runs.
+        """
         with self._news:
-            waiting = self._pressed.setdefault(road, [])
-            if asker is not None:
-                waiting.append(asker)
-            self._news.notify()
+            closed = self._closed
+            if not closed:
+                waiting = self._pressed.setdefault(road, [])
+                if asker is not None:
+                    waiting.append(asker)
+                self._news.notify()
+        if closed:
+            self._tell(road, asker, None)
 
     def _run(self) -> None:
         while True:

@@ -21,9 +21,8 @@ def switch(board: Board, *, on: bool) -> str:
     Raises:
         Refused, NoAnswer: as `Board.request`.
     """
-    before = board.telemetry
     board.enable(on=on)
-    reflected(board, before, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+    reflected(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
     if not on:
         return "Motors off; home is forgotten."
     if board.state & State.CALIBRATED:
@@ -44,13 +43,10 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     if not state & State.ENABLED:
         raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
     body.straighten()
-    before = board.telemetry
     board.request(FrameType.CALIBRATE)
     # Known before, home is another place now: only the new position shows it.
     reflected(
-        board,
-        before,
-        lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position),
+        board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
     )
     if state & State.CALIBRATED and any(stood):
         return (
@@ -60,10 +56,20 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     return "This is home now."
 
 
-def reflected(board: Board, before: Telemetry | None, holds: Callable[[Telemetry], bool]) -> None:
-    """Until telemetry newer than `before` shows what the firmware acknowledged, so that the next request sees it too.
+def reflected(board: Board, holds: Callable[[Telemetry], bool]) -> None:
+    """Until new telemetry shows what the firmware has just acknowledged, so that the next request sees it too.
 
     What was known before may be another board's by now: it was reset just then, and knows no home.
+
+    Raises:
+        NoAnswer: BOARD_LOST, it does not show it.
+        Refused: STOPPED, by EMERGENCY_STOP.
     """
-    if not board.wait_for(lambda telemetry: telemetry is not before and holds(telemetry), REFLECTED_S):
+    before = board.telemetry
+    if not board.wait_for(
+        lambda new: new is not before and (holds(new) or bool(new.state & State.EMERGENCY)), REFLECTED_S
+    ):
         raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")
+    newest = board.telemetry
+    if newest is not None and not holds(newest) and newest.state & State.EMERGENCY:
+        raise Refused(Reason.STOPPED, "EMERGENCY_STOP was pressed meanwhile: look, then enable.")

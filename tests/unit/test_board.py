@@ -22,6 +22,7 @@ from beatrix_zenoh._generated.serial import (
     TextWarning,
 )
 from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.board.greeting import LOADER_S
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 
@@ -338,3 +339,22 @@ def test_a_board_that_is_not_heard_misses_its_host_and_stops(rig: Rig) -> None:
     assert rig.board.wait_for(lambda telemetry: telemetry.outcome == Outcome.HOST_LOST, 3.0)
     assert rig.board.telemetry is not None
     assert 0 < rig.board.telemetry.position[0] < 500
+
+
+def test_stop_goes_to_a_lost_board_and_puts_off_its_greeting(rig: Rig) -> None:
+    rig.port.mute = True
+    until = threading.Event()
+    while rig.board.link.connected:
+        until.wait(0.01)
+    until.wait(0.1)
+    asked = time.monotonic()
+    with pytest.raises(NoAnswer, match="does not answer"):
+        rig.board.request(FrameType.STOP)
+    assert not rig.board._greeting.due(asked + LOADER_S - 0.01)
+    rig.port.mute = False
+    with pytest.raises(NoAnswer):
+        rig.board.enable(on=True)
+    rig.board.request(FrameType.STOP)
+    while not rig.board.link.connected:
+        until.wait(0.01)
+    assert time.monotonic() - asked < LOADER_S, "its answer showed that firmware runs"

@@ -122,3 +122,6 @@ def test_news_are_whole_lines_and_told_once() -> None:
         with child.log.open("a") as log:
             log.write("o\n")
         assert fleet.news() == ["teller: two"]
+        child.log.unlink()
+        assert fleet.news() == []
+        assert child.lines() == []

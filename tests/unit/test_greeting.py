@@ -56,6 +56,16 @@ def test_after_a_loss_there_is_silence_unless_somebody_speaks() -> None:
     assert greeting.due(1.0)
 
 
+def test_a_word_to_a_board_that_is_not_known_begins_the_silence_anew() -> None:
+    greeting = Greeting(0.0, BOOT_S)
+    greeting.lost(1.0)
+    greeting.spoken(3.0)
+    assert not greeting.due(3.0 + LOADER_WAITS_S)
+    assert greeting.due(3.0 + LOADER_S)
+    greeting.heard()
+    assert greeting.due(3.0), "it has answered"
+
+
 def test_strangers_are_greeted_so_rarely_that_their_motion_ends() -> None:
     said = times(Greeting(0.0, 0.0), 10.0, stranger=True)
     assert min(later - earlier for earlier, later in itertools.pairwise(said)) > STRANGER_S - STEP_S
