@@ -14,7 +14,8 @@ from beatrix_zenoh.cli.verb import alone
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
-from hw_node.body import VIRTUAL, build
+from hw_node.body import build
+from hw_node.port import VIRTUAL
 
 
 def hw(

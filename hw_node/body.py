@@ -9,9 +9,7 @@ from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.drive import Gear
 from beatrix_zenoh.node import Pose, Preview
-from hw_node.port import SerialPort, find
-
-VIRTUAL = "virtual:"
+from hw_node.port import VIRTUAL, SerialPort, find
 
 
 class Hardware:

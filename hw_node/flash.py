@@ -18,8 +18,7 @@ from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from hw_node import hexfile, stk500
-from hw_node.body import VIRTUAL
-from hw_node.port import SerialPort, find
+from hw_node.port import VIRTUAL, SerialPort, find
 from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
 
 HEX = "beatrix-mega2560.hex"

@@ -23,6 +23,10 @@ except ImportError:  # Windows
 
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
+VIRTUAL = "virtual:"
+"""Where other ports are devices: a board in software."""
+NO_PORT = (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR, errno.ENXIO, errno.ENODEV, errno.ELOOP)
+"""What the system says to who opens as a port what is none."""
 NO_LINE = (errno.ENOTTY, errno.EINVAL)
 """What Linux and macOS say to who pulls a line of a terminal that has none."""
 WRITE_S = 0.5
@@ -109,14 +113,7 @@ def why_not(error: Exception) -> str:
         return "may not be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
     if number in (errno.EAGAIN, errno.EBUSY):
         return "is used by another program: end that first, another `beatrix hw` for example"
-    if number in (
-        errno.ENOTTY,
-        errno.ENOTDIR,
-        errno.EISDIR,
-        errno.ENXIO,
-        errno.ENODEV,
-        errno.ELOOP,
-    ) or "configure port" in str(error):
+    if number in NO_PORT or "configure port" in str(error):
         return "is no serial port: name another with --port"
     return f"cannot be opened ({error})"
 

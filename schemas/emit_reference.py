@@ -71,7 +71,6 @@ SPEAKING = """## Speaking to a board
 - A request without an answer after reply_timeout is sent again as it was, seq and all. The board answers again. A MOVE or MOVE_STRAIGHT that is the same as the one before, motion number and all, is not begun anew; the other requests do no harm twice.
 - A motion has ended when TELEMETRY shows its number without MOVING; `outcome` says how. Until a host sends its first motion, and while text moves the arms, the number is text_motion.
 - Say something at least every heartbeat_period while arms move: PING will do.
-
 """
 
 
@@ -99,7 +98,7 @@ def serial(contract: Contract) -> str:
         ["name", "value", "unit", "meaning"],
         [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()],
     )
-    out += "\n" + SPEAKING.rstrip("\n") + "\n" + values(contract)
+    out += "\n" + SPEAKING + values(contract)
     for name, row in contract.serial["frame"].items():
         out += f"\n## {name} (0x{row['type']:02X})\n\n{row['doc']}\n"
         if "fields" in row:

@@ -153,6 +153,11 @@ class Board:
         return Link(self._port_name, self._connected, trouble, hello, rejected, self._retries, self._reset)
 
     @property
+    def connected(self) -> bool:
+        """As in `link`, without the rest of it."""
+        return self._connected
+
+    @property
     def telemetry(self) -> Telemetry | None:
         """The newest telemetry; None before the first."""
         return self._telemetry

@@ -60,22 +60,22 @@ class Child:
 
     def lines(self) -> list[str]:
         """What it has written; nothing if somebody has cleared away the folder."""
-        try:
-            return self.log.read_text(encoding="utf-8", errors="replace").splitlines()
-        except FileNotFoundError:
-            return []
+        return self._written().decode("utf-8", "replace").splitlines()
 
     def news(self) -> list[str]:
         """The whole lines it has written since this was asked last."""
-        try:
-            with self.log.open("rb") as log:
-                log.seek(self._told)
-                written = log.read()
-        except FileNotFoundError:
-            return []
+        written = self._written(self._told)
         whole = written[: written.rfind(b"\n") + 1]
         self._told += len(whole)
-        return whole.decode("utf-8", errors="replace").splitlines()
+        return whole.decode("utf-8", "replace").splitlines()
+
+    def _written(self, since: int = 0) -> bytes:
+        try:
+            with self.log.open("rb") as log:
+                log.seek(since)
+                return log.read()
+        except FileNotFoundError:
+            return b""
 
     def end(self) -> None:
         """Ask it to end; kill it if it does not."""

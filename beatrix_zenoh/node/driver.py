@@ -262,12 +262,12 @@ class Driver:
                 now = time.monotonic()
                 self._halt.press(self._lease.holder(now), self._moved_by, self._pressed_by, now)
             self._halt.sent()
-            if error is None and emergency and self._board.link.connected and not self._latched():
+            if error is None and emergency and self._unlatched():
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
             elif error is None and self._driven:
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
-        if error is None and emergency and self._board.link.connected and not self._latched():
+        if error is None and emergency and self._unlatched():
             error = NoAnswer(
                 Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
             )
@@ -299,9 +299,11 @@ class Driver:
         while session in self._gone:
             self._gone.remove(session)
 
-    def _latched(self) -> bool:
-        """EMERGENCY_STOP has come to the board and holds."""
-        return self._board.wait_for(lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S)
+    def _unlatched(self) -> bool:
+        """The board is seen, and does not show that EMERGENCY_STOP holds."""
+        return self._board.connected and not self._board.wait_for(
+            lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S
+        )
 
     def stop_motion(self, road: FrameType = FrameType.STOP) -> None:
         """Decelerate; a board that does not answer stops by itself for want of a heartbeat."""
@@ -318,7 +320,7 @@ class Driver:
     def observe(self) -> None:
         """Telemetry or link have changed: end what has ended."""
         telemetry = self._board.telemetry
-        lost = not self._board.link.connected
+        lost = not self._board.connected
         if telemetry is not None:
             self._notices.started(telemetry.boot)
         known = (
@@ -375,7 +377,7 @@ class Driver:
         return self._running is not None or self._texting
 
     def _moving(self) -> bool:
-        return self._board.link.connected and bool(self._board.state & State.MOVING)
+        return self._board.connected and bool(self._board.state & State.MOVING)
 
     def close(self) -> None:
         """Stop what runs, wait until it rests, tell everybody who waits."""

@@ -214,7 +214,7 @@ class Legacy:
             self._heard_s = time.monotonic()  # as good as a word: the answer comes when the arms rest
         pretends = not state & State.ENABLED and any(line.sent and line.moves for line in self._lines)
         patience_s = PRETENDED_S if pretends else SILENT_S
-        if not self._board.link.connected or time.monotonic() - self._heard_s > patience_s:
+        if not self._board.connected or time.monotonic() - self._heard_s > patience_s:
             self._warn("the board has not answered a line.")
             self._stale = True
             for line in self._lines:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 from collections.abc import Callable, Hashable
@@ -35,23 +36,13 @@ class Mailbox:
 
     def post(self, task: Task) -> None:
         """Queue behind the others; declined as BUSY if too many wait, as SHUTDOWN once closed."""
-        with self._lock:
-            no = self._refusal(full=len(self._entries) >= CAPACITY)
-            if no is None:
-                self._put(self._number(), task)
-        if no is not None:
-            task.decline(no)
+        self._queue(task, most=CAPACITY)
 
     def post_event(
         self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
     ) -> None:
         """Queue something that happened; declined only once closed, for there are few of them."""
-        with self._lock:
-            no = self._refusal(full=False)
-            if no is None:
-                self._put(self._number(), Task(run, decline))
-        if no is not None:
-            decline(no)
+        self._queue(Task(run, decline), most=math.inf)
 
     def post_latest(self, key: str, task: Task) -> None:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
@@ -69,9 +60,14 @@ class Mailbox:
                 Refused(Reason.REPLACED, "A newer motion from this seat came before this one began.")
             )
 
-    def _number(self) -> int:
-        self._count += 1
-        return self._count
+    def _queue(self, task: Task, *, most: float) -> None:
+        with self._lock:
+            no = self._refusal(full=len(self._entries) >= most)
+            if no is None:
+                self._count += 1
+                self._put(self._count, task)
+        if no is not None:
+            task.decline(no)
 
     def _put(self, key: Hashable, task: Task) -> None:
         self._entries[key] = task

@@ -39,7 +39,7 @@ class Reporter:
     def positions(self, *, count: bool) -> Positions:
         """Where the robot is; `count` numbers a publication, without it the newest number is repeated."""
         telemetry = self._board.telemetry or NO_TELEMETRY
-        if not self._board.link.connected:
+        if not self._board.connected:
             telemetry = telemetry._replace(velocity=(0, 0, 0))  # where it was seen last; nobody knows of more
         pose: Pose = self._body.pose(telemetry)
         with self._lock:

@@ -14,6 +14,10 @@ from beatrix_zenoh.board.link import Decoder
 
 HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"
 """What is flashed into real boards."""
+LOADER: Final = Path(
+    "/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex"
+)
+"""What is on every Mega: Debian's arduino-core-avr."""
 START_MS: Final = 30
 """From reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
 PULSE_MIN: Final = 16

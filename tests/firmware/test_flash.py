@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from avr.bench import Avr
-from avr.mega import HEX
+from avr.mega import HEX, LOADER
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -22,7 +22,6 @@ from beatrix_zenoh.errors import WrongUsage
 from hw_node import flash, hexfile, stk500
 from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 
-LOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex")
 IMAGE = flash.firmware(None)
 PAGES = -(-len(IMAGE) // PAGE)
 CLOSE = 0

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from avr.mega import HEX
+from avr.mega import HEX, LOADER
 from stage import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted
 from beatrix_zenoh._generated.messages import Reason
 
-LOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex")
 END = ":00000001FF"
 
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from stage import until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
@@ -85,6 +86,21 @@ class Rig:
         """Where the firmware has the arms."""
         with self.virtual.lock:
             return self.virtual.firmware.steps()
+
+    def rest(self) -> tuple[int, int, int]:
+        """Wait until no arm has stepped for 0.2 s; where they are then."""
+        seen: list[tuple[int, int, int]] = []
+
+        def at_rest() -> bool:
+            seen.append(self.steps())
+            return len(seen) > 20 and seen[-1] == seen[-21]
+
+        until(at_rest, "at rest")
+        return seen[-1]
+
+    def lost(self) -> None:
+        """Wait until the board counts as lost."""
+        until(lambda: not self.board.connected, "lost")
 
     def close(self) -> None:
         self.board.close()
@@ -200,12 +216,7 @@ def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     while rig.board.link.understood:
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
     rig.board.request(FrameType.STOP)
-    deadline_s, steps = time.monotonic() + 3.0, [rig.virtual.firmware.steps()]
-    while steps[-1] != steps[max(-20, -len(steps))] or len(steps) < 20:
-        assert time.monotonic() < deadline_s
-        rig.board.wait_for(lambda _: False, 0.01)
-        steps.append(rig.virtual.firmware.steps())
-    assert steps[-1] < (500, 500, 500)
+    assert rig.rest() < (500, 500, 500)
     rig.board.request(FrameType.EMERGENCY_STOP)
 
 
@@ -225,8 +236,7 @@ def test_a_board_that_was_started_more_often_than_telemetry_counts_is_found() ->
 def test_another_board_at_the_port_is_greeted_whatever_the_first_was(rig: Rig) -> None:
     """Even where its boot number is the same: else it would be taken for the first, of another contract or not."""
     rig.port.gone = True
-    while rig.board.link.connected:
-        rig.board.wait_for(lambda _: False, 0.02)
+    rig.lost()
     assert rig.board.link.hello is None
     with pytest.raises(NoAnswer) as refusal:
         rig.board.enable(on=True)
@@ -298,14 +308,11 @@ def test_what_the_board_says_unasked_answers_no_request(rig: Rig) -> None:
 
 def test_a_port_that_goes_and_comes_is_found_again(rig: Rig) -> None:
     rig.port.gone = True
-    until = threading.Event()
-    while rig.board.link.connected:
-        until.wait(0.01)
+    rig.lost()
     with pytest.raises(NoAnswer):
         rig.board.enable(on=True)
     rig.port.gone = False
-    while not rig.board.link.connected:
-        until.wait(0.01)
+    until(lambda: rig.board.connected, "found again")
     rig.board.enable(on=True)
     assert rig.link_changes >= 3
 
@@ -332,9 +339,8 @@ def test_a_board_that_is_not_heard_misses_its_host_and_stops(rig: Rig) -> None:
     rig.board.request(FrameType.CALIBRATE)
     rig.board.move(MoveStraight(7, (1500, 1500, 1500), 800))
     rig.port.mute = True
-    until, at = threading.Event(), (-1, -1, -1)
-    while at != (at := rig.steps()) or rig.board.link.connected:
-        until.wait(0.1)
+    rig.rest()
+    rig.lost()
     rig.port.mute = False
     assert rig.board.wait_for(lambda telemetry: telemetry.outcome == Outcome.HOST_LOST, 3.0)
     assert rig.board.telemetry is not None
@@ -343,18 +349,14 @@ def test_a_board_that_is_not_heard_misses_its_host_and_stops(rig: Rig) -> None:
 
 def test_stop_goes_to_a_lost_board_and_puts_off_its_greeting(rig: Rig) -> None:
     rig.port.mute = True
-    until = threading.Event()
-    while rig.board.link.connected:
-        until.wait(0.01)
-    until.wait(0.1)
+    rig.lost()
     asked = time.monotonic()
     with pytest.raises(NoAnswer, match="does not answer"):
         rig.board.request(FrameType.STOP)
-    assert not rig.board._greeting.due(asked + LOADER_S - 0.01)
+    assert not rig.board._greeting.due(asked + LOADER_S + 0.1), "asked three times, the last 0.2 s later"
     rig.port.mute = False
     with pytest.raises(NoAnswer):
         rig.board.enable(on=True)
     rig.board.request(FrameType.STOP)
-    while not rig.board.link.connected:
-        until.wait(0.01)
+    until(lambda: rig.board.connected, "found again")
     assert time.monotonic() - asked < LOADER_S, "its answer showed that firmware runs"

@@ -76,19 +76,19 @@ def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.M
     os.close(slave)
 
 
-def test_a_port_that_goes_while_it_is_opened_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    def gone(*_: object, **__: object) -> None:
-        raise termios.error(errno.EIO, "Input/output error")
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (serial.SerialException(errno.EACCES, "could not open port"), "dialout"),
+        (termios.error(errno.EIO, "it goes just then"), "/dev/ttyACM0 cannot be opened"),
+    ],
+)
+def test_a_port_that_cannot_be_opened_says_why(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, said: str
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise error
 
-    monkeypatch.setattr(serial, "serial_for_url", gone)
-    with pytest.raises(NoAnswer, match="/dev/ttyACM0 cannot be opened"):
-        SerialPort("/dev/ttyACM0")
-
-
-def test_a_port_one_may_not_open_says_which_group_may(monkeypatch: pytest.MonkeyPatch) -> None:
-    def forbid(*_: object, **__: object) -> None:
-        raise serial.SerialException(errno.EACCES, "could not open port")
-
-    monkeypatch.setattr(serial, "serial_for_url", forbid)
-    with pytest.raises(NoAnswer, match="dialout"):
+    monkeypatch.setattr(serial, "serial_for_url", fail)
+    with pytest.raises(NoAnswer, match=said):
         SerialPort("/dev/ttyACM0")
