@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Self
 
 import zenoh
@@ -30,9 +31,9 @@ class Incoming:
         self._query = query
         self.key = str(query.key_expr)
 
-    @property
+    @cached_property
     def wording(self) -> Wording:
-        """What is asked; only before `finish`."""
+        """What is asked; the first look at it must come before `finish`."""
         payload, encoding = self._query.payload, self._query.encoding
         return Wording(
             payload=b"" if payload is None else payload.to_bytes(),
