@@ -97,12 +97,13 @@ class Conversation:
         return self._question.next(deadline - time.monotonic())
 
     def _silence(self) -> NoAnswer:
-        if not self._bus.connected:
+        present = self._bus.robots() if self._bus.connected else []
+        # The session may not have noticed yet.
+        if not self._bus.connected or not zbus.listens(self._bus.endpoint):
             return NoAnswer(
                 Reason.NO_ROUTER,
-                f"The router at {self._bus.endpoint} has gone; what runs comes back when it does.",
+                f"The router at {self._bus.endpoint} has gone, so robots end their motions; all is back when it is.",
             )
-        present = self._bus.robots()
         if (self._robot, self._twin) in present:
             text = f"{self._name()} is on line but did not answer: refused by the router, or just closing."
         else:

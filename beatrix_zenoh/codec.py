@@ -71,7 +71,7 @@ def number(data: bytes) -> float:
             value = float(msgspec.msgpack.decode(data, type=float))
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             raise Refused(Reason.BAD_VALUE, f"Expected one number in rad, got {data[:40]!r}.") from error
-    if not math.isfinite(value):
+    if not math.isfinite(value) or abs(value) > FLOAT32_MAX:
         raise Refused(Reason.BAD_VALUE, f"Expected a finite number in rad, got {value}.")
     return value
 
@@ -113,7 +113,9 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
 def _finite(message: M) -> M:
     for path, number in _floats(message, ""):
         if not math.isfinite(number) or abs(number) > FLOAT32_MAX:
-            raise bad_value(type(message), f"Expected a finite number, got {number} - at `$.{path}`")
+            raise bad_value(
+                type(message), f"Expected a finite number up to 3.4e38, got {number} - at `$.{path}`"
+            )
     return message
 
 

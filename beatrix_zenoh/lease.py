@@ -17,6 +17,7 @@ class Lease:
     def __init__(self) -> None:
         self._holder = ""
         self._rests_since_s: float | None = None
+        self._before: tuple[str, float | None] = "", None
 
     def holder(self, now_s: float) -> str:
         """Seat that drives, empty if the robot is free."""
@@ -45,7 +46,14 @@ class Lease:
     def take(self, who: str, now_s: float) -> None:
         """`who` moves the robot: it drives from now on; raises as `check`."""
         self.check(who, now_s)
+        self._before = self._holder, self._rests_since_s
         self._holder, self._rests_since_s = who, None
+
+    def give_back(self, now_s: float) -> None:
+        """What the robot was taken for came to nothing: it is whose it was, and if that is somebody, it rests."""
+        self._holder, self._rests_since_s = self._before
+        if self._rests_since_s is None:
+            self.rest(now_s)
 
     def rest(self, now_s: float) -> None:
         """The robot has come to rest: the lease runs out from here."""

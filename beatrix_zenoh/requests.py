@@ -93,7 +93,7 @@ def usage(kind: type[msgspec.Struct]) -> str:
         )
     if kind is CommandQuery:
         names = ", ".join(f"{command.value} {command.name.lower()}" for command in Command)
-        ways = 'Ask with `enable on`, parameters `?command=2` or JSON {"command":1,"value":true}.'
+        ways = 'Ask with `enable on`, `disable`, parameters `?command=2` or JSON {"command":1,"value":true}.'
         return f"{ways} Commands: {names}."
     return f"It holds: {codec.outline(kind)}."
 

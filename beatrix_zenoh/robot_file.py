@@ -19,6 +19,8 @@ from beatrix_zenoh.limits import Limits
 
 Tables = dict[str, dict[str, object]]
 
+LONGEST_FILE = 1 << 20
+"""Bytes; what is longer, or never ends, is something else."""
 LEAST_TILT = ALLOWED["limits"]["tilt_max"].low
 NEAR = math.radians(2.0)
 """What every robot must be able to do from home, in any direction."""
@@ -44,7 +46,7 @@ def load(path: Path | None) -> RobotData:
         return ROBOT
     tables: Tables = msgspec.to_builtins(ROBOT)
     try:
-        given = tomllib.loads(path.read_text(encoding="utf-8"))
+        given = tomllib.loads(content(path))
     except (OSError, ValueError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"--robot-file {path} cannot be read: {error}.") from error
     try:
@@ -58,6 +60,20 @@ def load(path: Path | None) -> RobotData:
     except (Refused, msgspec.ValidationError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error}") from error
     return robot
+
+
+def content(path: Path) -> str:
+    """The text of a file; OSError or UnicodeDecodeError if there is none, raises WrongUsage for what is no small file."""
+    if path.exists() and not path.is_file():
+        raise WrongUsage(Reason.BAD_VALUE, f"--robot-file {path} is no regular file: name one in TOML.")
+    with path.open("rb") as file:
+        held = file.read(LONGEST_FILE + 1)
+    if len(held) > LONGEST_FILE:
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"--robot-file {path} is longer than {LONGEST_FILE} bytes: no robot's values are.",
+        )
+    return held.decode()
 
 
 def fingerprint(robot: RobotData) -> str:

@@ -32,6 +32,10 @@ def hw(
         raise WrongUsage(
             Reason.BAD_VALUE, f"--port {port}: a board in software is written `{VIRTUAL}`, with a colon."
         )
+    if not printable(port):
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"--port {port!r}: a port whose name is no text cannot be told to anybody."
+        )
     settings = resolve(name, connect)
     robot = lab.load(robot_file)
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
@@ -40,6 +44,11 @@ def hw(
             f"--legacy {legacy} is the board's own port: choose a path that is not there yet, for example /tmp/beatrix.",
         )
     raise typer.Exit(serve(lambda: build(port, settings.robot, robot), settings, robot=robot, legacy=legacy))
+
+
+def printable(text: str) -> bool:
+    """It can be sent as UTF-8: a file name on Linux may be any bytes."""
+    return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in text)
 
 
 def main(words: list[str] | None = None) -> int:

@@ -131,7 +131,7 @@ def flash(
         device = port or find()
         wire = SerialPort(device, stk500.BAUD)
         try:
-            note(f"{device}: waiting for the boot loader.")
+            note(f"{device}: waiting for the boot loader. Hold the head: the motors go off.")
             with progress() as tell:
                 program(wire, image, tell, now)
         finally:

@@ -34,6 +34,8 @@ READ_S = 0.05
 REOPEN_S = 0.3
 REPLY_S = wire.REPLY_TIMEOUT / 1000
 HEARTBEAT_S = wire.HEARTBEAT_PERIOD / 1000
+SILENT = "; is it powered?"
+NEVER_HEARD = ": is that the board's port, and is BEATRIX's firmware on the board? `beatrix flash` puts it there (end this first)."
 LOST_S = 0.4
 """Silence after which the board counts as lost; with the loop's period this stays under 0.5 s."""
 
@@ -148,7 +150,9 @@ class Board:
             if hello is not None and not ours(hello):
                 trouble = mismatch_text(hello)
             else:
-                trouble = f"{self._port_name or 'The port'} is silent; is it powered?"
+                trouble = (
+                    f"{self._port_name or 'The port'} is silent{SILENT if self._telemetry else NEVER_HEARD}"
+                )
         rejected = self._decoder.rejected
         return Link(self._port_name, self._connected, trouble, hello, rejected, self._retries, self._reset)
 

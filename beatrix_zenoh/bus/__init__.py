@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from beatrix_zenoh.bus.endpoint import listens as listens
 from beatrix_zenoh.bus.endpoint import ours as ours
 from beatrix_zenoh.bus.endpoint import parts as parts
 from beatrix_zenoh.bus.endpoint import probe as probe

@@ -34,6 +34,15 @@ def probe(endpoint: str) -> None:
         ) from error
 
 
+def listens(endpoint: str) -> bool:
+    """Something accepts connections there."""
+    try:
+        probe(endpoint)
+    except NoAnswer:
+        return False
+    return True
+
+
 def parts(endpoint: str) -> tuple[str, str, int]:
     """Protocol, host and port of `tcp/127.0.0.1:7447`.
 

@@ -17,10 +17,14 @@ import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.endpoint import parts, probe
 from beatrix_zenoh.bus.question import PRIORITIES, Answer, Question
 from beatrix_zenoh.bus.transport import opened
+from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.requests import Wording
+
+CLOSED = "This connection was closed by this program: make a new Robot, or ask before close()."
 
 
 class Incoming:
@@ -117,7 +121,13 @@ class Bus:
     def question(
         self, key: str, payload: bytes | None = None, encoding: str | None = None, priority: str = "data"
     ) -> Question:
-        """Ask and collect replies one by one; close the question afterwards."""
+        """Ask and collect replies one by one; close the question afterwards.
+
+        Raises:
+            WrongUsage: SHUTDOWN, this session was closed.
+        """
+        if self._session.is_closed():
+            raise WrongUsage(Reason.SHUTDOWN, CLOSED)
         return Question(self._session, key, payload, encoding, priority)
 
     def answers(self, key: str, timeout_s: float, payload: bytes | None = None) -> Iterator[Answer]:

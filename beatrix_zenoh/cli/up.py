@@ -65,7 +65,7 @@ def up(
                 tell(settings.connect, router, settings.robot, served, own)
                 crowded = any(robot != settings.robot for robot, _ in found)
                 name_them = f" --name {settings.robot}" if crowded else ""
-                say(advice(settings.connect, verbs(name_them, len(served), ready=ready), fleet.folder))
+                say(advice(settings.connect, verbs(name_them, own), fleet.folder))
             stay(fleet)
 
 
@@ -118,10 +118,12 @@ def warnings(own: Mapping[str, Status | None]) -> list[str]:
     ]
 
 
-def verbs(name_them: str, robots: int, *, ready: bool) -> list[str]:
-    """What to type next."""
-    both = BOTH if robots > 1 else ""
-    first = [] if ready and not both else [verb + name_them + both for verb in FIRST]
+def verbs(name_them: str, own: Mapping[str, Status | None]) -> list[str]:
+    """What to type next: nobody who knows home is told to calibrate, which would make another place home."""
+    homeless = [twin for twin, status in own.items() if status is None or not status.calibrated]
+    one = f" --on {homeless[0]}" if len(homeless) == 1 < len(own) else ""
+    both = BOTH if len(own) > 1 else ""
+    first = [verb + name_them + (one or both) for verb in FIRST if homeless]
     return [*first, NEXT[0] + name_them + both, NEXT[1], NEXT[2] + name_them]
 
 
@@ -131,7 +133,7 @@ def start_router(fleet: Fleet, endpoint: str) -> str:
     Raises:
         NoAnswer: NO_ROUTER, and the address is another computer's.
     """
-    if answers(endpoint):
+    if zbus.listens(endpoint):
         return "was there already"
     if not zbus.ours(endpoint):
         port = endpoint.rpartition(":")[2]
@@ -143,15 +145,6 @@ def start_router(fleet: Fleet, endpoint: str) -> str:
     fleet.start("router", "router", "--listen", endpoint)
     fleet.wait_ready()
     return "started"
-
-
-def answers(endpoint: str) -> bool:
-    """Something accepts connections there."""
-    try:
-        zbus.probe(endpoint)
-    except NoAnswer:
-        return False
-    return True
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:

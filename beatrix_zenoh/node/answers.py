@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Phase, PreviewReply, Reason
+from beatrix_zenoh._generated.messages import Command, CommandReply, MotionReply, Phase, PreviewReply, Reason
+from beatrix_zenoh._generated.serial import State
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.drive import Arms
-from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.node.course import vector
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.node.course import degrees, vector
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,31 @@ def not_stopped(error: BeatrixError) -> BeatrixError:
         f"NOT stopped. {error.message} A board that misses its node stops the arms after half a second; if they still "
         "move, switch the motor power off.",
     )
+
+
+def lost_while_stopping(*, reset: bool) -> BeatrixError:
+    """What to tell who pressed STOP while arms moved, and the board went."""
+    if reset:
+        return NoAnswer(
+            Reason.BOARD_LOST, "The board was reset meanwhile: its motors are off, and home is not known."
+        )
+    return not_stopped(NoAnswer(Reason.BOARD_LOST, "The board was lost while stopping."))
+
+
+def at_rest(board: Board, how: str, arms: Arms) -> str:
+    """What is true after a stop that the board has taken; arms in rad."""
+    link = board.link
+    if not link.connected:
+        return f"The board has taken it, but what it does now cannot be seen. {link.trouble}"
+    if board.state & State.EMERGENCY:
+        return "Motors off, latched until enabled; home is forgotten."
+    return f"{how}; the arms rest at {degrees(arms)}."
+
+
+def unknown_command(number: int) -> Refused:
+    """What to tell who asked for a command that is not in the table."""
+    table = ", ".join(f"{command.value} {command.name}" for command in Command)
+    return Refused(Reason.UNKNOWN_COMMAND, f"There is no command {number}. There are: {table}.")
 
 
 def preview_refused(error: BeatrixError) -> PreviewReply:

@@ -22,14 +22,22 @@ from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lease import Lease
 from beatrix_zenoh.names import ARM_TOPICS, OLD_PROGRAMS
-from beatrix_zenoh.node.answers import Asker, command_reply, motion_reply, not_stopped
+from beatrix_zenoh.node.answers import (
+    Asker,
+    at_rest,
+    command_reply,
+    lost_while_stopping,
+    motion_reply,
+    not_stopped,
+    unknown_command,
+)
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal, degrees
 from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.running import NUMBERS, Running, next_number
-from beatrix_zenoh.node.switching import REFLECTED_S, calibrate, switch
+from beatrix_zenoh.node.switching import calibrate, switch, unlatched
 
 TEXT_SESSION = "text-port"
 """What stands for the session of old programs."""
@@ -57,7 +65,8 @@ class Driver:
         self._halt = Halt()
         self._running: Running | None = None
         self._stopping: list[Asker] = []
-        self._texting, self._pressed_by, self._moved_by = False, "", ""
+        self._texting = self._text_moved = False
+        self._pressed_by = self._moved_by = ""
         self._lost = True
         self._cause = Reason.STOPPED
         self._emergency_s = self._ended_s = float("-inf")
@@ -176,7 +185,14 @@ class Driver:
         resting = self._pressed_by == TEXT_SESSION or (not self._moving() and not self._stopping)
         self._halt.check(OLD_PROGRAMS, TEXT_SESSION, now, resting=resting)
         self._lease.take(OLD_PROGRAMS, now)
-        self._texting, self._moved_by = True, TEXT_SESSION
+        self._texting, self._text_moved, self._moved_by = True, False, TEXT_SESSION
+
+    def text_refused(self) -> None:
+        """The firmware has said no to a line of an old program: if nothing moved, the program does not drive for it."""
+        now = time.monotonic()
+        if self._texting and not self._text_moved and self._lease.holder(now) == OLD_PROGRAMS:
+            self._texting = False
+            self._lease.give_back(now)
 
     def text_rests(self) -> None:
         """No motion of an old program is under way or waits."""
@@ -203,17 +219,15 @@ class Driver:
                     raise Refused(
                         Reason.STOPPED, "EMERGENCY_STOP was pressed after this was asked: look, then enable."
                     )
-                text = self._enable(asker.who, on=query.value)
+                self._lease.check(asker.who, time.monotonic())
+                text = switch(self._board, on=query.value)
             elif query.command == Command.CALIBRATE:
                 text = self._calibrate(asker.who)
             elif query.command == Command.HOME:
                 self._home(asker)
                 return
             else:
-                table = ", ".join(f"{command.value} {command.name}" for command in Command)
-                raise Refused(
-                    Reason.UNKNOWN_COMMAND, f"There is no command {query.command}. There are: {table}."
-                )
+                raise unknown_command(query.command)
         except BeatrixError as error:
             self.answer_command(asker, error)
             return
@@ -226,10 +240,6 @@ class Driver:
     def _answer(self, asker: Asker, reason: Reason, text: str) -> None:
         asker.answer(command_reply(reason, text, self.arms()))
         asker.finish()
-
-    def _enable(self, who: str, *, on: bool) -> str:
-        self._lease.check(who, time.monotonic())
-        return switch(self._board, on=on)
 
     def _calibrate(self, who: str) -> str:
         self._lease.check(who, time.monotonic())
@@ -262,12 +272,12 @@ class Driver:
                 now = time.monotonic()
                 self._halt.press(self._lease.holder(now), self._moved_by, self._pressed_by, now)
             self._halt.sent()
-            if error is None and emergency and self._unlatched():
+            if error is None and emergency and unlatched(self._board):
                 self.stop_motion(FrameType.EMERGENCY_STOP)  # an ENABLE may have been on its way
             elif error is None and self._driven:
                 self.stop_motion()  # it may have been on its way when STOP passed it
             return
-        if error is None and emergency and self._unlatched():
+        if error is None and emergency and unlatched(self._board):
             error = NoAnswer(
                 Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again."
             )
@@ -276,7 +286,7 @@ class Driver:
         elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
             self._stopping.append(asker)
         else:
-            self._answer(asker, Reason.OK, self._at_rest("Nothing moves"))
+            self._answer(asker, Reason.OK, at_rest(self._board, "Nothing moves", self.arms()))
 
     def client_gone(self, session: str) -> None:
         """A client's session has ended: stop what it asked for, free the robot."""
@@ -299,12 +309,6 @@ class Driver:
         while session in self._gone:
             self._gone.remove(session)
 
-    def _unlatched(self) -> bool:
-        """The board is seen, and does not show that EMERGENCY_STOP holds."""
-        return self._board.connected and not self._board.wait_for(
-            lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S
-        )
-
     def stop_motion(self, road: FrameType = FrameType.STOP) -> None:
         """Decelerate; a board that does not answer stops by itself for want of a heartbeat."""
         try:
@@ -321,6 +325,7 @@ class Driver:
         """Telemetry or link have changed: end what has ended."""
         telemetry = self._board.telemetry
         lost = not self._board.connected
+        self._text_moved |= self._texting and self._moving()
         if telemetry is not None:
             self._notices.started(telemetry.boot)
         known = (
@@ -335,17 +340,9 @@ class Driver:
             waiting, self._stopping = self._stopping, []
             for asker in waiting:
                 if lost:
-                    self._answer(asker, Reason.BOARD_LOST, "The board was lost while stopping.")
+                    self.answer_command(asker, lost_while_stopping(reset=self._board.link.reset))
                 else:
-                    self._answer(asker, Reason.OK, self._at_rest("Stopped"))
-
-    def _at_rest(self, how: str) -> str:
-        link = self._board.link
-        if not link.connected:
-            return f"The board has taken it, but what it does now cannot be seen. {link.trouble}"
-        if self._board.state & State.EMERGENCY:
-            return "Motors off, latched until enabled; home is forgotten."
-        return f"{how}; the arms rest at {degrees(self.arms())}."
+                    self._answer(asker, Reason.OK, at_rest(self._board, "Stopped", self.arms()))
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
         if lost or telemetry.boot != running.boot:

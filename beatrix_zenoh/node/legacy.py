@@ -28,10 +28,15 @@ HANDED_OVER = 8
 HAND_OVER_S = 1.0
 LAST = 1
 """Flag of the line that ends an answer."""
-UNKNOWN, REFUSED = (b"NACK\n",), (b"ACK\n", b"NACK\n")
+UNDONE = b"NACK\n"
+UNKNOWN, REFUSED = (UNDONE,), (b"ACK\n", UNDONE)
 STOP, CALIBRATE, MOTORS, MOVES = b"@STOPALL", b"@CALNOW", b"@ENMOTORS", b"@MOV"
 ECHOED = (b"ACK", b"NACK")
 """A terminal that a program has set to echo sends back our own answers: to answer them would never end."""
+ZERO_FORGOTTEN = (
+    "the motion was refused: the board did not answer for a while, and so its zero for this program is forgotten. "
+    "Start the program anew, or let it send @CALNOW."
+)
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
 PRETENDED_S = 170.0
@@ -77,6 +82,8 @@ class Legacy:
         self._openings = 0
         self._stale = False
         """The board may still answer lines that were given up: it must forget them before it gets another."""
+        self._zero_forgotten = False
+        """With them it forgot the program's zero, and the program does not know."""
         terminal.start(self)
 
     # -- called on the terminal's thread, `told` on the board's ---------------------------------------
@@ -108,7 +115,7 @@ class Legacy:
     def _open(self) -> None:
         try:
             self._board.request(FrameType.TEXT_OPEN)
-            self._stale = False
+            self._stale = self._zero_forgotten = False
         except BeatrixError as error:
             self._stale = True
             self._warn(error.message)
@@ -163,7 +170,9 @@ class Legacy:
             if self._stale:
                 self._board.request(FrameType.TEXT_OPEN)
                 self._openings += 1
-                self._stale = False
+                self._stale, self._zero_forgotten = False, True
+            if line.text == CALIBRATE:
+                self._zero_forgotten = False
             if line.text == CALIBRATE and self._homeless():
                 self._body.straighten()
                 self._driver.calibrations += 1
@@ -198,6 +207,10 @@ class Legacy:
         self._terminal.write(frame.text)
         self._lines[0].told += 1
         if frame.flags & LAST:
+            if frame.text == UNDONE:
+                self._driver.text_refused()
+                if self._zero_forgotten and self._lines[0].moves:
+                    self._warn(ZERO_FORGOTTEN)
             self._lines.popleft()
             self._advance()
 

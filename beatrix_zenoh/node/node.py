@@ -6,6 +6,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import msgspec
 
@@ -162,10 +163,9 @@ class Node:
         """The way back to who asked, on the robot's own concrete key."""
         parts = incoming.key.split("/")
         who = parts[4] if len(parts) == 6 else ""  # beatrix/robot/twin/cmd/who/road
-        # A reply needs a key without wildcards; a stop may have come on one with.
-        key = (
-            self._own_key("anybody" if "*" in who else who, road) if who else keys.stop(self.name, self.twin)
-        )
+        # A reply needs a key without wildcards, and must match the query's: a stop may have come on one with.
+        seat = "anybody" if not who or "*" in who else who
+        key = keys.stop(self.name, self.twin) if road == "stop" else self._own_key(seat, road)
         wording = incoming.wording
 
         def answer(message: msgspec.Struct) -> None:
@@ -178,7 +178,7 @@ class Node:
 
     def _check_key(self, incoming: Incoming, who: str, road: str) -> None:
         """Refuse a wildcard: who means many robots at once, or looks around, does not mean to drive this one."""
-        own = self._own_key(who, road)
+        own = self._own_key(who or "me", road)
         if incoming.key != own:
             raise Refused(
                 Reason.BAD_VALUE,
@@ -319,16 +319,17 @@ class Node:
         self.board.request(FrameType.CALIBRATE)
 
     def close(self) -> None:
-        """Stop motion, tell who waits, publish the last status, leave the bus, free the board."""
-        if self._legacy is not None:
-            self._legacy.close()
-        self._vigil.close()
-        self._mailbox.close()
-        self._thread.join(timeout=2.0)
-        self._previewer.close()
-        self._broadcast.close()
-        self._stop_desk.close()
-        self._front_desk.close()
-        self._roads.close()
-        self.board.close()
-        self._body.close()
+        """Stop motion, tell who waits, publish the last status, leave the bus, free the board; whatever fails on the way."""
+        with ExitStack() as later:  # last in, first out
+            later.callback(self._body.close)
+            later.callback(self.board.close)
+            later.callback(self._roads.close)
+            later.callback(self._front_desk.close)
+            later.callback(self._stop_desk.close)
+            later.callback(self._broadcast.close)
+            later.callback(self._previewer.close)
+            later.callback(self._thread.join, timeout=2.0)
+            later.callback(self._mailbox.close)
+            later.callback(self._vigil.close)
+            if self._legacy is not None:
+                later.callback(self._legacy.close)

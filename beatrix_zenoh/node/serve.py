@@ -13,6 +13,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.ending import Ending
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.node.body import Body
@@ -71,7 +72,7 @@ def serve(
         if ready:
             node.make_ready()
         _greet(node, legacy)
-        ending.wait(teller(node.board))
+        ending.wait(teller(node.board, roads.commands))
     finally:
         node.close()
     return 1 if broken else 0
@@ -84,15 +85,23 @@ def _greet(node: Node, legacy: Path | None) -> None:
         print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
 
 
-def teller(board: Board) -> Callable[[], None]:
-    """Says on stderr what is wrong with the board, and from then on what changes."""
-    before = board.link
+def teller(board: Board, router: Bus) -> Callable[[], None]:
+    """Says on stderr what is wrong with the board, and from then on what changes, there and with the router."""
+    before, there = board.link, True
     boot = before.boot
     if before.trouble:
         print(before.trouble, file=sys.stderr, flush=True)
 
     def tell() -> None:
-        nonlocal before, boot
+        nonlocal before, boot, there
+        if router.connected != there:
+            there = not there
+            told = (
+                "is there again"
+                if there
+                else "has gone: motions are ended, and nobody is heard until it is back"
+            )
+            print(f"The router at {router.endpoint} {told}.", file=sys.stderr, flush=True)
         link = board.link
         if link.trouble != before.trouble:
             print(link.trouble or f"The board at {link.port} is there.", file=sys.stderr, flush=True)

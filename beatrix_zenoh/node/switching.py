@@ -56,6 +56,13 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     return "This is home now."
 
 
+def unlatched(board: Board) -> bool:
+    """The board is seen, and does not show that EMERGENCY_STOP holds."""
+    return board.connected and not board.wait_for(
+        lambda telemetry: bool(telemetry.state & State.EMERGENCY), REFLECTED_S
+    )
+
+
 def reflected(board: Board, holds: Callable[[Telemetry], bool]) -> None:
     """Until new telemetry shows what the firmware has just acknowledged, so that the next request sees it too.
 

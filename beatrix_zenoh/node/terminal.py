@@ -244,7 +244,7 @@ def claim(path: Path) -> socket.socket:
     where = str(path.parent.resolve() / path.name)
     try:
         if sys.platform == "linux":  # elsewhere there are no names that go with their process
-            held.bind(b"\0beatrix-legacy-" + hashlib.sha256(where.encode()).hexdigest().encode())
+            held.bind(b"\0beatrix-legacy-" + hashlib.sha256(os.fsencode(where)).hexdigest().encode())
     except OSError as error:
         held.close()
         raise Refused(

@@ -14,6 +14,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Question
 from beatrix_zenoh.drive import Gear
+from beatrix_zenoh.errors import WrongUsage
 
 
 class Body(Protocol):
@@ -254,3 +255,11 @@ def test_of_waiting_targets_only_the_newest_runs(robot: Robot) -> None:
         ends.append(replies[-1])
     assert [end.reason for end in ends[:-1]] == [Reason.REPLACED] * 7
     assert ends[-1].result
+
+
+def test_a_robot_that_was_closed_says_so(robot: Robot) -> None:
+    other = Robot(robot.name, robot.twin, connect=robot.client.bus.endpoint, who="ben")
+    other.close()
+    for ask in (other.status, lambda: other.look(yaw=1), other.stop):
+        with pytest.raises(WrongUsage, match="was closed by this program"):
+            ask()

@@ -247,3 +247,21 @@ def test_a_per_arm_topic_with_wildcards_moves_nobody(robot: Robot) -> None:
 def test_bad_per_arm_target_becomes_a_warning(robot: Robot) -> None:
     robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"far", "text/plain")
     until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "payload", "reason"),
+    [
+        ("cmd/**", b"stop", "OK"),
+        ("**/command", b"stop", "OK"),
+        ("**/motion", b"0.1 0 0", "BAD_VALUE"),
+        ("cmd/*/pose", b"0.1 0 0", "BAD_VALUE"),
+    ],
+)
+def test_whoever_asks_on_a_wider_key_is_answered_too(
+    robot: Robot, pattern: str, payload: bytes, reason: str
+) -> None:
+    answers = ask_raw(robot.client, f"beatrix/{robot.name}/{robot.twin}/{pattern}", payload)
+    replies = [json.loads(answer.payload) for answer in answers if b"reason" in answer.payload]
+    assert reason in [reply["reason"] for reply in replies], replies
+    assert not any("//" in reply["message"] for reply in replies)

@@ -14,7 +14,6 @@ from stage import Process, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.cli import up as up_verb
 
 CLI = ("-m", "beatrix_zenoh.cli")
 
@@ -92,7 +91,7 @@ def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
 def test_up_does_not_start_the_router_of_another_computer(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(up_verb, "answers", lambda _: False)  # asking would leave this computer
+    monkeypatch.setattr(zbus, "listens", lambda _: False)  # asking would leave this computer
     assert app.run(["up", "--connect", ELSEWHERE]) == 3
     assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
@@ -109,6 +108,18 @@ def test_up_does_not_start_the_router_of_another_computer(
 def test_only_an_address_of_this_computer_can_be_listened_at(host: str, *, ours: bool) -> None:
     code = "import sys; from beatrix_zenoh import bus; sys.exit(not bus.ours(sys.argv[1]))"
     assert (Process("-c", code, f"tcp/{host}:7447").wait() == 0) is ours
+
+
+def test_a_port_or_a_path_that_is_no_text_is_told(endpoint: str, tmp_path: Path) -> None:
+    odd = os.fsdecode(b"/tmp/\xff")
+    robot = Process(*CLI, "hw", "--port", odd, "--connect", endpoint)
+    assert robot.wait() == 2
+    assert any("whose name is no text" in line for line in robot.lines)
+    with zbus.open_router(endpoint):
+        path = os.fsdecode(os.fsencode(tmp_path) + b"/\xff")
+        robot = Process(*CLI, "hw", "--port", "virtual:", "--legacy", path, "--connect", endpoint)
+        robot.expect("ready")
+        assert robot.end() == 0
 
 
 def test_options_of_a_process_pass_through(endpoint: str) -> None:

@@ -260,10 +260,12 @@ def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
     assert (document["result"], document["reason"], done.stderr) == (False, "OUT_OF_REACH", "")
 
 
-def test_an_angle_that_is_no_number_is_wrong_usage(shell: Shell) -> None:
-    done = shell.run("look", "--yaw", "nan")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "yaw is nan: give a finite number of degrees" in done.stderr
+@pytest.mark.parametrize(
+    ("yaw", "told"), [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "number that large")]
+)
+def test_an_angle_that_no_message_holds_is_wrong_usage(shell: Shell, yaw: str, told: str) -> None:
+    done = shell.run("look", "--yaw", yaw)
+    assert (done.returncode, done.stdout, told in done.stderr) == (2, "", True)
 
 
 def test_interrupted_look_stops_the_robot(free: Shell) -> None:

@@ -228,6 +228,16 @@ def test_anybody_stops_an_old_program(place: Place) -> None:
         assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "it may again"
 
 
+def test_a_program_that_is_refused_again_and_again_does_not_drive(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        place.robot.emergency_stop()
+        for _ in range(3):
+            assert program.say("@ENMOTORS ON") == program.say("@MOVRX 50 200") == ["ACK\n", "NACK\n"]
+            assert place.robot.status().holder == ""
+        place.robot.enable()  # as a person who has looked does
+
+
 def test_its_own_stop_acts_at_once(place: Place) -> None:
     with place.program() as program:
         program.begin()
@@ -326,6 +336,8 @@ def test_a_board_that_is_lost_answers_nack_and_its_return_is_a_power_up(tmp_path
             board.plug()
             wait_status(robot, lambda status: status.board.connected, "back")
             assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+            assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
+            assert any("its zero for this program is forgotten" in line for line in robot.status().warnings)
             until(lambda: robot.status().holder == "", "free", 3.0)
             ready(robot)
             program.port.close()

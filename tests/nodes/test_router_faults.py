@@ -61,13 +61,17 @@ def test_router_process_killed_and_restarted_everybody_is_back(stage: Stage) -> 
     node = stage.process("sim_node", "--name", "bea", "--connect", endpoint, "--ready")
     node.expect("ready")
     with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
-        robot.look(yaw=2, speed=60)
+        motion = robot.look(yaw=30, wait=False)
         router.end(signal.SIGKILL)
-        with pytest.raises(NoAnswer):
+        with pytest.raises(NoAnswer, match="has gone, so robots end their motions"):
+            motion.wait()
+        node.expect(f"The router at {endpoint} has gone: motions are ended")
+        with pytest.raises(NoAnswer, match="has gone, so robots end their motions"):
             robot.look(yaw=4)
         again = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
         again.expect("ready")
         until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
+        node.expect(f"The router at {endpoint} is there again.")
         until(lambda: not refused(robot), "the seat is known again", 5.0)
 
 

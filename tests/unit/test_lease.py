@@ -124,3 +124,26 @@ def test_who_pressed_stop_himself_need_not_pause() -> None:
 def test_an_unknown_stopper_is_not_taken_for_an_unknown_driver() -> None:
     with pytest.raises(Refused):
         stopped("ana", "").check("ana", "", 0.1, resting=True)
+
+
+def test_what_came_to_nothing_gives_the_robot_back_as_it_was() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.give_back(1)
+    assert lease.holder(1) == "", "it was free"
+    lease.take("ana", 2)
+    lease.rest(3)
+    for now_s in (3.5, 4.5):
+        lease.take("ana", now_s)
+        lease.give_back(now_s)
+    assert lease.holder(3 + LINGER_S - 0.1) == "ana"
+    assert lease.holder(3 + LINGER_S) == "", "what came to nothing prolongs nothing"
+
+
+def test_who_still_drove_before_rests_from_then_on() -> None:
+    lease = Lease()
+    lease.take("ana", 0)
+    lease.take("ana", 1)
+    lease.give_back(2)
+    assert lease.holder(2 + LINGER_S - 0.1) == "ana"
+    assert lease.holder(2 + LINGER_S) == ""

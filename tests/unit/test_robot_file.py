@@ -107,6 +107,16 @@ def test_a_missing_file_is_said(tmp_path: Path) -> None:
         robot_file.load(tmp_path / "none.toml")
 
 
+def test_what_never_ends_is_no_robot_file() -> None:
+    with pytest.raises(WrongUsage, match="no regular file"):
+        robot_file.load(Path("/dev/zero"))
+
+
+def test_what_is_too_long_is_no_robot_file(tmp_path: Path) -> None:
+    with pytest.raises(WrongUsage, match="is longer than"):
+        robot_file.load(write(tmp_path, "#" * (robot_file.LONGEST_FILE + 1)))
+
+
 def near(shipped: float) -> st.SearchStrategy[float]:
     """Numbers close to the shipped one, and any others now and then."""
     close = st.floats(0.5, 1.6).map(lambda factor: round(factor * shipped, 6))
