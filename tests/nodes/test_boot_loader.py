@@ -8,7 +8,7 @@ import pytest
 from avr.mega import HEX, LOADER
 from stage import Stage, ready, until, wait_status
 
-from beatrix_zenoh import Interrupted
+from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh._generated.messages import Reason
 
 END = ":00000001FF"
@@ -41,3 +41,16 @@ def test_a_board_with_its_boot_loader_is_found_and_after_a_reset_found_again(
         node.expect("The board was restarted")
         assert not robot.status().calibrated
         ready(robot).look(yaw=2, speed=60)
+
+
+def test_a_board_as_it_is_sold_is_told_as_one_to_flash(tmp_path: Path) -> None:
+    """No firmware of ours is on it, only the boot loader."""
+    with Stage() as stage:
+        stage.mega(tmp_path / "board", "--firmware", str(LOADER))
+        stage.hardware("bea", str(tmp_path / "board")).expect(
+            f"{tmp_path / 'board'} is silent: is that the board's port"
+        )
+        robot = stage.robot("bea", "hw")
+        with pytest.raises(Refused, match="`beatrix flash` puts it there") as refusal:
+            robot.enable()
+        assert refusal.value.reason is Reason.BOARD_LOST
