@@ -44,7 +44,7 @@ class Mailbox:
         """Queue something that happened; declined only once closed, for there are few of them."""
         self._queue(Task(run, decline), most=math.inf)
 
-    def post_latest(self, key: str, task: Task) -> None:
+    def post_latest(self, key: Hashable, task: Task) -> None:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
         with self._lock:
             no = self._refusal(full=key not in self._entries and len(self._entries) >= CAPACITY)

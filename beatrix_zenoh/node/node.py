@@ -202,7 +202,7 @@ class Node:
         def decline(error: BeatrixError) -> None:
             driver.decline_motion(self._asker(incoming, road), error)
 
-        self._mailbox.post_latest(incoming.key, Task(run, decline))
+        self._mailbox.post_latest((road, incoming.key), Task(run, decline))  # a wildcard comes on both roads
 
     def _command(self, incoming: Incoming) -> None:
         asker = self._asker(incoming, "command")
