@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import TypeVar
 
@@ -21,6 +20,11 @@ LONGEST = 200
 FLOAT32_MAX = 3.4028234663852886e38
 
 M = TypeVar("M", bound=msgspec.Struct)
+
+
+def fits(number: float) -> bool:
+    """A message can hold it: finite, and not too large for single precision."""
+    return abs(number) <= FLOAT32_MAX
 
 
 def encode(message: msgspec.Struct) -> bytes:
@@ -71,7 +75,7 @@ def number(data: bytes) -> float:
             value = float(msgspec.msgpack.decode(data, type=float))
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             raise Refused(Reason.BAD_VALUE, f"Expected one number in rad, got {data[:40]!r}.") from error
-    if not math.isfinite(value) or abs(value) > FLOAT32_MAX:
+    if not fits(value):
         raise Refused(Reason.BAD_VALUE, f"Expected a finite number in rad, got {value}.")
     return value
 
@@ -112,7 +116,7 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
 
 def _finite(message: M) -> M:
     for path, number in _floats(message, ""):
-        if not math.isfinite(number) or abs(number) > FLOAT32_MAX:
+        if not fits(number):
             raise bad_value(
                 type(message), f"Expected a finite number up to 3.4e38, got {number} - at `$.{path}`"
             )

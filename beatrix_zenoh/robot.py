@@ -315,8 +315,8 @@ def motion_query(
 
 def to_rad(what: str, angle: float) -> float:
     """Degrees, or degrees/s, to rad; raises WrongUsage if it is no number that a message can hold."""
-    if math.isfinite(angle) and abs(angle) > codec.FLOAT32_MAX:
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle:g}: no message holds a number that large.")
     if not math.isfinite(angle):
         raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle}: give a finite number of degrees.")
+    if not codec.fits(angle):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle:g}: no message holds a number that large.")
     return math.radians(angle)

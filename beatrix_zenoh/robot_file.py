@@ -10,6 +10,7 @@ from pathlib import Path
 
 import msgspec
 
+from beatrix_zenoh import files
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, Range, RobotData
 from beatrix_zenoh.drive import Arms
@@ -45,10 +46,12 @@ def load(path: Path | None) -> RobotData:
     if path is None:
         return ROBOT
     tables: Tables = msgspec.to_builtins(ROBOT)
+    called = f"--robot-file {path}"
     try:
-        given = tomllib.loads(content(path))
+        held = files.content(path, LONGEST_FILE, called=called, form="TOML", nothing="no robot's values are")
+        given = tomllib.loads(held.decode())
     except (OSError, ValueError) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"--robot-file {path} cannot be read: {error}.") from error
+        raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
     try:
         fields = set()
         for table, field, value in entries(given, tables):
@@ -60,20 +63,6 @@ def load(path: Path | None) -> RobotData:
     except (Refused, msgspec.ValidationError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error}") from error
     return robot
-
-
-def content(path: Path) -> str:
-    """The text of a file; OSError or UnicodeDecodeError if there is none, raises WrongUsage for what is no small file."""
-    if path.exists() and not path.is_file():
-        raise WrongUsage(Reason.BAD_VALUE, f"--robot-file {path} is no regular file: name one in TOML.")
-    with path.open("rb") as file:
-        held = file.read(LONGEST_FILE + 1)
-    if len(held) > LONGEST_FILE:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
-            f"--robot-file {path} is longer than {LONGEST_FILE} bytes: no robot's values are.",
-        )
-    return held.decode()
 
 
 def fingerprint(robot: RobotData) -> str:

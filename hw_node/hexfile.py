@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from beatrix_zenoh import files
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 from hw_node.stk500 import FLASH
@@ -81,16 +82,11 @@ def pieces(path: Path) -> list[Piece]:
 def content(path: Path) -> bytes:
     """The whole file, without the mark some editors put before it; raises as `read`."""
     try:
-        if path.exists() and not path.is_file():
-            raise WrongUsage(Reason.BAD_VALUE, f"{path} is no regular file: name one in Intel HEX.")
-        with path.open("rb") as file:
-            held = file.read(LONGEST_FILE + 1)
+        held = files.content(
+            path, LONGEST_FILE, called=f"{path}", form="Intel HEX", nothing="no firmware for this board is"
+        )
     except OSError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
-    if len(held) > LONGEST_FILE:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} is longer than {LONGEST_FILE} bytes: no firmware for this board is."
-        )
     return held.removeprefix(codecs.BOM_UTF8)
 
 

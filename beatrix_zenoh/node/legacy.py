@@ -173,9 +173,9 @@ class Legacy:
                 self._stale, self._zero_forgotten = False, True
             if line.text == CALIBRATE:
                 self._zero_forgotten = False
-            if line.text == CALIBRATE and self._homeless():
-                self._body.straighten()
-                self._driver.calibrations += 1
+                if self._homeless():
+                    self._body.straighten()
+                    self._driver.calibrations += 1
             self._board.send_text(line.text)
         except BeatrixError as error:
             line.refusal = REFUSED

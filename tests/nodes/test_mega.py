@@ -21,6 +21,9 @@ from hw_node.port import SerialPort
 KEPT_MS = 5.0
 """Behind real time in half of all slices, on however busy a machine; on one of its own it is 0.1."""
 
+PATIENCE_S = 2.0
+"""For an answer that must not get lost: where a shared machine stands still for a tenth of a second it is only late."""
+
 
 def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
     with Stage() as stage:
@@ -167,11 +170,8 @@ def test_a_noisy_line_delays_and_misleads_nobody(told: Told) -> None:
     assert robot.positions().commanded == (0, 0, 0)
 
 
-STOOD_STILL = 2
-"""Times a shared machine may stand still for a tenth of a second: an answer is then late, not lost, and asked for again."""
-
-
-def test_two_callers_at_once_get_their_own_answers(tmp_path: Path) -> None:
+def test_two_callers_at_once_get_their_own_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.board.board.REPLY_S", PATIENCE_S)
     with Stage() as stage:
         stage.mega(tmp_path / "board")
         board = Board(lambda: SerialPort(str(tmp_path / "board")), lambda _: None, lambda: None)
@@ -199,6 +199,6 @@ def test_two_callers_at_once_get_their_own_answers(tmp_path: Path) -> None:
                 for one in asked:
                     one.result(timeout=30)
             assert board.link.rejected == 0
-            assert board.link.retries <= STOOD_STILL, "of 300 requests"
+            assert board.link.retries == 0
         finally:
             board.close()
