@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.limits.check import Limits, Plan
+from beatrix_zenoh.limits.check import Limits
 
-__all__ = ["Limits", "Plan"]
+__all__ = ["Limits"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from beatrix_zenoh._generated.messages import Reason
@@ -13,7 +12,7 @@ from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.kinematics import Neck
 from beatrix_zenoh.limits.refusal import Asked, Judge, degrees, listed
-from beatrix_zenoh.limits.walk import Extremes, Limit, Walker
+from beatrix_zenoh.limits.walk import Limit, Walker
 from beatrix_zenoh.trajectory import Trajectory
 
 _REACH_MARGIN: Final = math.radians(1.0)
@@ -24,24 +23,6 @@ _FURTHEST_START: Final = 1000.0
 """rad; counters that say more are wrong"""
 _FASTEST_START: Final = 10.0
 """times the speed limit; the same for velocities"""
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """An accepted motion: how it goes and how near it comes to the limits."""
-
-    trajectory: Trajectory
-    tilt_max: float
-    """rad, of the head, within 0.3 deg"""
-    gap_min: float
-    """rad, between neighbouring arms, within 0.3 deg"""
-    yaw_max_abs: float
-    """rad, of the head, either way, within 0.3 deg"""
-
-    @property
-    def duration(self) -> float:
-        """Seconds until the arms rest."""
-        return self.trajectory.duration
 
 
 class Limits:
@@ -85,8 +66,10 @@ class Limits:
                 f"({self.speed_max:.3f} rad/s).",
             )
 
-    def check_motion(self, start: Arms, velocity: Arms, target: Arms, speed: Arms, *, straight: bool) -> Plan:
-        """Plan of a motion that keeps all limits on its whole way; else raises Refused.
+    def check_motion(
+        self, start: Arms, velocity: Arms, target: Arms, speed: Arms, *, straight: bool
+    ) -> Trajectory:
+        """A motion that keeps all limits on its whole way; else raises Refused.
 
         start: where the arms are set now (rad), moving with velocity (rad/s). target: rad. speed: rad/s, see
         `trajectory.plan`. A start beyond a limit may be left by a motion that only leads back.
@@ -97,10 +80,10 @@ class Limits:
         self._judge.sane(target, start)
         asked = Asked(start, velocity, target, speed, straight)
         trajectory = asked.trajectory(self.acceleration)
-        met = self._judge.walk(trajectory)
-        if isinstance(met, Extremes):
-            return Plan(trajectory, met.tilt_max, met.gap_min, met.yaw_max_abs)
-        raise self._judge.refusal(met, asked)
+        breach = self._judge.walk(trajectory)
+        if breach is not None:
+            raise self._judge.refusal(breach, asked)
+        return trajectory
 
     def _check_start(self, start: Arms, velocity: Arms) -> None:
         fastest = self.speed_max * _FASTEST_START

@@ -11,7 +11,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits.walk import GAP, TILT, Breach, Extremes, Limit, Walker
+from beatrix_zenoh.limits.walk import GAP, TILT, Breach, Limit, Walker
 from beatrix_zenoh.rotation import tilt_of
 from beatrix_zenoh.trajectory import Trajectory, plan
 
@@ -77,7 +77,7 @@ class Judge:
         if index is not None:
             raise Refused(_reason(index), f"There {self._says(index, arms)}; {self._allowed(index)}.")
 
-    def walk(self, trajectory: Trajectory) -> Extremes | Breach:
+    def walk(self, trajectory: Trajectory) -> Breach | None:
         """As `Walker.walk`, but raises Refused if no head fits the start."""
         try:
             return self._walker.walk(trajectory)
@@ -123,7 +123,7 @@ class Judge:
         return f"The first {low} % of it, to arms at {degrees(target)} deg, would be accepted."
 
     def _accepts(self, asked: Asked) -> bool:
-        return isinstance(self.walk(asked.trajectory(self._acceleration)), Extremes)
+        return self.walk(asked.trajectory(self._acceleration)) is None
 
     def _after(self, breach: Breach, trajectory: Trajectory) -> list[Arms]:
         span = trajectory.duration - breach.t

@@ -29,10 +29,8 @@ TOLERANCE: Final = math.radians(0.1)
 Arms stand on microsteps, so what was asked at a limit is up to half a step (0.045 deg) beyond it when it is read back.
 """
 _ROUNDING: Final = 1e-9
-_STRIDE: Final = 0.07
-"""Longest step (rad of |d'|): keeps the reported extremes honest."""
 _STRIDE_OUTSIDE: Final = 0.02
-"""The same where the curvature is not known, because a limit is already exceeded."""
+"""Longest step (rad of |d'|) where the curvature is not known, because a limit is already exceeded."""
 _SHORTEST: Final = 1e-6
 """Shortest step (s): never needed, for the slack is worth more, but it ends every walk."""
 _BEYOND: Final = math.radians(2.0)
@@ -48,8 +46,8 @@ _PLANE: Final = (
     (1 / math.sqrt(6), 1 / math.sqrt(6), -2 / math.sqrt(6)),
 )
 """Two directions without a common turn, at right angles."""
-TILT, YAW_LEFT, GAP = 0, 1, 3
-"""Index of the margins; two of yaw, then three gaps."""
+TILT, GAP = 0, 3
+"""Index of the margins; between them two of yaw, from GAP on three gaps."""
 
 Margins = tuple[float, float, float, float, float, float]
 
@@ -69,15 +67,6 @@ class Point(NamedTuple):
     """cos(tilt), -yaw, yaw, three gaps: all must stay above a bound"""
     gradients: tuple[Arms, Arms, Arms, Arms, Arms, Arms]
     """of the values by the arms"""
-
-
-@dataclass(frozen=True, slots=True)
-class Extremes:
-    """The worst of a way that keeps its bounds (rad): each within 0.3 deg."""
-
-    tilt_max: float
-    gap_min: float
-    yaw_max_abs: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,26 +115,38 @@ class Walker:
         ends = zip(values, self._bounds, self._slack, strict=True)
         return [i for i, (value, bound, slack) in enumerate(ends) if value < bound - slack - _ROUNDING]
 
-    def walk(self, trajectory: Trajectory) -> Extremes | Breach:
-        """What the way reaches, or where it first leaves its bounds.
+    def walk(self, trajectory: Trajectory) -> Breach | None:
+        """Where the way first leaves its bounds; None if it keeps them.
 
         Where the start already exceeds a limit, the way must not exceed it more than it did before: it leads back.
         Raises BeatrixError if no head fits the arms at the start.
         """
         start = trajectory.sections[0].arms if trajectory.sections else trajectory.target
-        way = _Way(self.point(start), self._bounds, self._slack)
+        point = self.point(start)
+        way = _Way(point, self._bounds, self._slack)
+        if self._stays_near(way, point, trajectory):
+            return None
         for section in trajectory.sections:
             since = 0.0
             while section.duration - since > _ROUNDING:
                 arms, velocity = section.at(since)
-                point = self._visit(way, arms)
-                if isinstance(point, int):
-                    return Breach(point, section.begin + since, arms)
-                since += self._stride(way, point, velocity, section.acceleration, section.duration - since)
-        point = self._visit(way, trajectory.target)
-        if isinstance(point, int):
-            return Breach(point, trajectory.duration, trajectory.target)
-        return way.extremes()
+                met = self._visit(way, arms)
+                if isinstance(met, int):
+                    return Breach(met, section.begin + since, arms)
+                since += self._stride(way, met, velocity, section.acceleration, section.duration - since)
+        met = self._visit(way, trajectory.target)
+        return Breach(met, trajectory.duration, trajectory.target) if isinstance(met, int) else None
+
+    def _stays_near(self, way: _Way, start: Point, trajectory: Trajectory) -> bool:
+        """The way is so short that no margin can be used up on it: streams of targets are judged by one look."""
+        x, y, z = _lengths(trajectory)
+        square = x * x + y * y + z * z
+        for value, floor, (a, b, c), bend in zip(
+            start.values, way.floors, start.gradients, self._curvature, strict=True
+        ):
+            if value - floor < abs(a) * x + abs(b) * y + abs(c) * z + bend / 2 * square:
+                return False
+        return True
 
     def _visit(self, way: _Way, arms: Arms) -> Point | int:
         try:
@@ -157,13 +158,12 @@ class Walker:
 
     def _stride(self, way: _Way, point: Point, velocity: Arms, acceleration: Arms, left: float) -> float:
         """Time (s) for which no margin can be used up."""
-        longest = _STRIDE if point.values[TILT] > self._up_known else _STRIDE_OUTSIDE
-        speed, rate = _level(velocity), _level(acceleration)
-        pace = speed + math.sqrt(speed * speed + 2 * longest * rate)
-        stride = min(left, 2 * longest / pace) if pace else left
-        stride = min(stride, _turning(velocity, acceleration))
-        courses = [(dot(by, velocity), dot(by, acceleration)) for by in point.gradients]
-        for index, (first, second) in enumerate(courses):
+        stride, speed, rate = left, _level(velocity), _level(acceleration)
+        if point.values[TILT] <= self._up_known:
+            pace = speed + math.sqrt(speed * speed + 2 * _STRIDE_OUTSIDE * rate)
+            stride = min(left, 2 * _STRIDE_OUTSIDE / pace) if pace else left
+        for index, by in enumerate(point.gradients):
+            first, second = dot(by, velocity), dot(by, acceleration)
             room = point.values[index] - way.floors[index] + self._slack[index]
             bend = self._curvature[index] / 2
             while stride > _SHORTEST:
@@ -171,19 +171,15 @@ class Walker:
                 if room + _lowest(first, second, stride) >= bend * length * length:
                     break
                 stride /= 2
-        for index, (first, second) in enumerate(courses[YAW_LEFT:], YAW_LEFT):
-            # a common turn may go far and come back in one stride; tilt does not see it
-            way.expect(index, point.values[index] + _lowest(first, second, stride))
         return stride
 
 
 class _Way:
-    """What a walk has met so far."""
+    """What a walk must not fall below."""
 
     def __init__(self, start: Point, bounds: Margins, slack: Margins) -> None:
         self._ends = [bound - half for bound, half in zip(bounds, slack, strict=True)]
         self.floors = [min(end, value) for end, value in zip(self._ends, start.values, strict=True)]
-        self._least = list(start.values)
 
     def visit(self, point: Point) -> int | None:
         """Index of a margin that is used up here; else a start outside its bounds is left behind for good."""
@@ -193,17 +189,18 @@ class _Way:
                 return index
             if floor < self._ends[index]:
                 self.floors[index] = min(self._ends[index], max(floor, value))
-            self.expect(index, value)
         return None
 
-    def expect(self, index: int, value: float) -> None:
-        """Count a value met on the way."""
-        self._least[index] = min(self._least[index], value)
 
-    def extremes(self) -> Extremes:
-        """The worst values met."""
-        up, left, right, *gaps = self._least
-        return Extremes(math.acos(max(-1.0, min(1.0, up))), min(gaps), max(-left, -right))
+def _lengths(trajectory: Trajectory) -> Arms:
+    """What no arm's way is longer than, rad."""
+    x = y = z = 0.0
+    for section in trajectory.sections:
+        t, (u, v, w), (a, b, c) = section.duration, section.velocity, section.acceleration
+        x += t * max(abs(u), abs(u + a * t))
+        y += t * max(abs(v), abs(v + b * t))
+        z += t * max(abs(w), abs(w + c * t))
+    return x, y, z
 
 
 def _level(vector: Arms) -> float:
@@ -212,13 +209,6 @@ def _level(vector: Arms) -> float:
     mean = (x + y + z) / 3
     x, y, z = x - mean, y - mean, z - mean
     return math.sqrt(x * x + y * y + z * z)
-
-
-def _turning(velocity: Arms, acceleration: Arms) -> float:
-    """Time (s) until two arms begin to part or to meet: there the head may be at its furthest."""
-    (u, v, w), (a, b, c) = velocity, acceleration
-    times = (-rate / change for rate, change in ((u - v, a - b), (v - w, b - c), (w - u, c - a)) if change)
-    return min((t for t in times if t > _SHORTEST), default=math.inf)
 
 
 def _lowest(first: float, second: float, duration: float) -> float:

@@ -12,8 +12,9 @@ from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.drive import Arms, Gear
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.limits import Limits
 from beatrix_zenoh.rotation import tilt_of
+from beatrix_zenoh.trajectory import Trajectory
 
 FURTHEST_STEPS = 2**15 - 1
 """From home: a MOVE's target is an i16."""
@@ -29,12 +30,12 @@ class Goal:
     steps: tuple[int, int, int]
     quarters: tuple[int, int, int]
     straight: bool
-    plan: Plan
+    trajectory: Trajectory
 
     @property
     def duration(self) -> float:
         """Seconds until the arms rest."""
-        return self.plan.duration
+        return self.trajectory.duration
 
     def frame(self, motion: int) -> Move | MoveStraight:
         """What carries it out."""
@@ -76,7 +77,7 @@ class Course:
                 f"Speed {degrees(speed)}/s: the slowest the motors can be told is "
                 f"{math.degrees(abs(slowest[0])):.3f} deg/s ({abs(slowest[0]):.5f} rad/s).",
             )
-        plan = self.limits.check_motion(start, velocity, target, speed, straight=straight)
+        trajectory = self.limits.check_motion(start, velocity, target, speed, straight=straight)
         steps = self.gear.to_steps(target)
         if max(map(abs, steps)) > FURTHEST_STEPS:
             raise Refused(
@@ -84,7 +85,7 @@ class Course:
                 f"Arms at {degrees(target)} are more than {FURTHEST_STEPS} microsteps from home, which no board can be "
                 "told: set the head upright and calibrate.",
             )
-        return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, plan)
+        return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, trajectory)
 
     def _arms_of(self, query: PoseQuery, start: Arms) -> Arms:
         yaw, pitch, roll = query.yaw, query.pitch, query.roll

@@ -36,5 +36,5 @@ def test_what_a_move_can_say_is_packed_as_asked() -> None:
 
 def test_a_way_begins_as_fast_as_telemetry_says() -> None:
     moving = at(100)._replace(velocity=(209, 209, 209))
-    (first, *_) = COURSE.goal(PoseQuery(yaw=0.5), moving).plan.trajectory.sections
+    (first, *_) = COURSE.goal(PoseQuery(yaw=0.5), moving).trajectory.sections
     assert first.velocity[0] == pytest.approx(209 / COURSE.gear.steps_per_turn * math.tau)

@@ -14,9 +14,10 @@ from beatrix_zenoh._generated.robot import Limits as LimitData
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.limits import Limits
 from beatrix_zenoh.limits.walk import TOLERANCE
 from beatrix_zenoh.rotation import tilt_of
+from beatrix_zenoh.trajectory import Trajectory
 
 NECK = Neck()
 LIMITS = Limits()
@@ -43,7 +44,7 @@ def allowed(
     velocity: Arms = REST,
     straight: bool = False,
     limits: Limits = LIMITS,
-) -> Plan:
+) -> Trajectory:
     return limits.check_motion(start, velocity, target, SPEED, straight=straight)
 
 
@@ -65,8 +66,8 @@ def tilt(arms: Arms) -> float:
     return tilt_of(pitch, roll)
 
 
-def dense(plan: Plan, count: int = 200) -> list[Arms]:
-    return [plan.trajectory.at(plan.duration * i / count)[0] for i in range(count + 1)]
+def dense(way: Trajectory, count: int = 200) -> list[Arms]:
+    return [way.at(way.duration * i / count)[0] for i in range(count + 1)]
 
 
 @pytest.mark.parametrize("straight", [True, False])
@@ -74,9 +75,9 @@ def dense(plan: Plan, count: int = 200) -> list[Arms]:
     "target", [pose(20, -10, 5), pose(180, 0, 0), pose(-180, 35, 0), pose(0, 0, -35), arms_at(20, 0, 0)]
 )
 def test_ordinary_motions_are_accepted(target: Arms, straight: bool) -> None:
-    plan = allowed(target, straight=straight)
-    assert plan.trajectory.target == target
-    assert plan.duration > 0
+    way = allowed(target, straight=straight)
+    assert way.target == target
+    assert way.duration > 0
 
 
 @pytest.mark.parametrize(
@@ -116,8 +117,8 @@ def test_what_a_refusal_offers_is_accepted(target: Arms, straight: bool) -> None
     message = refused(target, straight=straight).message
     offer = re.search(r"first \d+ % of it, to arms at (.*) deg, would be accepted", message)
     assert offer, message
-    plan = allowed(arms_at(*map(float, offer[1].split(","))), straight=straight)
-    assert max(math.dist(REST, arms) for arms in dense(plan)) > 0.5 * min(math.dist(REST, target), 1.0)
+    way = allowed(arms_at(*map(float, offer[1].split(","))), straight=straight)
+    assert max(math.dist(REST, arms) for arms in dense(way)) > 0.5 * min(math.dist(REST, target), 1.0)
 
 
 def detour() -> tuple[Arms, Arms]:
@@ -136,8 +137,8 @@ def test_a_way_that_leaves_the_limits_between_two_allowed_poses_is_refused() -> 
     offer = re.search(r"With speeds of (.*) deg/s, in proportion", caught.value.message)
     assert offer, caught.value.message
     together = arms_at(*map(float, offer[1].split(",")))
-    assert isinstance(LIMITS.check_motion(start, REST, target, together, straight=False), Plan)
-    assert isinstance(LIMITS.check_motion(start, REST, target, slow, straight=True), Plan)
+    LIMITS.check_motion(start, REST, target, together, straight=False)
+    LIMITS.check_motion(start, REST, target, slow, straight=True)
 
 
 def test_swinging_through_a_limit_while_braking_is_refused() -> None:
@@ -167,9 +168,7 @@ def test_a_resting_pose_beyond_a_limit_is_refused_by_name(target: Arms, reason: 
 @pytest.mark.parametrize("target", [pose(0, 0, 0), pose(0, 37, 0), pose(20, 20, 0)])
 def test_a_start_beyond_the_tilt_limit_may_be_left(target: Arms) -> None:
     assert tilt(pose(0, 38, 0)) > LIMITS.tilt_max
-    assert allowed(target, start=pose(0, 38, 0), straight=True).tilt_max == pytest.approx(
-        math.radians(38), abs=1e-3
-    )
+    allowed(target, start=pose(0, 38, 0), straight=True)
 
 
 @pytest.mark.parametrize("target", [pose(0, 38.5, 0), pose(0, -38, 0), pose(0, 41, 0)])
@@ -257,7 +256,6 @@ def test_a_neck_that_cannot_tilt_as_far_as_it_may_is_refused() -> None:
 )
 def test_other_necks_are_checked_by_their_own_geometry(geometry: Geometry) -> None:
     limits, neck = Limits(RobotData(geometry=geometry)), Neck(geometry)
-    inside = limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
-    assert inside.tilt_max == pytest.approx(limits.tilt_max, abs=1e-3)
+    limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
     with pytest.raises(Refused):
         limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max + 0.01, 0), SPEED, straight=True)

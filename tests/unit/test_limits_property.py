@@ -14,9 +14,10 @@ from beatrix_zenoh._generated.robot import RobotData
 from beatrix_zenoh.drive import Arms, Gear
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits, Plan
+from beatrix_zenoh.limits import Limits
 from beatrix_zenoh.limits.walk import TOLERANCE
 from beatrix_zenoh.rotation import tilt_of
+from beatrix_zenoh.trajectory import Trajectory
 from beatrix_zenoh.trajectory import plan as time_law
 
 NECK = Neck()
@@ -27,8 +28,8 @@ REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 
 
-def dense(plan: Plan, count: int = 200) -> list[Arms]:
-    return [plan.trajectory.at(plan.duration * i / count)[0] for i in range(count + 1)]
+def dense(way: Trajectory, count: int = 200) -> list[Arms]:
+    return [way.at(way.duration * i / count)[0] for i in range(count + 1)]
 
 
 directions = st.floats(-math.pi, math.pi)
@@ -69,18 +70,37 @@ def test_accepted_ways_keep_the_limits_and_refused_ways_do_not(
         assert_keeps(limits, met)
 
 
+@given(
+    poses(),
+    st.tuples(*[st.floats(-0.3, 0.3)] * 3) | st.just(REST),
+    st.tuples(*[st.floats(-0.15, 0.15)] * 3),
+    st.booleans(),
+    st.sampled_from([LIMITS, CROWDED]),
+)
+def test_short_ways_are_judged_no_milder(
+    start: Arms, velocity: Arms, way: Arms, straight: bool, limits: Limits
+) -> None:
+    assume(min(NECK.gaps(start)) > limits.gap_min)
+    target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
+    met = verdict(limits, start, velocity, target, SPEED, straight)
+    if isinstance(met, Refused):
+        assert breaks(limits, met.reason, start, velocity, target, SPEED, straight)
+    else:
+        assert_keeps(limits, met)
+
+
 def verdict(
     limits: Limits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
-) -> Plan | Refused:
+) -> Trajectory | Refused:
     try:
         return limits.check_motion(start, velocity, target, speed, straight=straight)
     except Refused as refusal:
         return refusal
 
 
-def assert_keeps(limits: Limits, plan: Plan) -> None:
-    """The densely sampled way keeps the limits, and its extremes are those of the plan."""
-    ways = dense(plan)
+def assert_keeps(limits: Limits, way: Trajectory) -> None:
+    """The densely sampled way keeps the limits."""
+    ways = dense(way)
     heads = [NECK.forward(arms) for arms in ways]
     tilt_max = max(tilt_of(pitch, roll) for _, pitch, roll in heads)
     yaw_max = max(abs(yaw) for yaw, _, _ in heads)
@@ -88,10 +108,6 @@ def assert_keeps(limits: Limits, plan: Plan) -> None:
     assert tilt_max <= limits.tilt_max + TOLERANCE
     assert yaw_max <= limits.yaw_max + TOLERANCE
     assert gap_min >= limits.gap_min - TOLERANCE
-    near = math.radians(0.3)
-    assert plan.tilt_max == pytest.approx(tilt_max, abs=near)
-    assert plan.yaw_max_abs == pytest.approx(yaw_max, abs=near)
-    assert plan.gap_min == pytest.approx(gap_min, abs=near)
 
 
 def breaks(
@@ -139,8 +155,9 @@ def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
     """Taylor's bound, on which the walk rests, against the function itself."""
     walker = LIMITS._judge._walker
     up_bend, yaw_bend = walker._curvature[0], walker._curvature[1]
-    reach = 0.1
+    looked_at = dict.fromkeys((0.1, 0.2, 0.4, 0.8), 0)
     for i in range(4000):
+        reach = (0.1, 0.2, 0.4, 0.8)[i % 4]
         share, direction, turn = math.sqrt((i * 0.618034) % 1), i * 2.399963, i * 0.754877
         level = math.sin(share * math.radians(35))
         arms = NECK.inverse(
@@ -154,9 +171,15 @@ def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
             -c / math.sqrt(2) + s / math.sqrt(6),
             -2 * s / math.sqrt(6),
         )
-        here, there = NECK.head(arms), NECK.head((arms[0] + step[0], arms[1] + step[1], arms[2] + step[2]))
+        here = NECK.head(arms)
+        try:
+            there = NECK.head((arms[0] + step[0], arms[1] + step[1], arms[2] + step[2]))
+        except BeatrixError:  # that far no head fits
+            continue
         up = sum(a * b for a, b in zip(here.up_by_arm, step, strict=True))
         yaw = sum(a * b for a, b in zip(here.yaw_by_arm, step, strict=True))
         if there.up >= math.cos(math.radians(37)):
+            looked_at[reach] += 1
             assert abs(there.up - here.up - up) <= up_bend / 2 * reach**2
             assert abs(there.yaw - here.yaw - yaw) <= yaw_bend / 2 * reach**2
+    assert min(looked_at.values()) > 300
