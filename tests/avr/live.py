@@ -30,13 +30,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from avr.bench import CYCLES_PER_MS, EEPROM_SIZE, Avr
 from avr.mega import HEX
 
-from beatrix_zenoh._generated.serial import FrameType
+from beatrix_zenoh._generated.serial import BAUD, FrameType
 from beatrix_zenoh.board.link import Decoder
 
 SLICE_S: Final = 0.001
 """What the board says of itself waits so long at most; what it hears goes onto its wire at once."""
-ASKED_SLICE_S, ASKED_S = 0.0001, 0.005
-"""The same for so long after it was spoken to: it is about to answer."""
+ASKED_SLICE_S, ASKED_S = 10 / BAUD, 0.005
+"""The same, one byte's time, for so long after it was spoken to: it is about to answer."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
 """Cycles in one go after this process has had to wait: control lines still get through."""
 SPOILT: Final = 0.01
