@@ -132,6 +132,10 @@ def _shaped(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
     """Flat names to the message's shape: x, y, z into position, one speed for all arms."""
     fields: dict[str, object] = dict(flat)
     if kind is MotionQuery:
+        if "position" in fields:
+            raise Refused(
+                Reason.BAD_VALUE, f"'position' is no parameter: its parts x, y, z are. {usage(kind)}"
+            )
         position = {axis: fields.pop(axis) for axis in ("x", "y", "z") if axis in fields}
         fields["position"] = position
         if "speed" in fields:

@@ -6,6 +6,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from numbers import Real
 from typing import Self
 
 from beatrix_zenoh import codec, names
@@ -315,6 +316,8 @@ def motion_query(
 
 def to_rad(what: str, angle: float) -> float:
     """Degrees, or degrees/s, to rad; raises WrongUsage if it is no number that a message can hold."""
+    if not isinstance(angle, Real):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle!r}: give a number of degrees.")
     if not math.isfinite(angle):
         raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle}: give a finite number of degrees.")
     if not codec.fits(angle):

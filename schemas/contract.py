@@ -13,6 +13,9 @@ from compiled import compiled
 SCHEMAS = Path(__file__).resolve().parent
 ROOT = SCHEMAS.parent
 
+MICROSTEPS = (1, 2, 4, 8, 16)
+"""What an A4988 makes of a step."""
+
 Table = dict[str, dict[str, object]]
 
 
@@ -41,7 +44,7 @@ def load(robot_file: Path | None = None) -> Contract:
     """Read schemas/*.toml; values in another robot's file (`[drive]`, `microsteps = 16`) take the place of those there.
 
     Raises:
-        ValueError: that file is no TOML, or names what is not there.
+        ValueError: that file is no TOML, or names what is not there, or what no driver can do.
         OSError: it cannot be read.
     """
     messages, keys, serial, robot = (
@@ -50,6 +53,9 @@ def load(robot_file: Path | None = None) -> Contract:
     )
     if robot_file is not None:
         change(robot, tomllib.loads(robot_file.read_text(encoding="utf-8")))
+    if (microsteps := robot["drive"]["microsteps"]["value"]) not in MICROSTEPS:
+        allowed = ", ".join(map(str, MICROSTEPS))
+        raise ValueError(f"[drive] microsteps = {microsteps!r}: the jumpers of an A4988 can say {allowed}")
     return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, compiled(robot)))
 
 

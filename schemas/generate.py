@@ -44,7 +44,10 @@ def main() -> int:
         arguments.header.write_text(header, encoding="utf-8")
         return 0
     check = arguments.check
-    contract = load()
+    try:
+        contract = load()
+    except ValueError as error:
+        parser.error(f"schemas: {error}")
     emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
     wanted = {
         path: formatted(path, text) for emitter in emitters for path, text in emitter.files(contract).items()

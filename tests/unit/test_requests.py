@@ -129,6 +129,11 @@ def test_a_parameter_given_twice_is_refused() -> None:
         requests.read(Wording(b"", "", "command=enable;command=stop"), CommandQuery)
 
 
+def test_a_field_that_has_parts_is_no_parameter() -> None:
+    with pytest.raises(Refused, match=r"'position' is no parameter: its parts x, y, z are\. Ask with words"):
+        requests.read(Wording(b"", "", "position=1;x=0.1;y=0;z=0"), MotionQuery)
+
+
 def test_percent_codes_in_parameters_are_decoded() -> None:
     assert requests.read(Wording(b"", "", "command=enable;value=%6Fn"), CommandQuery).value
 
