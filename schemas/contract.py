@@ -13,8 +13,8 @@ from compiled import compiled
 SCHEMAS = Path(__file__).resolve().parent
 ROOT = SCHEMAS.parent
 
-MICROSTEPS = (1, 2, 4, 8, 16)
-"""What an A4988 makes of a step."""
+MICROSTEPS = (1, 2, 4, 8, 16, 32)
+"""What drivers make of a step; the last a DRV8825, the others an A4988 as well."""
 
 Table = dict[str, dict[str, object]]
 
@@ -55,7 +55,7 @@ def load(robot_file: Path | None = None) -> Contract:
         change(robot, tomllib.loads(robot_file.read_text(encoding="utf-8")))
     if (microsteps := robot["drive"]["microsteps"]["value"]) not in MICROSTEPS:
         allowed = ", ".join(map(str, MICROSTEPS))
-        raise ValueError(f"[drive] microsteps = {microsteps!r}: the jumpers of an A4988 can say {allowed}")
+        raise ValueError(f"[drive] microsteps = {microsteps!r}: jumpers can say {allowed} (an A4988 no more than 16)")
     return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, compiled(robot)))
 
 
