@@ -190,6 +190,14 @@ def test_a_start_with_crowded_arms_may_be_left() -> None:
     assert refused(pose(0, 34.8, 0), start=start, straight=True, limits=CROWDED).reason == Reason.ARM_GAP
 
 
+def test_arms_that_left_each_other_do_not_crowd_again() -> None:
+    start = pose(0, 32.9, 0)  # 59.2 deg apart; thrown apart they reach 60.04 before they turn back
+    assert math.radians(59) < NECK.gaps(start)[0] < CROWDED.gap_min
+    allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
+    refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
+    assert refusal.reason == Reason.ARM_GAP
+
+
 def test_the_goal_itself_is_looked_at() -> None:
     refusal = refused(pose(0, 35.07, 0), start=pose(0, 35, 0), straight=True)
     assert "At the goal the head would tilt 35.1 deg" in refusal.message
