@@ -112,6 +112,8 @@ class Conversation:
                 f"{self._name()} is not on line at {self._bus.endpoint}. On line: {others}. "
                 f"Start it with `beatrix {self._twin} --name {self._robot}`, or choose with --name and --on."
             )
+            if self._heard and self._twin == "hw":
+                text += " The board stops by itself, half a second after it last heard its node."
         return NoAnswer(Reason.NO_ANSWER, text)
 
     def _name(self) -> str:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from beatrix_zenoh._generated.robot import ROBOT, Drive
+
+_SINGLE: Final = 0.005
+"""Of a quarter microstep per second: speeds travel in single precision, and a whole number of quarters must stay one."""
 
 Arms = tuple[float, float, float]
 """Angles (rad) or rates (rad/s) of the short, middle and long arm."""
@@ -30,9 +34,14 @@ class Gear:
         return x, y, z
 
     def speed_to_quarters(self, speeds: Sequence[float]) -> tuple[int, int, int]:
-        """Speeds in rad/s as quarter microsteps per second, the unit of MOVE; at least 1."""
+        """Speeds in rad/s as quarter microsteps per second, the unit of MOVE: no faster, but at least 1."""
         x, y, z = (
-            max(1, round(4 * abs(speed * scale)))
+            max(1, int(4 * abs(speed * scale) + _SINGLE))
             for speed, scale in zip(speeds, self._steps_per_rad, strict=True)
         )
         return x, y, z
+
+    def quarters_to_speed(self, quarters: Sequence[int]) -> Arms:
+        """What MOVE's speeds are in rad/s."""
+        x, y, z = self.to_rad([count / 4 for count in quarters])
+        return abs(x), abs(y), abs(z)

@@ -21,6 +21,7 @@ def check_name(text: str, what: str = "robot") -> str:
     Raises:
         WrongUsage: BAD_VALUE, with the nearest name that would be accepted.
     """
+    text = str(text)  # a program may count its robots
     if PATTERN.fullmatch(text):
         return text
     raise WrongUsage(

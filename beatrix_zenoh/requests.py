@@ -44,6 +44,11 @@ def read(wording: Wording, kind: type[M]) -> M:
     Raises:
         Refused: BAD_VALUE, naming the field, what is allowed and how to ask.
     """
+    if wording.payload and (twice := _parameters(wording.parameters)):
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The payload says what is asked, so leave out the parameters {', '.join(map(quoted, twice))}. {usage(kind)}",
+        )
     if wording.binary:
         return codec.decode(wording.payload, kind)
     try:
@@ -106,6 +111,8 @@ def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
         names = (["x", "y", "z"] if kind is MotionQuery else ["yaw", "pitch", "roll"]) + ["speed"]
         words = [word.lower() for word in words]
     modes = [MODES[word] for word in words if word in MODES]
+    if len(modes) > 1:
+        raise Refused(Reason.BAD_VALUE, f"{quoted(text)}: say absolute or relative, once. {usage(kind)}")
     fields = {"absolute": modes[-1]} if modes else {}
     values = [word for word in words if word not in MODES]
     if not values or len(values) > len(names) or (kind is not CommandQuery and len(values) < 3):
@@ -143,6 +150,8 @@ def _shaped(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
     elif kind is CommandQuery:
         name = str(fields.get("command", "")).upper()
         if name == "DISABLE":
+            if "value" in fields:
+                raise Refused(Reason.BAD_VALUE, f"disable takes no value. {usage(kind)}")
             name, fields["value"] = "ENABLE", "false"
         if name in Command.__members__:
             fields["command"] = Command[name].value

@@ -229,8 +229,9 @@ class Robot:
         return self._begin("motion", query, wait=wait)
 
     def _begin(self, road: str, query: MotionQuery | PoseQuery, *, wait: bool) -> Motion:
+        waits = switch("wait", wait)
         motion = self.begin(road, query)
-        if wait:
+        if waits:
             motion.wait()
         return motion
 
@@ -295,13 +296,13 @@ def stop_together(robots: Iterable[Robot]) -> Iterator[tuple[Robot, CommandReply
 
 
 def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:
-    """Degrees to a query; raises WrongUsage if one is no finite number."""
+    """Degrees to a query; raises WrongUsage if one is no finite number, or `relative` no bool."""
     return PoseQuery(
-        absolute=not relative,
+        absolute=not switch("relative", relative),
         yaw=to_rad("yaw", yaw),
         pitch=to_rad("pitch", pitch),
         roll=to_rad("roll", roll),
-        speed=None if speed is None else to_rad("speed", speed),
+        speed=None if speed is None else to_rad("speed", speed, "degrees/s"),
     )
 
 
@@ -309,17 +310,28 @@ def motion_query(
     short: float, middle: float, long: float, *, relative: bool, speed: float | None
 ) -> MotionQuery:
     """Degrees to a query; raises as `pose_query`."""
-    each = None if speed is None else Vector3(*[to_rad("speed", speed)] * 3)
+    each = None if speed is None else Vector3(*[to_rad("speed", speed, "degrees/s")] * 3)
     position = Vector3(to_rad("short", short), to_rad("middle", middle), to_rad("long", long))
-    return MotionQuery(absolute=not relative, position=position, speed=each)
+    return MotionQuery(absolute=not switch("relative", relative), position=position, speed=each)
 
 
-def to_rad(what: str, angle: float) -> float:
+def to_rad(what: str, angle: float, unit: str = "degrees") -> float:
     """Degrees, or degrees/s, to rad; raises WrongUsage if it is no number that a message can hold."""
-    if not isinstance(angle, Real):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle!r}: give a number of degrees.")
-    if not math.isfinite(angle):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle}: give a finite number of degrees.")
-    if not codec.fits(angle):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle:g}: no message holds a number that large.")
-    return math.radians(angle)
+    if not isinstance(angle, Real) or isinstance(angle, bool):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {angle!r}: give a number of {unit}.")
+    try:
+        number = float(angle)
+    except OverflowError:  # a whole number of more than 308 digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {number:g}: give a finite number of {unit}.")
+    if not codec.fits(number):
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {number:g}: no message holds a number that large.")
+    return math.radians(number)
+
+
+def switch(what: str, on: bool) -> bool:  # noqa: FBT001
+    """`on` itself; raises WrongUsage if it is no bool, for "no" would count as yes."""
+    if isinstance(on, bool):
+        return on
+    raise WrongUsage(Reason.BAD_VALUE, f"{what} is {on!r}: give True or False.")

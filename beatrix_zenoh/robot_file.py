@@ -25,6 +25,11 @@ LONGEST_FILE = 1 << 20
 LEAST_TILT = ALLOWED["limits"]["tilt_max"].low
 NEAR = math.radians(2.0)
 """What every robot must be able to do from home, in any direction."""
+GRID, DIRECTIONS = 1.5, 48
+"""Poses are tried every so many degrees of tilt, in so many directions: 20 ms."""
+TO_SPARE, SHORT_OF_REACH = 2.0, 0.5
+"""deg, of tilt: the check of motions looks so far beyond the limit, but not nearer than that to stretched rods."""
+SAME = math.radians(0.01)
 ROUNDING = 1e-9
 HOME: Arms = (0.0, 0.0, 0.0)
 AS_BUILT = (
@@ -50,7 +55,7 @@ def load(path: Path | None) -> RobotData:
     try:
         held = files.content(path, LONGEST_FILE, called=called, form="TOML", nothing="no robot's values are")
         given = tomllib.loads(held.decode())
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
     try:
         fields = set()
@@ -143,12 +148,15 @@ def outside(table: str, field: str, value: str, allowed: Range, why: str = "", *
 
 
 def check_motions(robot: RobotData) -> None:
-    """Refuse a robot that cannot look anywhere near home; raises Refused."""
+    """Refuse a robot that cannot look anywhere near home, or could stand otherwise than asked; raises Refused."""
     try:
-        neck, limits = Neck(robot.geometry), Limits(robot)
-        speed = (limits.default_speed,) * 3
-        for yaw, pitch, roll in near_home():
-            limits.check_motion(HOME, HOME, neck.inverse(yaw, pitch, roll), speed, straight=True)
+        neck = Neck(robot.geometry)
+        snaps = snaps_at(neck, robot.limits.tilt_max)
+        if snaps is None:
+            limits = Limits(robot)
+            speed = (limits.default_speed,) * 3
+            for yaw, pitch, roll in near_home():
+                limits.check_motion(HOME, HOME, neck.inverse(yaw, pitch, roll), speed, straight=True)
     except BeatrixError as error:
         field = (
             f"[limits] gap_min = {robot.limits.gap_min:g}"
@@ -158,6 +166,38 @@ def check_motions(robot: RobotData) -> None:
         raise Refused(
             Reason.BAD_VALUE, f"{field}: the head could not turn by 2 deg from home. {error.message}"
         ) from error
+    if snaps is not None:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another position "
+            f"where the head tilts by {snaps:.0f} deg: at most {math.floor(snaps - GRID - TO_SPARE)} deg may be allowed.",
+        )
+
+
+def snaps_at(neck: Neck, tilt_max: float) -> float | None:
+    """The least tilt (deg), up to this or a little beyond, at which the arms of a head also fit another; None if there is none."""
+    most = min(tilt_max + TO_SPARE, math.degrees(neck.reach) - SHORT_OF_REACH)
+    for level in range(1, math.ceil(most / GRID) + 1):
+        tilt = min(level * GRID, most)
+        if not all(stands(neck, pitch, roll) for pitch, roll in all_around(math.radians(tilt))):
+            return tilt
+    return None
+
+
+def stands(neck: Neck, pitch: float, roll: float) -> bool:
+    """The arms for this pose (rad) lead to it."""
+    try:
+        there = neck.forward(neck.inverse(0.0, pitch, roll))
+    except BeatrixError:
+        return False
+    return math.dist(there, (0.0, pitch, roll)) < SAME
+
+
+def all_around(tilt: float) -> Iterator[tuple[float, float]]:
+    """Pitch and roll (rad) of heads that tilt so far (rad), in every direction."""
+    for index in range(DIRECTIONS):
+        angle, level = math.tau * index / DIRECTIONS, math.sin(tilt)
+        yield math.asin(level * math.cos(angle)), math.atan2(level * math.sin(angle), math.cos(tilt))
 
 
 def near_home() -> Iterator[Arms]:

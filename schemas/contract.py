@@ -16,6 +16,9 @@ ROOT = SCHEMAS.parent
 MICROSTEPS = (1, 2, 4, 8, 16, 32)
 """What drivers make of a step; the last a DRV8825, the others an A4988 as well."""
 
+SPEED_TOP = 2**16 - 1
+"""Quarter microsteps per second: a MOVE's speeds are u16."""
+
 Table = dict[str, dict[str, object]]
 
 
@@ -55,7 +58,14 @@ def load(robot_file: Path | None = None) -> Contract:
         change(robot, tomllib.loads(robot_file.read_text(encoding="utf-8")))
     if (microsteps := robot["drive"]["microsteps"]["value"]) not in MICROSTEPS:
         allowed = ", ".join(map(str, MICROSTEPS))
-        raise ValueError(f"[drive] microsteps = {microsteps!r}: jumpers can say {allowed} (an A4988 no more than 16)")
+        raise ValueError(
+            f"[drive] microsteps = {microsteps!r}: jumpers can say {allowed} (an A4988 no more than 16)"
+        )
+    if (speed := compiled(robot)["SPEED_MAX"]) > SPEED_TOP:
+        most = robot["limits"]["speed_max"]["value"] * SPEED_TOP // speed
+        raise ValueError(
+            f"[limits] speed_max: with this gear and these microsteps a frame can say up to {most:g} deg/s"
+        )
     return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, compiled(robot)))
 
 

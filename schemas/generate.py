@@ -39,14 +39,14 @@ def main() -> int:
     if arguments.header:
         try:
             header = emit_cpp.header(load(arguments.robot))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, OverflowError, RecursionError) as error:
             parser.error(f"{arguments.robot}: {error}")
         arguments.header.write_text(header, encoding="utf-8")
         return 0
     check = arguments.check
     try:
         contract = load()
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         parser.error(f"schemas: {error}")
     emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
     wanted = {

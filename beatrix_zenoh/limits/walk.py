@@ -111,7 +111,8 @@ class Walker:
             values = self.point(arms).values
         except BeatrixError:
             gaps = self._neck.gaps(arms)
-            return [TILT, *(GAP + i for i in range(3) if gaps[i] < self._bounds[GAP + i])]
+            least = [self._bounds[GAP + i] - self._slack[GAP + i] - _ROUNDING for i in range(3)]
+            return [TILT, *(GAP + i for i in range(3) if gaps[i] < least[i])]
         ends = zip(values, self._bounds, self._slack, strict=True)
         return [i for i, (value, bound, slack) in enumerate(ends) if value < bound - slack - _ROUNDING]
 

@@ -77,7 +77,10 @@ class Course:
                 f"Speed {degrees(speed)}/s: the slowest the motors can be told is "
                 f"{math.degrees(abs(slowest[0])):.3f} deg/s ({abs(slowest[0]):.5f} rad/s).",
             )
-        trajectory = self.limits.check_motion(start, velocity, target, speed, straight=straight)
+        self.limits.check_speed(speed)
+        quarters = self.gear.speed_to_quarters(speed)
+        told = self.gear.quarters_to_speed(quarters)  # not what was asked: slow arms would take another way
+        trajectory = self.limits.check_motion(start, velocity, target, told, straight=straight)
         steps = self.gear.to_steps(target)
         if max(map(abs, steps)) > FURTHEST_STEPS:
             raise Refused(
@@ -85,7 +88,7 @@ class Course:
                 f"Arms at {degrees(target)} are more than {FURTHEST_STEPS} microsteps from home, which no board can be "
                 "told: set the head upright and calibrate.",
             )
-        return Goal(self.gear.to_rad(steps), steps, self.gear.speed_to_quarters(speed), straight, trajectory)
+        return Goal(self.gear.to_rad(steps), steps, quarters, straight, trajectory)
 
     def _arms_of(self, query: PoseQuery, start: Arms) -> Arms:
         yaw, pitch, roll = query.yaw, query.pitch, query.roll

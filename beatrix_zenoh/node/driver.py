@@ -187,12 +187,13 @@ class Driver:
         self._lease.take(OLD_PROGRAMS, now)
         self._texting, self._text_moved, self._moved_by = True, False, TEXT_SESSION
 
-    def text_refused(self) -> None:
-        """The firmware has said no to a line of an old program: if nothing moved, the program does not drive for it."""
+    def text_refused(self) -> bool:
+        """The firmware has said no to a line of an old program: if nothing moved (true), it does not drive for it."""
         now = time.monotonic()
         if self._texting and not self._text_moved and self._lease.holder(now) == OLD_PROGRAMS:
             self._texting = False
             self._lease.give_back(now)
+        return not self._text_moved
 
     def text_rests(self) -> None:
         """No motion of an old program is under way or waits."""
@@ -327,7 +328,7 @@ class Driver:
         lost = not self._board.connected
         self._text_moved |= self._texting and self._moving()
         if telemetry is not None:
-            self._notices.started(telemetry.boot)
+            self._notices.started(telemetry.boot, home_known=bool(telemetry.state & State.CALIBRATED))
         known = (
             telemetry is not None and self._running is not None and telemetry.motion == self._running.number
         )

@@ -37,6 +37,9 @@ ZERO_FORGOTTEN = (
     "the motion was refused: the board did not answer for a while, and so its zero for this program is forgotten. "
     "Start the program anew, or let it send @CALNOW."
 )
+NOT_YET_OR_TOO_FAR = (
+    "the motion was refused: @CALNOW must come before it, and no number in it may be beyond 32767."
+)
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
 PRETENDED_S = 170.0
@@ -52,6 +55,8 @@ class Line:
     told: int = 0
     """lines of its answer that the program has got"""
     refusal: tuple[bytes, ...] = ()
+    warned: bool = False
+    """the board has said why it does not, or not all of it"""
 
     @property
     def moves(self) -> bool:
@@ -200,6 +205,8 @@ class Legacy:
             known = frame.code in WARNING_TEXT
             told = WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}"
             self._warn(told)
+            if self._lines:
+                self._lines[0].warned = True
             return
         if opening != self._openings or not self._lines or not self._lines[0].sent:
             return  # an answer to a program that has gone
@@ -207,11 +214,9 @@ class Legacy:
         self._terminal.write(frame.text)
         self._lines[0].told += 1
         if frame.flags & LAST:
-            if frame.text == UNDONE:
-                self._driver.text_refused()
-                if self._zero_forgotten and self._lines[0].moves:
-                    self._warn(ZERO_FORGOTTEN)
-            self._lines.popleft()
+            line = self._lines.popleft()
+            if frame.text == UNDONE and self._driver.text_refused() and line.moves and not line.warned:
+                self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
             self._advance()
 
     def overdue(self) -> bool:

@@ -23,11 +23,13 @@ class Notices:
             self._told.pop()
         self._told.append((time.monotonic(), text))
 
-    def started(self, boot: int) -> None:
-        """The board says how often it was started: once more than before is worth a sentence."""
+    def started(self, boot: int, *, home_known: bool) -> None:
+        """The board says how often it was started: once more than before is worth a sentence, until home is known."""
         if self._boot and boot != self._boot:
             self.add(RESTARTED)
         self._boot = boot
+        if home_known:
+            self._told = deque((told for told in self._told if told[1] != RESTARTED), maxlen=LENGTH)
 
     def recent(self) -> list[str]:
         """Those of the last seconds."""

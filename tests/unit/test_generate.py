@@ -67,6 +67,11 @@ def test_what_the_firmware_does_not_know_is_not(tmp_path: Path, robot: str) -> N
         ("[drive]\nmicrosteps = 'many'", r"\[drive\] microsteps = 'many': give a number above 0"),
         ("[drive]\nmicrosteps = 0", r"microsteps = 0: give a number above 0"),
         ("[drive]\nmicrosteps = 64", r"microsteps = 64: jumpers can say 1, 2, 4, 8, 16, 32"),
+        (
+            "[limits]\nspeed_max = 9000",
+            r"speed_max: with this gear and these microsteps a frame can say up to 1409 deg/s",
+        ),
+        ("[limits]\nacceleration = inf", r"other\.toml: cannot convert float infinity"),
         ("[drive\n", r"other\.toml: Expected ']'"),
     ],
 )

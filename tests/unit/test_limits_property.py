@@ -89,6 +89,36 @@ def test_short_ways_are_judged_no_milder(
         assert_keeps(limits, met)
 
 
+@pytest.mark.parametrize("arm", [0, 1, 2])
+@pytest.mark.parametrize("limits", [LIMITS, CROWDED])
+def test_short_ways_of_one_arm_near_the_limits(arm: int, limits: Limits) -> None:
+    for index in range(24):
+        start = tilted(limits, math.tau * index / 24)
+        for way in (-0.1, -0.04, -0.015, 0.015, 0.04, 0.1):
+            x, y, z = (way if i == arm else 0.0 for i in range(3))
+            target = (start[0] + x, start[1] + y, start[2] + z)
+            thrown = (10 * x, 10 * y, 10 * z)
+            for velocity, goal in ((REST, target), (thrown, start), (thrown, target)):
+                met = verdict(limits, start, velocity, goal, SPEED, straight=False)
+                if isinstance(met, Refused):
+                    assert breaks(limits, met.reason, start, velocity, goal, SPEED, straight=False)
+                else:
+                    assert_keeps(limits, met)
+
+
+def tilted(limits: Limits, direction: float) -> Arms:
+    """A pose that tilts almost as far as may be in this direction."""
+    for tenths in range(349, 0, -2):
+        level = math.sin(math.radians(tenths / 10))
+        upright = math.sqrt(1 - level * level)
+        arms = NECK.inverse(
+            0, math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), upright)
+        )
+        if min(NECK.gaps(arms)) > limits.gap_min:
+            return arms
+    raise AssertionError
+
+
 def verdict(
     limits: Limits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> Trajectory | Refused:

@@ -134,6 +134,31 @@ def test_a_field_that_has_parts_is_no_parameter() -> None:
         requests.read(Wording(b"", "", "position=1;x=0.1;y=0;z=0"), MotionQuery)
 
 
+@pytest.mark.parametrize(
+    ("wording", "told"),
+    [
+        (Wording(b"1 2 3", "", "absolute=false"), r"leave out the parameters 'absolute'\. Ask with words"),
+        (Wording(b'{"position":{"x":1,"y":2,"z":3}}', "", "speed=0.1"), "leave out the parameters 'speed'"),
+        (Wording(b"1 2 3 absolute relative", "", ""), "say absolute or relative, once"),
+    ],
+)
+def test_what_is_said_in_two_ways_is_refused(wording: Wording, told: str) -> None:
+    with pytest.raises(Refused, match=told):
+        requests.read(wording, MotionQuery)
+
+
+def test_parameters_of_zenoh_itself_go_with_a_payload() -> None:
+    assert requests.read(Wording(b"1 2 3", "", "_time=[now(-1s)..]"), MotionQuery).absolute
+
+
+@pytest.mark.parametrize(
+    "wording", [Wording(b"disable on", "", ""), Wording(b"", "", "command=disable;value=true")]
+)
+def test_disable_takes_no_value(wording: Wording) -> None:
+    with pytest.raises(Refused, match="disable takes no value"):
+        requests.read(wording, CommandQuery)
+
+
 def test_percent_codes_in_parameters_are_decoded() -> None:
     assert requests.read(Wording(b"", "", "command=enable;value=%6Fn"), CommandQuery).value
 
