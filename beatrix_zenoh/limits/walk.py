@@ -24,7 +24,8 @@ from beatrix_zenoh.rotation import dot
 from beatrix_zenoh.trajectory import Trajectory
 
 TOLERANCE: Final = math.radians(0.1)
-"""A value counts as beyond its limit from half of this (rad), and the walk guarantees that none is beyond by more.
+"""A value counts as beyond its limit from half of this (rad), and the walk guarantees that no motion is beyond by more
+(a stream of motions, each begun while the one before is just beyond: by a third more).
 
 Arms stand on microsteps, so what was asked at a limit is up to half a step (0.045 deg) beyond it when it is read back.
 """

@@ -165,7 +165,7 @@ def test_a_resting_pose_beyond_a_limit_is_refused_by_name(target: Arms, reason: 
     assert caught.value.reason == reason
 
 
-@pytest.mark.parametrize("target", [pose(0, 0, 0), pose(0, 37, 0), pose(20, 20, 0)])
+@pytest.mark.parametrize("target", [pose(0, 0, 0), pose(0, 37, 0), pose(20, 20, 0), pose(0, -34, 0)])
 def test_a_start_beyond_the_tilt_limit_may_be_left(target: Arms) -> None:
     assert tilt(pose(0, 38, 0)) > LIMITS.tilt_max
     allowed(target, start=pose(0, 38, 0), straight=True)
@@ -196,6 +196,17 @@ def test_arms_that_left_each_other_do_not_crowd_again() -> None:
     allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
     refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
     assert refusal.reason == Reason.ARM_GAP
+
+
+def test_a_limit_counts_from_half_its_tolerance() -> None:
+    allowed(arms_at(180.04, 180.04, 180.04), start=pose(179, 0, 0))
+    assert refused(arms_at(180.07, 180.07, 180.07), start=pose(179, 0, 0)).reason == Reason.YAW_LIMIT
+
+
+def test_a_short_swing_beyond_a_limit_and_back_is_seen() -> None:
+    start = pose(179, 0, 0)
+    allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # turns back at 179.8
+    assert refused(start, start=start, velocity=(0.36, 0.36, 0.36)).reason == Reason.YAW_LIMIT  # at 180.2
 
 
 def test_the_goal_itself_is_looked_at() -> None:
