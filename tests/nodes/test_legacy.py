@@ -115,6 +115,7 @@ def test_every_opening_is_a_power_up(place: Place) -> None:
         assert program.say("@CALSTATUS") == ["ACK\n", "NACK\n"]
         assert program.x == 0
         assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"]
+        assert any("@CALNOW must come before it" in line for line in place.robot.status().warnings)
 
 
 def test_line_ends_and_what_is_no_line(place: Place) -> None:
@@ -314,7 +315,9 @@ def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
         program.begin()
         assert program.say("@MOVRALL 500 0 -500") == ["ACK\n", "ACK\n"]
         assert 0 < program.x < 500
-        assert any("shortened" in line for line in place.robot.status().warnings)
+        warnings = place.robot.status().warnings
+        assert any("shortened" in line for line in warnings)
+        assert not any("@CALNOW" in line for line in warnings)
         tilt = place.robot.positions().head
         assert abs(tilt.pitch) < 36
 

@@ -1,0 +1,17 @@
+"""What status shows for a while."""
+
+from __future__ import annotations
+
+from beatrix_zenoh.node.notices import RESTARTED, Notices
+
+
+def test_a_restart_is_told_until_home_is_known() -> None:
+    notices = Notices()
+    notices.started(1, home_known=True)
+    assert notices.recent() == []
+    notices.started(2, home_known=False)
+    notices.add("something else")
+    notices.started(2, home_known=False)
+    assert notices.recent() == [RESTARTED, "something else"]
+    notices.started(2, home_known=True)
+    assert notices.recent() == ["something else"]
