@@ -16,7 +16,8 @@ from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, Range, RobotData
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits
+from beatrix_zenoh.limits import BEYOND, Limits, looked_at
+from beatrix_zenoh.rotation import leaning
 
 Tables = dict[str, dict[str, object]]
 
@@ -25,10 +26,8 @@ LONGEST_FILE = 1 << 20
 LEAST_TILT = ALLOWED["limits"]["tilt_max"].low
 NEAR = math.radians(2.0)
 """What every robot must be able to do from home, in any direction."""
-GRID, DIRECTIONS = 1.5, 48
-"""Poses are tried every so many degrees of tilt, in so many directions: 20 ms."""
-TO_SPARE, SHORT_OF_REACH = 2.0, 0.5
-"""deg, of tilt: the check of motions looks so far beyond the limit, but not nearer than that to stretched rods."""
+GRID, DIRECTIONS = math.radians(1.5), 48
+"""Poses are tried at every so much of tilt (rad), in so many directions: some 30 ms."""
 SAME = math.radians(0.01)
 ROUNDING = 1e-9
 HOME: Arms = (0.0, 0.0, 0.0)
@@ -151,7 +150,7 @@ def check_motions(robot: RobotData) -> None:
     """Refuse a robot that cannot look anywhere near home, or could stand otherwise than asked; raises Refused."""
     try:
         neck = Neck(robot.geometry)
-        snaps = snaps_at(neck, robot.limits.tilt_max)
+        snaps = snaps_at(neck, looked_at(neck, math.radians(robot.limits.tilt_max)))
         if snaps is None:
             limits = Limits(robot)
             speed = (limits.default_speed,) * 3
@@ -167,19 +166,20 @@ def check_motions(robot: RobotData) -> None:
             Reason.BAD_VALUE, f"{field}: the head could not turn by 2 deg from home. {error.message}"
         ) from error
     if snaps is not None:
+        most = math.degrees(snaps - GRID - BEYOND)
         raise Refused(
             Reason.BAD_VALUE,
             f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another position "
-            f"where the head tilts by {snaps:.0f} deg: at most {math.floor(snaps - GRID - TO_SPARE)} deg may be allowed.",
+            f"where the head tilts by {math.degrees(snaps):.0f} deg: at most {math.floor(most)} deg may be allowed.",
         )
 
 
-def snaps_at(neck: Neck, tilt_max: float) -> float | None:
-    """The least tilt (deg), up to this or a little beyond, at which the arms of a head also fit another; None if there is none."""
-    most = min(tilt_max + TO_SPARE, math.degrees(neck.reach) - SHORT_OF_REACH)
+def snaps_at(neck: Neck, most: float) -> float | None:
+    """The least tilt (rad), up to this, at which the arms of a head also fit another; None if there is none."""
     for level in range(1, math.ceil(most / GRID) + 1):
         tilt = min(level * GRID, most)
-        if not all(stands(neck, pitch, roll) for pitch, roll in all_around(math.radians(tilt))):
+        around = (leaning(tilt, math.tau * index / DIRECTIONS) for index in range(DIRECTIONS))
+        if not all(stands(neck, pitch, roll) for pitch, roll in around):
             return tilt
     return None
 
@@ -191,13 +191,6 @@ def stands(neck: Neck, pitch: float, roll: float) -> bool:
     except BeatrixError:
         return False
     return math.dist(there, (0.0, pitch, roll)) < SAME
-
-
-def all_around(tilt: float) -> Iterator[tuple[float, float]]:
-    """Pitch and roll (rad) of heads that tilt so far (rad), in every direction."""
-    for index in range(DIRECTIONS):
-        angle, level = math.tau * index / DIRECTIONS, math.sin(tilt)
-        yield math.asin(level * math.cos(angle)), math.atan2(level * math.sin(angle), math.cos(tilt))
 
 
 def near_home() -> Iterator[Arms]:

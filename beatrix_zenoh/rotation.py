@@ -68,3 +68,9 @@ def tilt_of(pitch: float, roll: float) -> float:
     # asin of the level part: acos loses half of the digits near upright
     sp, cp, sr, cr = math.sin(pitch), math.cos(pitch), math.sin(roll), math.cos(roll)
     return math.atan2(math.hypot(sp * cr, sr), cp * cr)
+
+
+def leaning(tilt: float, direction: float) -> tuple[float, float]:
+    """Pitch and roll (rad) of a head that tilts so far (rad) in a direction (rad); `tilt_of` them is the tilt."""
+    level = math.sin(tilt)
+    return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))

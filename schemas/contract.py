@@ -61,12 +61,13 @@ def load(robot_file: Path | None = None) -> Contract:
         raise ValueError(
             f"[drive] microsteps = {microsteps!r}: jumpers can say {allowed} (an A4988 no more than 16)"
         )
-    if (speed := compiled(robot)["SPEED_MAX"]) > SPEED_TOP:
+    in_firmware = compiled(robot)
+    if (speed := in_firmware["SPEED_MAX"]) > SPEED_TOP:
         most = robot["limits"]["speed_max"]["value"] * SPEED_TOP // speed
         raise ValueError(
             f"[limits] speed_max: with this gear and these microsteps a frame can say up to {most:g} deg/s"
         )
-    return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, compiled(robot)))
+    return Contract(messages, keys, serial, robot, digest(messages, keys), digest(serial, in_firmware))
 
 
 def change(robot: Table, given: dict[str, object]) -> None:

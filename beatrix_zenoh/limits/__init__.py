@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from beatrix_zenoh.limits.check import Limits
+from beatrix_zenoh.limits.walk import BEYOND, looked_at
 
-__all__ = ["Limits"]
+__all__ = ["BEYOND", "Limits", "looked_at"]

@@ -20,7 +20,7 @@ from typing import Final, NamedTuple
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.rotation import dot
+from beatrix_zenoh.rotation import dot, leaning
 from beatrix_zenoh.trajectory import Trajectory
 
 TOLERANCE: Final = math.radians(0.1)
@@ -34,7 +34,7 @@ _STRIDE_OUTSIDE: Final = 0.02
 """Longest step (rad of |d'|) where the curvature is not known, because a limit is already exceeded."""
 _SHORTEST: Final = 1e-6
 """Shortest step (s): never needed, for the slack is worth more, but it ends every walk."""
-_BEYOND: Final = math.radians(2.0)
+BEYOND: Final = math.radians(2.0)
 """Curvature is known this far beyond the tilt limit (rad), but for the last bit before a rod is stretched."""
 _SHORT_OF_REACH: Final = math.radians(0.5)
 _CAUTION: Final = 1.5
@@ -87,14 +87,14 @@ class Walker:
 
     def __init__(self, neck: Neck, limit: Limit) -> None:
         self._neck = neck
-        self._up_min = math.cos(limit.tilt_max)
-        self._bounds: Margins = (self._up_min, -limit.yaw_max, -limit.yaw_max, *(limit.gap_min,) * 3)
-        half = TOLERANCE / 2
-        up_slack = (self._up_min - math.cos(limit.tilt_max + TOLERANCE)) / 2
+        up_min, half = math.cos(limit.tilt_max), TOLERANCE / 2
+        up_slack = (up_min - math.cos(limit.tilt_max + TOLERANCE)) / 2
         self._slack: Margins = (up_slack, half, half, half, half, half)
-        self._up_known = math.cos(limit.tilt_max + _BEYOND)
-        up, yaw = _curvature(neck, min(limit.tilt_max + _BEYOND, neck.reach - _SHORT_OF_REACH))
-        self._curvature: Margins = (up, yaw, yaw, 0.0, 0.0, 0.0)
+        yaw, gap = -limit.yaw_max - half, limit.gap_min - half
+        self._ends: Margins = (up_min - up_slack, yaw, yaw, gap, gap, gap)
+        self._up_known = math.cos(limit.tilt_max + BEYOND)
+        up_bend, yaw_bend = _curvature(neck, looked_at(neck, limit.tilt_max))
+        self._curvature: Margins = (up_bend, yaw_bend, yaw_bend, 0.0, 0.0, 0.0)
         self._gap_by = _gap_gradients(neck)
 
     def point(self, arms: Arms) -> Point:
@@ -111,11 +111,9 @@ class Walker:
         try:
             values = self.point(arms).values
         except BeatrixError:
-            gaps = self._neck.gaps(arms)
-            least = [self._bounds[GAP + i] - self._slack[GAP + i] - _ROUNDING for i in range(3)]
-            return [TILT, *(GAP + i for i in range(3) if gaps[i] < least[i])]
-        ends = zip(values, self._bounds, self._slack, strict=True)
-        return [i for i, (value, bound, slack) in enumerate(ends) if value < bound - slack - _ROUNDING]
+            values = (-math.inf, math.inf, math.inf, *self._neck.gaps(arms))
+        pairs = zip(values, self._ends, strict=True)
+        return [i for i, (value, end) in enumerate(pairs) if value < end - _ROUNDING]
 
     def walk(self, trajectory: Trajectory) -> Breach | None:
         """Where the way first leaves its bounds; None if it keeps them.
@@ -125,7 +123,7 @@ class Walker:
         """
         start = trajectory.sections[0].arms if trajectory.sections else trajectory.target
         point = self.point(start)
-        way = _Way(point, self._bounds, self._slack)
+        way = _Way(point, self._ends)
         if self._stays_near(way, point, trajectory):
             return None
         for section in trajectory.sections:
@@ -179,9 +177,9 @@ class Walker:
 class _Way:
     """What a walk must not fall below."""
 
-    def __init__(self, start: Point, bounds: Margins, slack: Margins) -> None:
-        self._ends = [bound - half for bound, half in zip(bounds, slack, strict=True)]
-        self.floors = [min(end, value) for end, value in zip(self._ends, start.values, strict=True)]
+    def __init__(self, start: Point, ends: Margins) -> None:
+        self._ends = ends
+        self.floors = [min(end, value) for end, value in zip(ends, start.values, strict=True)]
 
     def visit(self, point: Point) -> int | None:
         """Index of a margin that is used up here; else a start outside its bounds is left behind for good."""
@@ -231,6 +229,11 @@ def _gap_gradients(neck: Neck) -> tuple[Arms, Arms, Arms]:
     return first, second, third
 
 
+def looked_at(neck: Neck, tilt_max: float) -> float:
+    """To what tilt (rad) the check of motions knows the neck, if its head may tilt by `tilt_max` (rad)."""
+    return min(tilt_max + BEYOND, neck.reach - _SHORT_OF_REACH)
+
+
 def _curvature(neck: Neck, tilt_max: float) -> tuple[float, float]:
     """Bounds of the second derivatives of cos(tilt) and yaw by |d'|, for tilts up to tilt_max (rad)."""
     up = yaw = 0.0
@@ -238,9 +241,7 @@ def _curvature(neck: Neck, tilt_max: float) -> tuple[float, float]:
         tilt = tilt_max * level / _LEVELS
         for direction in range(_DIRECTIONS):
             angle = math.tau * direction / _DIRECTIONS
-            pitch = math.asin(math.sin(tilt) * math.cos(angle))
-            roll = math.atan2(math.sin(tilt) * math.sin(angle), math.cos(tilt))
-            one, other = _bend(neck, neck.inverse(0.0, pitch, roll))
+            one, other = _bend(neck, neck.inverse(0.0, *leaning(tilt, angle)))
             up, yaw = max(up, one), max(yaw, other)
     return _CAUTION * up, _CAUTION * yaw
 

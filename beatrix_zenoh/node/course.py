@@ -70,12 +70,12 @@ class Course:
             target = self._arms_asked(query, start)
             default = self.limits.default_speed
             speed = (default, default, default) if query.speed is None else tuple3(query.speed)
-        slowest = self.gear.to_rad((0.25, 0.25, 0.25))
-        if any(0 < rate < abs(least) for rate, least in zip(speed, slowest, strict=True)):
+        slowest = self.gear.quarters_to_speed((1, 1, 1))
+        if any(0 < rate < least for rate, least in zip(speed, slowest, strict=True)):
             raise Refused(
                 Reason.SPEED_LIMIT,
                 f"Speed {degrees(speed)}/s: the slowest the motors can be told is "
-                f"{math.degrees(abs(slowest[0])):.3f} deg/s ({abs(slowest[0]):.5f} rad/s).",
+                f"{math.degrees(slowest[0]):.3f} deg/s ({slowest[0]:.5f} rad/s).",
             )
         self.limits.check_speed(speed)
         quarters = self.gear.speed_to_quarters(speed)

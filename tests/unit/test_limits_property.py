@@ -16,7 +16,7 @@ from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.kinematics import Neck
 from beatrix_zenoh.limits import Limits
 from beatrix_zenoh.limits.walk import TOLERANCE
-from beatrix_zenoh.rotation import tilt_of
+from beatrix_zenoh.rotation import leaning, tilt_of
 from beatrix_zenoh.trajectory import Trajectory
 from beatrix_zenoh.trajectory import plan as time_law
 
@@ -109,11 +109,7 @@ def test_short_ways_of_one_arm_near_the_limits(arm: int, limits: Limits) -> None
 def tilted(limits: Limits, direction: float) -> Arms:
     """A pose that tilts almost as far as may be in this direction."""
     for tenths in range(349, 0, -2):
-        level = math.sin(math.radians(tenths / 10))
-        upright = math.sqrt(1 - level * level)
-        arms = NECK.inverse(
-            0, math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), upright)
-        )
+        arms = NECK.inverse(0, *leaning(math.radians(tenths / 10), direction))
         if min(NECK.gaps(arms)) > limits.gap_min:
             return arms
     raise AssertionError
@@ -185,9 +181,9 @@ def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
     """Taylor's bound, on which the walk rests, against the function itself."""
     walker = LIMITS._judge._walker
     up_bend, yaw_bend = walker._curvature[0], walker._curvature[1]
-    looked_at = dict.fromkeys((0.1, 0.2, 0.4, 0.8), 0)
+    looked_at = {0.1: 0, 0.2: 0, 0.4: 0, 0.8: 0}
     for i in range(4000):
-        reach = (0.1, 0.2, 0.4, 0.8)[i % 4]
+        reach = list(looked_at)[i % 4]
         share, direction, turn = math.sqrt((i * 0.618034) % 1), i * 2.399963, i * 0.754877
         level = math.sin(share * math.radians(35))
         arms = NECK.inverse(
