@@ -38,9 +38,19 @@ class Contract:
 
 
 def digest(*tables: object) -> int:
-    """First 32 bits of the SHA-256 of the tables as canonical JSON: comments do not count."""
-    text = json.dumps(tables, sort_keys=True, separators=(",", ":"))
+    """First 32 bits of the SHA-256 of the tables as canonical JSON, without comments and `doc`.
+
+    A better word must not make every board be flashed again; whoever changes a meaning changes a name with it.
+    """
+    text = json.dumps(bare(tables), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
+
+
+def bare(value: object) -> object:
+    """Tables, and what is in them, without `doc`."""
+    if isinstance(value, dict):
+        return {name: bare(entry) for name, entry in value.items() if name != "doc"}
+    return [bare(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def load(robot_file: Path | None = None) -> Contract:

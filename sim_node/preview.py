@@ -128,7 +128,7 @@ class _Run:
         outcome = Outcome.DONE if self._telemetry is None else Outcome(self._telemetry.outcome)
         if outcome is not Outcome.DONE:
             raise Refused(
-                OUTCOME_REASON[outcome], f"The firmware would stop this motion: {OUTCOME_TEXT[outcome]}."
+                OUTCOME_REASON[outcome], f"The firmware would end this motion {OUTCOME_TEXT[outcome]}."
             )
         if self._samples[-1][0] != self.now_ms:
             self._sample()

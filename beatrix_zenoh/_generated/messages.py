@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "4d1d9096"
+CONTRACT: Final = "bcfe1944"
 """Hash of messages and keys."""
 
 

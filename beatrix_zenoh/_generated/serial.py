@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0xA726AAEB
+CONTRACT: Final = 0x9FF5A9E1
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -106,13 +106,13 @@ class Outcome(IntEnum):
     STOPPED = 2
     """by STOP"""
     GAP = 3
-    """guard: arms came too close on the way"""
+    """by the guard: arms came too close on the way"""
     YAW = 4
-    """guard: arms turned too far on the way"""
+    """by the guard: arms turned too far on the way"""
     HOST_LOST = 5
-    """no heartbeat"""
+    """by the board itself: it heard no heartbeat of its node"""
     DISABLED = 6
-    """motors were switched off in mid-move"""
+    """in mid-move: the motors were switched off"""
     EMERGENCY = 7
     """by EMERGENCY_STOP"""
 
@@ -133,10 +133,10 @@ OUTCOME_TEXT: Final[dict[Outcome, str]] = {
     Outcome.NONE: "no motion yet, or one is running",
     Outcome.DONE: "target reached",
     Outcome.STOPPED: "by STOP",
-    Outcome.GAP: "guard: arms came too close on the way",
-    Outcome.YAW: "guard: arms turned too far on the way",
-    Outcome.HOST_LOST: "no heartbeat",
-    Outcome.DISABLED: "motors were switched off in mid-move",
+    Outcome.GAP: "by the guard: arms came too close on the way",
+    Outcome.YAW: "by the guard: arms turned too far on the way",
+    Outcome.HOST_LOST: "by the board itself: it heard no heartbeat of its node",
+    Outcome.DISABLED: "in mid-move: the motors were switched off",
     Outcome.EMERGENCY: "by EMERGENCY_STOP",
 }
 
@@ -157,7 +157,7 @@ class WarningCode(IntEnum):
     HOME_UNKNOWN = 6
     """the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again"""
     EMERGENCY = 7
-    """text was refused: after an emergency stop only the frame ENABLE switches the motors on"""
+    """text was refused: after an emergency stop only `beatrix enable` (the frame ENABLE) or a reset switches the motors on"""
 
 
 WARNING_TEXT: Final[dict[WarningCode, str]] = {
@@ -167,7 +167,7 @@ WARNING_TEXT: Final[dict[WarningCode, str]] = {
     WarningCode.MOTORS_OFF: "the text motion was only counted: motors are off",
     WarningCode.BUSY: "a line of text was refused: too many are waiting",
     WarningCode.HOME_UNKNOWN: "the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again",
-    WarningCode.EMERGENCY: "text was refused: after an emergency stop only the frame ENABLE switches the motors on",
+    WarningCode.EMERGENCY: "text was refused: after an emergency stop only `beatrix enable` (the frame ENABLE) or a reset switches the motors on",
 }
 
 

@@ -21,6 +21,8 @@ FAILED, USAGE, NOBODY, TIMED_OUT, UNREAD = 1, 2, 3, 4, 141
 """Exit codes; 0 is done, 141 is what shells give to a tool whose reader has gone."""
 CODES = {Reason.NO_ANSWER: NOBODY, Reason.NO_ROUTER: NOBODY, Reason.TIMED_OUT: TIMED_OUT}
 STDOUT = 1
+STRAY = "Got unexpected extra argument"
+"""How typer begins to tell of a word that belongs to no option."""
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 USAGE_ERROR = cast("type[typer.BadParameter]", typer.BadParameter.__base__)
 """What typer raises for all wrong usage; it names only this child of it in public."""
@@ -62,6 +64,7 @@ def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except USAGE_ERROR as error:
+        error.message = _taught(error)
         if as_json:
             refusal(Reason.BAD_VALUE, error.format_message())
         else:
@@ -74,6 +77,20 @@ def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
             note(error.message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
+
+
+def _taught(error: typer.BadParameter) -> str:
+    """The message; where a value stands alone (`beatrix hw /dev/ttyACM0`), with the options that take one."""
+    if error.ctx is None or not error.message.startswith(STRAY):
+        return error.message
+    named = [
+        max(parameter.opts, key=len)
+        for parameter in error.ctx.command.params
+        if parameter.param_type_name == "option" and not getattr(parameter, "is_flag", False)
+    ]
+    if not named:
+        return error.message
+    return f"{error.message}. Values follow the name of their option here: {', '.join(named)}."
 
 
 def unwritten(error: OSError) -> int:

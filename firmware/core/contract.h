@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0xA726AAEBUL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0x9FF5A9E1UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -54,10 +54,10 @@ enum Outcome : uint8_t {
   OUTCOME_NONE = 0,  // no motion yet, or one is running
   OUTCOME_DONE = 1,  // target reached
   OUTCOME_STOPPED = 2,  // by STOP
-  OUTCOME_GAP = 3,  // guard: arms came too close on the way
-  OUTCOME_YAW = 4,  // guard: arms turned too far on the way
-  OUTCOME_HOST_LOST = 5,  // no heartbeat
-  OUTCOME_DISABLED = 6,  // motors were switched off in mid-move
+  OUTCOME_GAP = 3,  // by the guard: arms came too close on the way
+  OUTCOME_YAW = 4,  // by the guard: arms turned too far on the way
+  OUTCOME_HOST_LOST = 5,  // by the board itself: it heard no heartbeat of its node
+  OUTCOME_DISABLED = 6,  // in mid-move: the motors were switched off
   OUTCOME_EMERGENCY = 7,  // by EMERGENCY_STOP
 };
 
@@ -68,7 +68,7 @@ enum Warning : uint8_t {
   WARNING_MOTORS_OFF = 4,  // the text motion was only counted: motors are off
   WARNING_BUSY = 5,  // a line of text was refused: too many are waiting
   WARNING_HOME_UNKNOWN = 6,  // the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again
-  WARNING_EMERGENCY = 7,  // text was refused: after an emergency stop only the frame ENABLE switches the motors on
+  WARNING_EMERGENCY = 7,  // text was refused: after an emergency stop only `beatrix enable` (the frame ENABLE) or a reset switches the motors on
 };
 
 enum StateBit : uint8_t {

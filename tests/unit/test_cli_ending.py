@@ -86,6 +86,7 @@ def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
         (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
         (("doctor", "--connect", "http/127.0.0.1:80"), "protocol is tcp"),
         (("sim", "--nonsense"), "--nonsense"),
+        (("look", "20"), "(20). Values follow the name of their option here: --yaw, --pitch, --roll"),
         (("hw", "--nonsense"), "--nonsense"),
     ],
 )
@@ -97,6 +98,11 @@ def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
     document = json.loads(out)
     assert (document["result"], document["reason"], err) == (False, "BAD_VALUE", "")
     assert wrong.lower() in document["message"].lower()
+
+
+def test_a_value_without_its_option_is_told_which_there_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["hw", "/dev/ttyACM0"]) == 2
+    assert "Values follow the name of their option here: --port, --legacy" in capsys.readouterr().err
 
 
 def test_a_file_that_cannot_be_read_is_wrong_usage(

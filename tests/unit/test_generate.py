@@ -6,25 +6,26 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
 from beatrix_zenoh._generated.serial import CONTRACT
 
-GENERATE = Path(__file__).resolve().parents[2] / "schemas/generate.py"
+SCHEMAS = Path(__file__).resolve().parents[2] / "schemas"
 
 
-def generate(folder: Path, robot: str) -> subprocess.CompletedProcess[str]:
+def generate(folder: Path, robot: str, schemas: Path = SCHEMAS) -> subprocess.CompletedProcess[str]:
     """Write the header of a robot whose file has this text."""
     (folder / "other.toml").write_text(robot, encoding="utf-8")
-    command = [sys.executable, str(GENERATE), "--robot", str(folder / "other.toml")]
+    command = [sys.executable, str(schemas / "generate.py"), "--robot", str(folder / "other.toml")]
     command += ["--header", str(folder / "contract.h")]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=30)
 
 
-def contract(folder: Path, robot: str) -> int:
+def contract(folder: Path, robot: str, schemas: Path = SCHEMAS) -> int:
     """Its contract."""
-    done = generate(folder, robot)
+    done = generate(folder, robot, schemas)
     assert done.returncode == 0, done.stderr
     found = re.search(r"CONTRACT = (0x\w+)UL", (folder / "contract.h").read_text(encoding="utf-8"))
     assert found
@@ -57,6 +58,24 @@ def test_what_is_compiled_into_the_firmware_is_part_of_the_contract(tmp_path: Pa
 )
 def test_what_the_firmware_does_not_know_is_not(tmp_path: Path, robot: str) -> None:
     assert contract(tmp_path, robot) == CONTRACT
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "same"),
+    [
+        ("# Host <-> firmware", "# Node and board", True),
+        ('doc = "motors are off"', 'doc = "switch the motors on first"', True),
+        ('count = 3, unit = "microstep", doc', 'count = 3, unit = "step", doc', False),
+        ("STOPPED = { code = 2", "STOPPED = { code = 20", False),
+        ("reply_timeout = { value = 100", "reply_timeout = { value = 101", False),
+    ],
+)
+def test_better_words_are_no_other_contract(tmp_path: Path, there: str, instead: str, *, same: bool) -> None:
+    schemas = copytree(SCHEMAS, tmp_path / "schemas")
+    text = (schemas / "serial.toml").read_text(encoding="utf-8")
+    assert there in text
+    (schemas / "serial.toml").write_text(text.replace(there, instead), encoding="utf-8")
+    assert (contract(tmp_path, "", schemas) == CONTRACT) is same
 
 
 @pytest.mark.parametrize(
