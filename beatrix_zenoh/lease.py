@@ -11,6 +11,14 @@ TEACHER = "teacher"
 """The seat that outranks all others."""
 
 
+def driven(holder: str, when: str) -> Refused:
+    """What to tell who may not move a robot because a seat drives it until `when`."""
+    return Refused(
+        Reason.NOT_HOLDER,
+        f"{holder} drives this robot, {when}. Ask again then; STOP is always open to everybody.",
+    )
+
+
 class Lease:
     """The implicit lease of one robot; all times in seconds of one monotonic clock."""
 
@@ -38,10 +46,7 @@ class Lease:
             when = f"until {LINGER_S:.0f} s after the running motion has ended"
         else:
             when = f"for {LINGER_S - (now_s - self._rests_since_s):.1f} s more unless it moves again"
-        raise Refused(
-            Reason.NOT_HOLDER,
-            f"{holder} drives this robot, {when}. Ask again then; STOP is always open to everybody.",
-        )
+        raise driven(holder, when)
 
     def take(self, who: str, now_s: float) -> None:
         """`who` moves the robot: it drives from now on; raises as `check`."""

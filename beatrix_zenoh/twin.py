@@ -7,17 +7,22 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple, Self
 
+from beatrix_zenoh import readiness
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import (
+    FAULT_TEXT,
+    Fault,
     Info,
     MotionQuery,
     MotionReply,
     PoseQuery,
     PreviewReply,
     Reason,
+    Status,
 )
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused
+from beatrix_zenoh.lease import LINGER_S, TEACHER, driven
 from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
 from beatrix_zenoh.robot import MARGIN_S, SILENT, Motion, Robot, motion_query, pose_query, stop_together
 from beatrix_zenoh.settings import resolve
@@ -84,11 +89,12 @@ class Plan:
         If one of them refuses or is stopped, the other is stopped too.
 
         Raises:
-            Refused: one robot said no, or one of them has moved since the preview.
-            NoAnswer: one is not on line.
+            Refused: one robot said no or may not move now, or one of them has moved since the preview.
+            NoAnswer: one is not on line, or has lost its board.
             Interrupted: one robot ended elsewhere.
         """
         self._settle("committed")
+        self._twin.check_ready()
         now = stand(self._twin.sim), stand(self._twin.hw)
         for robot, was, is_ in zip((self._twin.sim, self._twin.hw), self._start, now, strict=True):
             if was is None or was.calibrations != is_.calibrations or apart(was.arms, is_.arms) > SAME_DEG:
@@ -213,6 +219,21 @@ class Twin:
             hardware = stand(self.hw)
         return stand(self.sim), hardware
 
+    def check_ready(self) -> None:
+        """Raise unless both may move now: better than to set one off and stop it again.
+
+        Raises:
+            Refused: motors off, home unknown, or somebody else drives.
+            NoAnswer: one is not on line, or has lost its board.
+        """
+        for robot in (self.sim, self.hw):
+            try:
+                may_move(robot.status(), self.client.settings.who)
+            except BeatrixError as error:
+                if error.message.startswith(str(robot)):
+                    raise
+                raise type(error)(error.reason, f"{robot}: {error.message}") from error
+
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
         begun: list[tuple[Robot, Motion]] = []
@@ -263,6 +284,18 @@ def runs(motion: Motion) -> bool:
         return motion.poll(0) is None
     except NoAnswer:
         return True
+
+
+def may_move(status: Status, who: str) -> None:
+    """Raise unless a seat may move a robot of this status, as the robot itself would."""
+    if not status.board.connected:
+        reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
+        raise NoAnswer(reason, " ".join(status.warnings[:1]) or FAULT_TEXT[status.fault])
+    readiness.check(
+        emergency=status.fault is Fault.EMERGENCY, enabled=status.enabled, calibrated=status.calibrated
+    )
+    if status.holder not in ("", who) and who != TEACHER:
+        raise driven(status.holder, f"until {LINGER_S:.0f} s after its motion has ended")
 
 
 def stand(robot: Robot) -> Stand:

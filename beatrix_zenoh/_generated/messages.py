@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "bcfe1944"
+CONTRACT: Final = "ed7a5410"
 """Hash of messages and keys."""
 
 
@@ -116,7 +116,7 @@ class Fault(StrEnum):
     NONE = "NONE"
     """Nothing."""
     EMERGENCY = "EMERGENCY"
-    """EMERGENCY_STOP was pressed: motors off until ENABLE."""
+    """EMERGENCY_STOP was pressed: motors off until `beatrix enable`."""
     BOARD_LOST = "BOARD_LOST"
     """The board does not answer."""
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
@@ -127,7 +127,7 @@ class Fault(StrEnum):
 
 FAULT_TEXT: Final[dict[Fault, str]] = {
     Fault.NONE: "Nothing.",
-    Fault.EMERGENCY: "EMERGENCY_STOP was pressed: motors off until ENABLE.",
+    Fault.EMERGENCY: "EMERGENCY_STOP was pressed: motors off until `beatrix enable`.",
     Fault.BOARD_LOST: "The board does not answer.",
     Fault.CONTRACT_MISMATCH: "The board's firmware is of another version, or was built for another robot: end what uses the board, then `beatrix flash`.",
     Fault.ASSEMBLY_LEFT: "The simulated neck snapped out of its home assembly and was put back.",

@@ -110,7 +110,7 @@ class Outcome(IntEnum):
     YAW = 4
     """by the guard: arms turned too far on the way"""
     HOST_LOST = 5
-    """by the board itself: it heard no heartbeat of its node"""
+    """by the board itself: it did not hear its node for half a second (a computer too busy, or a bad cable)"""
     DISABLED = 6
     """in mid-move: the motors were switched off"""
     EMERGENCY = 7
@@ -135,7 +135,7 @@ OUTCOME_TEXT: Final[dict[Outcome, str]] = {
     Outcome.STOPPED: "by STOP",
     Outcome.GAP: "by the guard: arms came too close on the way",
     Outcome.YAW: "by the guard: arms turned too far on the way",
-    Outcome.HOST_LOST: "by the board itself: it heard no heartbeat of its node",
+    Outcome.HOST_LOST: "by the board itself: it did not hear its node for half a second (a computer too busy, or a bad cable)",
     Outcome.DISABLED: "in mid-move: the motors were switched off",
     Outcome.EMERGENCY: "by EMERGENCY_STOP",
 }

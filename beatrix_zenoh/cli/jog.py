@@ -33,6 +33,10 @@ WAYS = {
 """Whether it is counter-clockwise."""
 READY = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
 AGAIN = f"Then {READY}, and jog again."
+NOTHING = (
+    "Nothing turned at all. Is the motor power on? USB alone runs the firmware, not the motors. If it is on, switch it off "
+    "and see that drivers and motors are plugged in as docs/how-to/board.md says."
+)
 
 T = TypeVar("T")
 
@@ -105,10 +109,10 @@ def ask_azimuth() -> float:
     while True:
         words = typed(
             "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left "
-            f"({ROBOT.geometry.arm0_azimuth:g} as shipped):"
+            f"({ROBOT.geometry.arm0_azimuth:g} as shipped; what is less than {JOG_DEG:g} from it counts as that):"
         )
         try:
-            azimuth = float(words)
+            azimuth = float(words.replace(",", "."))  # as half of Europe types it
         except ValueError:
             azimuth = float("nan")
         if low <= azimuth <= high:
@@ -135,33 +139,35 @@ def replug(seen: list[Seen]) -> list[str]:
     Raises:
         Refused: an arm was seen twice, so another was overlooked.
     """
+    turned = [arm for arm, _ in seen if arm is not None]
+    if not turned:
+        return [NOTHING, AGAIN]
+    if len(set(turned)) < len(turned):
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"You saw {', '.join(turned)}: each arm should turn once. Jog again, and type none where no arm turns.",
+        )
     advice = [
-        f"Nothing turned on {plug}, where the motor of the {arm} arm belongs: see that the motor is plugged in, that its "
-        "driver sits straight and the right way round, and that its reference voltage is set (docs/how-to/board.md)."
-        for plug, arm, (turned, _) in zip(PLUGS, ARMS, seen, strict=True)
-        if turned is None
+        missing(plug, due)
+        if arm is None
+        else f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}."
+        for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True)
+        if arm != due
     ]
-    if not advice:
-        advice = swap([(arm, way) for arm, way in seen if arm is not None])
+    advice += [
+        f"Turn the plug of the {arm} arm's motor round: it turns the wrong way."
+        for arm, counter_clockwise in seen
+        if not counter_clockwise
+    ]
     return ["Switch the power off first.", *advice, AGAIN] if advice else []
 
 
-def swap(seen: list[tuple[str, bool]]) -> list[str]:
-    """Which plugs to move and to turn round; raises as `replug`."""
-    if sorted(arm for arm, _ in seen) != sorted(ARMS):
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"You saw {', '.join(arm for arm, _ in seen)}: each arm should turn once. Jog again, and type none where no "
-            "arm turns.",
-        )
-    advice = []
-    for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True):
-        if arm != due:
-            advice.append(f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}.")
-    for arm, counter_clockwise in seen:
-        if not counter_clockwise:
-            advice.append(f"Turn the plug of the {arm} arm's motor round: it turns the wrong way.")
-    return advice
+def missing(plug: str, arm: str) -> str:
+    """What to look at where nothing turned."""
+    return (
+        f"Nothing turned on {plug}, where the motor of the {arm} arm belongs: see that the motor is plugged in, that its driver "
+        "sits straight and the right way round, and that its reference voltage is set (docs/how-to/board.md)."
+    )
 
 
 def describe(azimuth_deg: float, *, as_shipped: bool) -> list[str]:

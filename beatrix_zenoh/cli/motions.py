@@ -118,6 +118,7 @@ def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
     settings = line.client.settings
     with Twin(line.name, connect=settings.connect, who=settings.who) as twin:
         plan = preview(twin)
+        twin.check_ready()  # before it is said that both move
         note(f"Preview: {plan.verdict} Now both, the simulation first.")
         plan.commit()
 

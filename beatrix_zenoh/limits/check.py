@@ -62,7 +62,7 @@ class Limits:
         if not all(0 < value <= self.speed_max * _SPEED_ROUNDING for value in speed):
             raise Refused(
                 Reason.SPEED_LIMIT,
-                f"Speed {degrees(speed)} deg/s: every arm needs more than 0 and at most {top:.1f} deg/s "
+                f"Speed {degrees(speed[:1] if len(set(speed)) == 1 else speed)} deg/s: every arm needs more than 0 and at most {top:.1f} deg/s "
                 f"({self.speed_max:.3f} rad/s).",
             )
 

@@ -16,12 +16,13 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, FrameType, Outcome, State, Telemetry
+from beatrix_zenoh._generated.serial import FrameType, Outcome, State, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lease import Lease
 from beatrix_zenoh.names import ARM_TOPICS, OLD_PROGRAMS
+from beatrix_zenoh.node import outcome
 from beatrix_zenoh.node.answers import (
     Asker,
     at_rest,
@@ -32,7 +33,7 @@ from beatrix_zenoh.node.answers import (
     unknown_command,
 )
 from beatrix_zenoh.node.body import Body
-from beatrix_zenoh.node.course import Course, Goal, degrees
+from beatrix_zenoh.node.course import Course, Goal
 from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
@@ -346,22 +347,18 @@ class Driver:
                     self._answer(asker, Reason.OK, at_rest(self._board, "Stopped", self.arms()))
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
+        moving = telemetry.state & State.MOVING
         if lost or telemetry.boot != running.boot:
-            reset = self._board.link.reset or not lost
-            what = "was reset; home is not known" if reset else "does not answer any more"
-            self._finish(running, Reason.BOARD_LOST, f"The board {what}.")
-        elif telemetry.motion == self._number != running.number and not telemetry.state & State.MOVING:
-            self._finish(running, Reason.BOARD_LOST, "The board took a newer motion without saying so.")
-        elif telemetry.motion == running.number and not telemetry.state & State.MOVING:
-            outcome = Outcome(telemetry.outcome)
-            if outcome is Outcome.DONE:
-                self._finish(running, Reason.OK, f"There: arms at {degrees(self.arms())}.")
-            elif outcome is not Outcome.NONE:
-                reason = self._cause if outcome is Outcome.STOPPED else OUTCOME_REASON[outcome]
-                text = f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {degrees(self.arms())}."
-                self._finish(running, reason, text)
-        if self._running is running and self.overdue() and not telemetry.state & State.MOVING:
-            self._finish(running, Reason.BOARD_LOST, "The board took the motion and does not make it.")
+            told = outcome.lost(reset=self._board.link.reset or not lost)
+            self._finish(running, Reason.BOARD_LOST, told)
+        elif moving:
+            return
+        elif telemetry.motion == self._number != running.number:
+            self._finish(running, Reason.BOARD_LOST, outcome.UNTOLD)
+        elif telemetry.motion == running.number and telemetry.outcome != Outcome.NONE:
+            self._finish(running, *outcome.ended(Outcome(telemetry.outcome), self._cause, self.arms()))
+        elif self.overdue():
+            self._finish(running, Reason.BOARD_LOST, outcome.NEVER_MADE)
 
     def _finish(self, running: Running, reason: Reason, text: str) -> None:
         self._running = None

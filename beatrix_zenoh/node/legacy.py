@@ -37,9 +37,7 @@ ZERO_FORGOTTEN = (
     "the motion was refused: the board did not answer for a while, and so its zero for this program is forgotten. "
     "Start the program anew, or let it send @CALNOW."
 )
-NOT_YET_OR_TOO_FAR = (
-    "the motion was refused: @CALNOW must come before it, and no number in it may be beyond 32767."
-)
+NOT_YET_OR_TOO_FAR = "the motion was refused: @CALNOW must come before it, again after each @ENMOTORS, and no number in it may be beyond 32767."
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
 PRETENDED_S = 170.0

@@ -16,6 +16,7 @@ class Notices:
     def __init__(self) -> None:
         self._told: deque[tuple[float, str]] = deque(maxlen=LENGTH)
         self._boot = 0
+        self._restarted = False
 
     def add(self, text: str) -> None:
         """Show it for a while; the same sentence again only begins its time anew."""
@@ -24,14 +25,12 @@ class Notices:
         self._told.append((time.monotonic(), text))
 
     def started(self, boot: int, *, home_known: bool) -> None:
-        """The board says how often it was started: once more than before is worth a sentence, until home is known."""
-        if self._boot and boot != self._boot:
-            self.add(RESTARTED)
+        """The board says how often it was started: once more than before is told until home is known."""
+        self._restarted = not home_known and (self._restarted or bool(self._boot and boot != self._boot))
         self._boot = boot
-        if home_known:
-            self._told = deque((told for told in self._told if told[1] != RESTARTED), maxlen=LENGTH)
 
     def recent(self) -> list[str]:
-        """Those of the last seconds."""
+        """What still holds, and the sentences of the last seconds."""
         now = time.monotonic()
-        return [text for at, text in list(self._told) if now - at < SHOWN_S]
+        lately = [text for at, text in list(self._told) if now - at < SHOWN_S]
+        return [RESTARTED, *lately] if self._restarted else lately

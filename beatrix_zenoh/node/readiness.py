@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import readiness
 from beatrix_zenoh._generated.serial import State, Telemetry
 from beatrix_zenoh.board.board import Board, unheard
-from beatrix_zenoh.errors import Refused
 
 
 def ready_telemetry(board: Board) -> Telemetry:
@@ -17,15 +16,10 @@ def ready_telemetry(board: Board) -> Telemetry:
     telemetry, link = board.telemetry, board.link
     if telemetry is None or not link.connected:
         raise unheard(link)
-    if telemetry.state & State.EMERGENCY:
-        raise Refused(
-            Reason.NOT_ENABLED, "The emergency stop is latched: set the head upright, enable, calibrate."
-        )
-    if not telemetry.state & State.ENABLED:
-        raise Refused(Reason.NOT_ENABLED, "The motors are off: set the head upright, enable, calibrate.")
-    if not telemetry.state & State.CALIBRATED:
-        raise Refused(
-            Reason.NOT_CALIBRATED,
-            "Home is not known: if the head is upright, calibrate; else disable, set it upright, enable, calibrate.",
-        )
+    state = telemetry.state
+    readiness.check(
+        emergency=bool(state & State.EMERGENCY),
+        enabled=bool(state & State.ENABLED),
+        calibrated=bool(state & State.CALIBRATED),
+    )
     return telemetry

@@ -56,7 +56,7 @@ enum Outcome : uint8_t {
   OUTCOME_STOPPED = 2,  // by STOP
   OUTCOME_GAP = 3,  // by the guard: arms came too close on the way
   OUTCOME_YAW = 4,  // by the guard: arms turned too far on the way
-  OUTCOME_HOST_LOST = 5,  // by the board itself: it heard no heartbeat of its node
+  OUTCOME_HOST_LOST = 5,  // by the board itself: it did not hear its node for half a second (a computer too busy, or a bad cable)
   OUTCOME_DISABLED = 6,  // in mid-move: the motors were switched off
   OUTCOME_EMERGENCY = 7,  // by EMERGENCY_STOP
 };

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -81,6 +84,12 @@ WHOLE = [
 RESERVED = ["CALSTART", "CALEND", "CALX", "CALY", "CALZ"]
 WITH_ARGUMENTS = ["ENMOTORS", "MOVRX", "MOVRY", "MOVRZ", "MOVAX", "MOVAY", "MOVAZ", "MOVRALL", "MOVAALL"]
 EXTENSIONS = ["MOVTORPOS", "MOVTOAPOS"]
+
+
+@pytest.mark.parametrize("word", WHOLE + RESERVED + WITH_ARGUMENTS + EXTENSIONS)
+def test_the_guide_lists_every_word(word: str) -> None:
+    guide = Path(__file__).resolve().parents[2] / "docs/how-to/old-programs.md"
+    assert re.search(rf"`@{word}\b", guide.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("word", WHOLE + RESERVED)

@@ -56,12 +56,23 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
         (RIGHT + "30\n", ["[geometry]\narm0_azimuth = 30.0"], "Switch"),
         (
             SHORT_RIGHT + "none\nl\ncw\n",
-            ["Nothing turned on Y, where the motor of the middle arm belongs", "driver", "reference voltage"],
-            "Turn the plug",
+            [
+                "Nothing turned on Y, where the motor of the middle arm belongs",
+                "driver",
+                "reference voltage",
+                "Turn the plug of the long arm's motor round",
+            ],
+            "motor power",
         ),
+        (
+            "none\n" * 3,
+            ["Nothing turned at all. Is the motor power on? USB alone", "and jog again."],
+            "Nothing turned on",
+        ),
+        (RIGHT + "90,5\n", ["All three are plugged in right."], "Type a number"),
         ("s\nccw\ns\nccw\nl\nccw\n", ["each arm should turn once"], "Switch"),
     ],
-    ids=["right", "swapped", "elsewhere", "silent", "twice"],
+    ids=["right", "swapped", "elsewhere", "silent", "unpowered", "comma", "twice"],
 )
 def test_three_jogs_tell_what_is_plugged_in_wrong(
     stage: Stage, answers: str, advice: list[str], missing: str
@@ -90,7 +101,7 @@ def test_an_azimuth_that_can_mean_nothing_is_asked_again(stage: Stage) -> None:
     ready(stage.robot("bea", "hw"))
     done = jog(stage, RIGHT + "1000\nnan\nleft\n" + AZIMUTH)
     assert done.returncode == 0
-    assert done.stderr.count("(90 as shipped)") == 4
+    assert done.stderr.count("(90 as shipped;") == 4
     assert done.stderr.count("Type a number from -360 to 360.") == 3
 
 

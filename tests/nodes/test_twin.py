@@ -118,6 +118,8 @@ def test_hardware_that_comes_after_the_preview_is_not_driven_by_it() -> None:
         late.sim.calibrate()
         plan = late.preview(yaw=5)
         stage.hardware("late")
+        late.hw.enable()
+        late.hw.calibrate()
         with pytest.raises(Refused, match=r"late \(hw\) was not on line"):
             plan.commit()
 
@@ -138,7 +140,27 @@ def test_arms_can_be_previewed_too(twin: Twin) -> None:
     assert commanded(twin.sim) == commanded(twin.hw) == (0, 0, 0)
 
 
-def test_hardware_that_refuses_stops_the_simulation(twin: Twin) -> None:
+def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: Twin) -> None:
+    plan = twin.preview(yaw=60)
+    twin.hw.disable()
+    with pytest.raises(Refused, match=r"bea \(hw\): The motors are off") as refusal:
+        plan.commit()
+    assert refusal.value.reason is Reason.NOT_ENABLED
+    before = twin.sim.status().motion
+    twin.hw.emergency_stop()
+    with pytest.raises(Refused, match=r"bea \(hw\): The emergency stop is latched"):
+        twin.check_ready()
+    twin.hw.enable()
+    with pytest.raises(Refused, match=r"bea \(hw\): Home is not known") as unknown:
+        twin.check_ready()
+    assert unknown.value.reason is Reason.NOT_CALIBRATED
+    assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
+
+
+def test_hardware_that_refuses_after_all_stops_the_simulation(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Twin, "check_ready", lambda _: None)  # as if it were disabled just then
     plan = twin.preview(yaw=60)
     twin.hw.disable()
     with pytest.raises(Refused) as refusal:
