@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
+from types import FrameType
 from typing import Annotated
 
 import typer
@@ -16,6 +18,7 @@ from rich.progress import TaskID
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.verb import alone, document, note, say
+from beatrix_zenoh.ending import SIGNALS
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from hw_node import hexfile, stk500
 from hw_node.port import VIRTUAL, SerialPort, find
@@ -74,6 +77,25 @@ def program(wire: Wire, image: bytes, tell: Progress, now: Phase) -> None:
 
 
 @contextmanager
+def told_before_it_ends() -> Iterator[None]:
+    """A kill or a closed window ends it as Ctrl-C does: what is half written must be said."""
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = {
+        number: signal.signal(number, interrupt)
+        for number in SIGNALS
+        if signal.getsignal(number) is signal.SIG_DFL
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def phases() -> Iterator[Phase]:
     """Whatever ends what is done in here says what is then true of the board.
 
@@ -121,7 +143,7 @@ def flash(
     as_json: Json = False,
 ) -> None:
     """Put the firmware onto the board. Takes some ten seconds; the head must be held, for the motors go off."""
-    with phases() as now:
+    with told_before_it_ends(), phases() as now:
         image = firmware(file)
         if port.startswith(VIRTUAL.rstrip(":")):
             raise WrongUsage(

@@ -10,6 +10,8 @@ import tty
 from pathlib import Path
 from typing import Self
 
+from beatrix_zenoh._generated.serial import FrameType
+from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 
 
@@ -20,6 +22,8 @@ class PtyBoard:
         self.path = path
         self.boots = 0
         self.deaf = False
+        self.lost_text = 0
+        """Which TEXT from now on does not arrive: 1 is the next, 0 none."""
         self._over = threading.Event()
         self._threads: list[threading.Thread] = []
         self.plug()
@@ -52,7 +56,19 @@ class PtyBoard:
             data = self.board.read(0.05)
             if data and not self.deaf:
                 with contextlib.suppress(OSError):
-                    os.write(self._master, data)
+                    os.write(self._master, self._arriving(data))
+
+    def _arriving(self, data: bytes) -> bytes:
+        """Without what gets lost; the board gives whole frames."""
+        kept = b""
+        for block in data.split(b"\0"):
+            text = any(frame.type == FrameType.TEXT for frame in Decoder().feed(block + b"\0"))
+            if text and self.lost_text == 1:
+                self.lost_text = 0
+                continue
+            self.lost_text -= text and self.lost_text > 0
+            kept += block + b"\0"
+        return kept
 
     def unplug(self) -> None:
         """Disappear in the middle of whatever it does."""

@@ -66,6 +66,8 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     """text port: with all neighbouring arms this far apart or more, and tilt_gap_max or less, the head tilts by tilt_max at most. Found with the kinematics: tilt depends on the differences of the arms only, and of the hexagons of differences inside the region that tilts by 35 deg this is nearly the largest; it holds 87 % of that region, and in every direction 89 % or more of the way to its border [deg]; inferred"""
     tilt_gap_max: float = 175.0
     """text port: see tilt_gap_min [deg]; inferred"""
+    text_yaw_max: float = 181.0
+    """text port: of the mean of the arms. Programs of 2023 that follow a sound ask for 2100 microsteps, a little more than yaw_max [deg]; inferred"""
     text_speed: float = 200.0
     """of every motion of the text port, as in the firmware of 2023 [microstep/s]; known"""
     speed_max: float = 90.0

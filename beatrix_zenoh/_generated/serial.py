@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0x9FF5A9E1
+CONTRACT: Final = 0xD69C4993
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""

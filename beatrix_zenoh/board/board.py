@@ -105,7 +105,7 @@ class Board:
     """A board on a port that may come and go.
 
     `on_telemetry` is called on the board's own thread for every TELEMETRY, `on_link` whenever the
-    board was found or lost, `on_text` for every line of text the board sends; all must be quick and must not
+    board was found or lost, `on_text` for every line of text the board sends, with its seq; all must be quick and must not
     call back into the board.
     """
 
@@ -114,7 +114,7 @@ class Board:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_text: Callable[[Text | TextWarning], None] = lambda _: None,
+        on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None,
     ) -> None:
         self._open_port = open_port
         self._on_text = on_text
@@ -334,9 +334,9 @@ class Board:
         elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
             self._hello = HelloReply.unpack(frame.payload)
         elif frame.type == FrameType.TEXT and len(frame.payload) > 1:
-            self._on_text(Text.unpack(frame.payload))
+            self._on_text(frame.seq, Text.unpack(frame.payload))
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
-            self._on_text(TextWarning.unpack(frame.payload))
+            self._on_text(frame.seq, TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # beyond: unasked
             slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:

@@ -27,7 +27,6 @@ from beatrix_zenoh.node.answers import (
     Asker,
     at_rest,
     command_reply,
-    lost_while_stopping,
     motion_reply,
     not_stopped,
     unknown_command,
@@ -38,6 +37,7 @@ from beatrix_zenoh.node.halt import Halt
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.running import NUMBERS, Running, next_number
+from beatrix_zenoh.node.stopping import Stopping
 from beatrix_zenoh.node.switching import calibrate, switch, unlatched
 
 TEXT_SESSION = "text-port"
@@ -65,7 +65,7 @@ class Driver:
         self._lease = Lease()
         self._halt = Halt()
         self._running: Running | None = None
-        self._stopping: list[Asker] = []
+        self._stopping = Stopping(board)
         self._texting = self._text_moved = False
         self._pressed_by = self._moved_by = ""
         self._lost = True
@@ -188,6 +188,10 @@ class Driver:
         self._lease.take(OLD_PROGRAMS, now)
         self._texting, self._text_moved, self._moved_by = True, False, TEXT_SESSION
 
+    def text_tried(self) -> None:
+        """An old program asks for motions faster than they can wait."""
+        self._halt.tried(OLD_PROGRAMS, time.monotonic())
+
     def text_refused(self) -> bool:
         """The firmware has said no to a line of an old program: if nothing moved (true), it does not drive for it."""
         now = time.monotonic()
@@ -286,7 +290,7 @@ class Driver:
         if error is not None:
             self.answer_command(asker, not_stopped(error))
         elif self._moving() or self._running is not None:  # telemetry may lag behind what runs
-            self._stopping.append(asker)
+            self._stopping.add(asker)
         else:
             self._answer(asker, Reason.OK, at_rest(self._board, "Nothing moves", self.arms()))
 
@@ -321,7 +325,7 @@ class Driver:
     def overdue(self) -> bool:
         """There is a reason to `observe` though telemetry does not change; may be called on any thread."""
         running = self._running
-        return running is not None and time.monotonic() > running.until_s
+        return self._stopping.overdue() or (running is not None and running.overdue())
 
     def observe(self) -> None:
         """Telemetry or link have changed: end what has ended."""
@@ -338,13 +342,9 @@ class Driver:
         self._lost = lost
         if self._running is not None and telemetry is not None:
             self._end_running(self._running, telemetry, lost=lost)
-        if self._stopping and self._running is None and not self._moving():
-            waiting, self._stopping = self._stopping, []
-            for asker in waiting:
-                if lost:
-                    self.answer_command(asker, lost_while_stopping(reset=self._board.link.reset))
-                else:
-                    self._answer(asker, Reason.OK, at_rest(self._board, "Stopped", self.arms()))
+        moving = self._running is not None or self._moving()
+        if self._stopping and (not moving or self._stopping.overdue()):
+            self._stopping.tell(self.arms(), moving=moving)
 
     def _end_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
         moving = telemetry.state & State.MOVING
@@ -356,8 +356,8 @@ class Driver:
         elif telemetry.motion == self._number != running.number:
             self._finish(running, Reason.BOARD_LOST, outcome.UNTOLD)
         elif telemetry.motion == running.number and telemetry.outcome != Outcome.NONE:
-            self._finish(running, *outcome.ended(Outcome(telemetry.outcome), self._cause, self.arms()))
-        elif self.overdue():
+            self._finish(running, *outcome.ended(telemetry.outcome, self._cause, self.arms()))
+        elif running.overdue():
             self._finish(running, Reason.BOARD_LOST, outcome.NEVER_MADE)
 
     def _finish(self, running: Running, reason: Reason, text: str) -> None:
@@ -383,6 +383,4 @@ class Driver:
             self.observe()
         if self._running is not None:
             self._finish(self._running, Reason.SHUTDOWN, "The node is closing.")
-        for asker in self._stopping:
-            self._answer(asker, Reason.SHUTDOWN, "The node is closing.")
-        self._stopping.clear()
+        self._stopping.close(self.arms())

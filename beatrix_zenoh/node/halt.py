@@ -53,6 +53,12 @@ class Halt:
         with self._lock:
             self._under_way = False
 
+    def tried(self, who: str, now_s: float) -> None:
+        """A seat has asked for a motion that is refused anyway: if it pauses, it has not paused yet."""
+        with self._lock:
+            if (pause := self._pauses.get(who)) is not None:
+                pause.since_s = now_s
+
     def check(self, who: str, session: str, now_s: float, *, resting: bool) -> None:
         """Raise unless a motion may begin.
 

@@ -10,7 +10,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from beatrix_zenoh._generated import serial as wire
 from beatrix_zenoh._generated.messages import Reason
@@ -19,18 +19,22 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.driver import TEXT_SESSION, Driver
-from beatrix_zenoh.node.terminal import Terminal
+from beatrix_zenoh.node.terminal import KEPT, Terminal
 
 CAPACITY = 32
 """Lines that wait; those beyond are refused."""
+UNANSWERED = KEPT // 2
+"""Lines without an answer, refused ones among them; then the program waits. Each answer has two lines: no more are kept
+for a program that does not read."""
 HANDED_OVER = 8
 """Lines on their way from the terminal's thread to the driver's; then the program waits, not those who ask over Zenoh."""
 HAND_OVER_S = 1.0
 LAST = 1
 """Flag of the line that ends an answer."""
-UNDONE = b"NACK\n"
-UNKNOWN, REFUSED = (UNDONE,), (b"ACK\n", UNDONE)
-STOP, CALIBRATE, MOTORS, MOVES = b"@STOPALL", b"@CALNOW", b"@ENMOTORS", b"@MOV"
+HEARD, UNDONE = b"ACK\n", b"NACK\n"
+UNKNOWN, REFUSED = (UNDONE,), (HEARD, UNDONE)
+STOP, CALIBRATE, MOTORS, MOVES, ASKS = b"@STOPALL", b"@CALNOW", b"@ENMOTORS", b"@MOV", b"@GET"
+SEQS = 256
 ECHOED = (b"ACK", b"NACK")
 """A terminal that a program has set to echo sends back our own answers: to answer them would never end."""
 ZERO_FORGOTTEN = (
@@ -40,8 +44,8 @@ ZERO_FORGOTTEN = (
 NOT_YET_OR_TOO_FAR = "the motion was refused: @CALNOW must come before it, again after each @ENMOTORS, and no number in it may be beyond 32767."
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
-PRETENDED_S = 170.0
-"""The same with motors off, when a motion is only counted: 32767 steps at 200 a second."""
+PRETENDED_S = 340.0
+"""The same with motors off, when a motion is only counted: from -32767 to 32767 at 200 steps a second."""
 
 
 @dataclass
@@ -51,7 +55,11 @@ class Line:
     text: bytes
     sent: bool = False
     told: int = 0
-    """lines of its answer that the program has got"""
+    """lines of its answer that the program has got: the first comes at once, the others together"""
+    rest: list[bytes] = field(default_factory=list)
+    """lines of its answer that wait for the last"""
+    broken: bool = False
+    """a line of its answer was lost on the wire"""
     refusal: tuple[bytes, ...] = ()
     warned: bool = False
     """the board has said why it does not, or not all of it"""
@@ -60,6 +68,13 @@ class Line:
     def moves(self) -> bool:
         """It may turn the arms."""
         return self.text.startswith(MOVES)
+
+    def end(self, last: bytes) -> list[bytes]:
+        """What is left of its answer; whole for programs that count lines, even if the wire has lost some of it."""
+        if not self.broken:
+            return [*self.rest, last]
+        end = UNDONE if self.text.startswith(ASKS) else last
+        return [end] if self.told else [HEARD, end]
 
 
 class Legacy:
@@ -82,6 +97,8 @@ class Legacy:
         self._room = threading.Semaphore(HANDED_OVER)
         self._lines: deque[Line] = deque()
         self._heard_s = 0.0
+        self._seq: int | None = None
+        """The board's next TEXT; None: any"""
         self._openings = 0
         self._stale = False
         """The board may still answer lines that were given up: it must forget them before it gets another."""
@@ -94,6 +111,10 @@ class Legacy:
     def opened(self) -> None:
         """A program has opened the terminal: to it the board was just reset."""
         self._post(self._open)
+
+    def room(self) -> bool:
+        """The program's next line may come."""
+        return len(self._lines) < UNANSWERED
 
     def heard(self, line: bytes) -> None:
         """A line of the program."""
@@ -108,10 +129,10 @@ class Legacy:
         """The program has gone: what is under way is finished, as in 2023; what waits is not begun."""
         self._post(self._drop_waiting)
 
-    def told(self, frame: Text | TextWarning) -> None:
-        """The board has answered, or warns."""
+    def told(self, seq: int, frame: Text | TextWarning) -> None:
+        """The board has answered, or warns; `seq` counts what it says."""
         opening = self._openings
-        self._post(lambda: self._pass_on(frame, opening))
+        self._post(lambda: self._pass_on(seq, frame, opening))
 
     # -- the driver's thread --------------------------------------------------------------------------
 
@@ -123,6 +144,7 @@ class Legacy:
             self._stale = True
             self._warn(error.message)
         self._openings += 1
+        self._seq = None
         self._lines.clear()
         self._terminal.forget()
         self._rest()
@@ -130,6 +152,8 @@ class Legacy:
     def _take(self, text: bytes, *, waited: bool) -> None:
         if waited:
             self._room.release()
+        if not self.room() and text != STOP:
+            return  # left behind by a program that has gone: nobody waits for the answer
         line = Line(text)
         if not readable(text):
             line.refusal = UNKNOWN
@@ -138,18 +162,25 @@ class Legacy:
         elif len(self._lines) >= CAPACITY:
             line.refusal = REFUSED
             self._warn(WARNING_TEXT[WarningCode.BUSY])
+            if line.moves:
+                self._driver.text_tried()
         self._lines.append(line)
         self._advance()
 
     def _stop(self, line: Line) -> None:
         """Nothing that waits moves any more; the rest goes on in front of STOP, so that answers keep their order."""
+        self.call_off()
         for waiting in self._lines:
-            if waiting.moves and not waiting.sent:
-                waiting.refusal = REFUSED
-            elif not waiting.sent and not waiting.refusal:
+            if not waiting.sent and not waiting.refusal:
                 self._send(waiting)
         self._send(line)
         self._driver.stopped(None, None, emergency=False)
+
+    def call_off(self) -> None:
+        """STOP, whoever pressed it: nothing that waits moves any more."""
+        for waiting in self._lines:
+            if waiting.moves and not waiting.sent:
+                waiting.refusal = REFUSED
 
     def _advance(self) -> None:
         """Answer what is refused, send the next."""
@@ -173,6 +204,7 @@ class Legacy:
             if self._stale:
                 self._board.request(FrameType.TEXT_OPEN)
                 self._openings += 1
+                self._seq = None
                 self._stale, self._zero_forgotten = False, True
             if line.text == CALIBRATE:
                 self._zero_forgotten = False
@@ -198,24 +230,38 @@ class Legacy:
         for text in line.refusal[line.told :] or line.refusal[-1:]:
             self._terminal.write(text)
 
-    def _pass_on(self, frame: Text | TextWarning, opening: int) -> None:
+    def _pass_on(self, seq: int, frame: Text | TextWarning, opening: int) -> None:
+        lost = self._seq not in (None, seq)
+        self._seq = (seq + 1) % SEQS
+        line = self._lines[0] if self._lines and self._lines[0].sent else None
+        if line is not None:
+            line.broken |= lost
         if isinstance(frame, TextWarning):
-            known = frame.code in WARNING_TEXT
-            told = WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}"
-            self._warn(told)
-            if self._lines:
-                self._lines[0].warned = True
+            self._pass_warning_on(frame, line)
             return
-        if opening != self._openings or not self._lines or not self._lines[0].sent:
+        if opening != self._openings or line is None:
             return  # an answer to a program that has gone
         self._heard_s = time.monotonic()
-        self._terminal.write(frame.text)
-        self._lines[0].told += 1
         if frame.flags & LAST:
-            line = self._lines.popleft()
-            if frame.text == UNDONE and self._driver.text_refused() and line.moves and not line.warned:
-                self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
-            self._advance()
+            self._answered(self._lines.popleft(), frame.text)
+        elif line.told:
+            line.rest.append(frame.text)
+        else:
+            self._terminal.write(HEARD if line.broken else frame.text)
+            line.told = 1
+
+    def _answered(self, line: Line, last: bytes) -> None:
+        if last == UNDONE and self._driver.text_refused() and line.moves and not line.warned:
+            self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
+        for text in line.end(last):
+            self._terminal.write(text)
+        self._advance()
+
+    def _pass_warning_on(self, frame: TextWarning, line: Line | None) -> None:
+        known = frame.code in WARNING_TEXT
+        self._warn(WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}")
+        if line is not None:
+            line.warned = True
 
     def overdue(self) -> bool:
         """There is a reason for a `look`; may be called on any thread."""
@@ -223,6 +269,8 @@ class Legacy:
 
     def look(self) -> None:
         """Give up what the board will not answer any more: it was lost, reset, or the line was."""
+        if not self._board.connected:
+            self._seq = None
         if not any(line.sent for line in self._lines):
             return
         state = self._board.state

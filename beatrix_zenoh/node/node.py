@@ -242,7 +242,12 @@ class Node:
             if asker is not None:
                 self.driver.answer_command(asker, closing if error is None else not_stopped(error))
 
-        self._mailbox.post_event(lambda: self.driver.stopped(asker, error, emergency=emergency), decline)
+        def stopped() -> None:
+            if self._legacy is not None:
+                self._legacy.call_off()
+            self.driver.stopped(asker, error, emergency=emergency)
+
+        self._mailbox.post_event(stopped, decline)
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]
@@ -301,9 +306,9 @@ class Node:
         if self._legacy is not None:
             self._mailbox.post_event(self._legacy.look)
 
-    def _on_text(self, frame: Text | TextWarning) -> None:
+    def _on_text(self, seq: int, frame: Text | TextWarning) -> None:
         if self._legacy is not None:
-            self._legacy.told(frame)
+            self._legacy.told(seq, frame)
 
     # -- the driver's thread --------------------------------------------------------------------
 

@@ -25,9 +25,12 @@ UNTOLD = "The board took a newer motion without saying so."
 NEVER_MADE = "The board took the motion and does not make it."
 
 
-def ended(outcome: Outcome, cause: Reason, arms: Arms) -> tuple[Reason, str]:
+def ended(code: int, cause: Reason, arms: Arms) -> tuple[Reason, str]:
     """Reason and sentence for an outcome other than NONE; `cause` is that of a STOP, arms in rad."""
     where = degrees(arms)
+    if code not in OUTCOME_TEXT:
+        return Reason.CONTRACT_MISMATCH, f"Ended in a way unknown here ({code}); the arms rest at {where}."
+    outcome = Outcome(code)
     if outcome is Outcome.DONE:
         return Reason.OK, f"There: arms at {where}."
     if outcome in POWERLESS:

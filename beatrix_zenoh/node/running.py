@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -24,6 +25,10 @@ class Running:
     until_s: float
     """When it should have ended, and some more (monotonic)."""
     end: Callable[[Reason, str], None]
+
+    def overdue(self) -> bool:
+        """It should have ended long ago."""
+        return time.monotonic() > self.until_s
 
 
 def next_number(last: int, boards: int) -> int:

@@ -48,8 +48,11 @@ class Listener(Protocol):
     def opened(self) -> None:
         """A program has opened it. It gets no line before `forget` has been called once for this."""
 
+    def room(self) -> bool:
+        """It takes a line now; while it does not, a program that is there waits."""
+
     def heard(self, line: bytes) -> None:
-        """A whole line, without its end; never empty."""
+        """A whole line, without its end; never empty. Of a program that has gone also while there is no room."""
 
     def closed(self) -> None:
         """The program has closed it, or ended."""
@@ -150,7 +153,9 @@ class Terminal:
         while not self._closing.is_set() and (lines or not gone):
             if not gone:
                 gone = self._listen(poll, cutter, lines)
-            if lines:
+            if lines and not (gone or listener.room()):
+                self._closing.wait(TURN_S)
+            elif lines:
                 listener.heard(lines.popleft())
 
     def _listen(self, poll: select.poll, cutter: Cutter, lines: deque[bytes]) -> bool:

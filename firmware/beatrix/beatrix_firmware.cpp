@@ -23,7 +23,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x9FF5A9E1UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0xD69C4993UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -49,6 +49,7 @@ static const int32_t GAP_MIN = 337;  // microsteps that must stay between neighb
 static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, microsteps
 static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
 static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
+static const int32_t TEXT_YAW_SUM_MAX = 6311;  // largest sum of the three arms for the text port, microsteps
 static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
@@ -1917,6 +1918,8 @@ namespace beatrix {
 // The guard counts an arm that comes back as not yet back: so many steps two of them need to stop from TEXT_SPEED, and
 // one more each because steps lead.
 static const int32_t YAW_ROOM = 16;
+static const int32_t WITHIN_GUARD = YAW_SUM_MAX - YAW_ROOM;
+static const int32_t YAW_MAX = TEXT_YAW_SUM_MAX < WITHIN_GUARD ? TEXT_YAW_SUM_MAX : WITHIN_GUARD;
 
 namespace {
 
@@ -1951,8 +1954,8 @@ Warning shorten(const int32_t start[ARMS], int32_t target[ARMS]) {
     from_sum += start[i];
     to_sum += target[i];
   }
-  limit(part, from_sum, to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
-  limit(part, -from_sum, -to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
+  limit(part, from_sum, to_sum, YAW_MAX, WARNING_YAW);
+  limit(part, -from_sum, -to_sum, YAW_MAX, WARNING_YAW);
   if (part.why != WITHIN_REACH) {
     for (uint8_t i = 0; i < ARMS; i++) {
       target[i] = start[i] + int32_t(int64_t(target[i] - start[i]) * part.go / part.of);

@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-static const uint32_t CONTRACT = 0x9FF5A9E1UL;  // hash of serial.toml and of the limits below
+static const uint32_t CONTRACT = 0xD69C4993UL;  // hash of serial.toml and of the limits below
 static const uint8_t VERSION_MAJOR = 1;
 static const uint8_t VERSION_MINOR = 0;
 static const uint8_t VERSION_PATCH = 0;
@@ -33,6 +33,7 @@ static const int32_t GAP_MIN = 337;  // microsteps that must stay between neighb
 static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, microsteps
 static const int32_t TILT_GAP_MIN = 564;  // microsteps between neighbours: with all gaps from this
 static const int32_t TILT_GAP_MAX = 2034;  // to this the head tilts no further than it may
+static const int32_t TEXT_YAW_SUM_MAX = 6311;  // largest sum of the three arms for the text port, microsteps
 static const int32_t TEXT_SPEED = 800;  // quarter microsteps per second
 static const int32_t SPEED_MAX = 4189;  // quarter microsteps per second, rounded up
 static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick

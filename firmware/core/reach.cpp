@@ -12,6 +12,8 @@ namespace beatrix {
 // The guard counts an arm that comes back as not yet back: so many steps two of them need to stop from TEXT_SPEED, and
 // one more each because steps lead.
 static const int32_t YAW_ROOM = 16;
+static const int32_t WITHIN_GUARD = YAW_SUM_MAX - YAW_ROOM;
+static const int32_t YAW_MAX = TEXT_YAW_SUM_MAX < WITHIN_GUARD ? TEXT_YAW_SUM_MAX : WITHIN_GUARD;
 
 namespace {
 
@@ -46,8 +48,8 @@ Warning shorten(const int32_t start[ARMS], int32_t target[ARMS]) {
     from_sum += start[i];
     to_sum += target[i];
   }
-  limit(part, from_sum, to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
-  limit(part, -from_sum, -to_sum, YAW_SUM_MAX - YAW_ROOM, WARNING_YAW);
+  limit(part, from_sum, to_sum, YAW_MAX, WARNING_YAW);
+  limit(part, -from_sum, -to_sum, YAW_MAX, WARNING_YAW);
   if (part.why != WITHIN_REACH) {
     for (uint8_t i = 0; i < ARMS; i++) {
       target[i] = start[i] + int32_t(int64_t(target[i] - start[i]) * part.go / part.of);

@@ -113,10 +113,11 @@ class Live:
         """Power comes, and a port."""
         self._avr = Avr(self._firmware, self._memory)
         self._cable = Cable(self._path)
+        self._plugged = True
         self._go()
 
     def _unplug(self) -> None:
-        self._frozen = True
+        self._frozen, self._plugged = True, False
         self._memory = self._avr.eeprom
         self._avr.close()
         self._cable.close()
@@ -182,12 +183,15 @@ class Live:
         if word not in WORDS:
             print(f"what is {word!r}? Say one of: {', '.join(WORDS)}", flush=True)
             return
+        if self._plugged == (word == "plug") and word != "quit":
+            print(f"{word}: it is {'plugged in' if self._plugged else 'unplugged'}", flush=True)
+            return
         getattr(self, f"_{word}")()
         print(word, flush=True)
 
     def close(self) -> None:
         """Disappear, and say how far the board was behind real time after every slice."""
-        if self._path.is_symlink():
+        if self._plugged:
             self._unplug()
         lags = sorted(self._lags) or [0.0]
         late = (f"{1000 * lags[int(part * (len(lags) - 1))]:.2f}" for part in (0.5, 0.99, 0.999, 1.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import re
+import signal
 import tty
 from collections.abc import Callable
 from pathlib import Path
@@ -78,6 +79,16 @@ def pull(_: bytes) -> bytes:
 
 def interrupt(_: bytes) -> bytes:
     raise KeyboardInterrupt
+
+
+def kill(data: bytes) -> bytes:
+    signal.raise_signal(signal.SIGTERM)
+    return data
+
+
+def close_window(data: bytes) -> bytes:
+    signal.raise_signal(signal.SIGHUP)
+    return data
 
 
 def change(data: bytes) -> bytes:
@@ -160,7 +171,7 @@ def test_a_board_left_half_written_is_told_and_does_not_run(command: int, nth: i
         (CLOSE, 1, flash.WHOLE, True),
     ],
 )
-@pytest.mark.parametrize(("fault", "code"), [(pull, 1), (interrupt, 130)])
+@pytest.mark.parametrize(("fault", "code"), [(pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)])
 def test_whenever_it_ends_it_says_what_is_then_true_of_the_board(
     command: int,
     nth: int,

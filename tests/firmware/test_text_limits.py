@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from program import Program
-from rig import ARM_SPACING, ARM_TURN, GAP_MIN, YAW_SUM_MAX, Steps, least_gap
+from rig import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
 
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
@@ -20,7 +20,7 @@ DONE = ["ACK\n", "ACK\n"]
 NECK, GEAR = Neck(), Gear()
 TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
 TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
-YAW_ROOM = 16
+YAW_SUM_MAX = math.floor(3 * GEAR.steps_per_turn / 360 * ROBOT.limits.text_yaw_max)
 """Microsteps of the sum, for arms that turn back: see firmware/core/reach.cpp."""
 
 
@@ -106,6 +106,7 @@ def test_the_border_gives_little_away() -> None:
         ((700, 0, 0), WarningCode.TILT),
         ((0, 900, -900), WarningCode.TILT),
         ((-1000, 0, 1000), WarningCode.TILT),
+        ((2120, 2120, 2120), WarningCode.YAW),
         ((2400, 2400, 2400), WarningCode.YAW),
         ((-9000, -9000, -9000), WarningCode.YAW),
         ((32767, 0, 0), WarningCode.TILT),
@@ -124,7 +125,7 @@ def test_a_motion_is_shortened_on_its_line_and_the_limit_is_named(
     part = max(map(abs, end)) / max(map(abs, target))
     assert all(abs(a - part * b) < 1.01 for a, b in zip(end, target, strict=True))
     beyond = tuple(a + (b > a) - (b < a) for a, b in zip(end, target, strict=True))
-    assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX - YAW_ROOM  # type: ignore[arg-type]
+    assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX  # type: ignore[arg-type]
 
 
 def test_at_the_limit_there_is_no_further_but_along_it_and_back(framed: Program) -> None:

@@ -11,7 +11,7 @@ from stage import Stage, ready, until
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import FrameType
+from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.board import Port
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.node import Node, Roads
@@ -21,7 +21,7 @@ MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 
 
 class LazyPort:
-    """A port whose board acknowledges MOVE and forgets it, while it is lazy, or makes it and never says so, while it is sullen."""
+    """A port whose board acknowledges MOVE and forgets it, while it is lazy, or makes it and never says so, while it is sullen; restless, it says that it moves."""
 
     name = "lazy:"
     boot_s = 0.0
@@ -30,7 +30,7 @@ class LazyPort:
         self._port = port
         self._decoder = Decoder()
         self._said = b""
-        self.lazy, self.sullen = True, False
+        self.lazy, self.sullen, self.restless = True, False, False
         self._answers = Decoder()
 
     def write(self, data: bytes) -> None:
@@ -43,8 +43,12 @@ class LazyPort:
     def read(self, timeout_s: float) -> bytes:
         said, self._said = self._said, b""
         for frame in self._answers.feed(self._port.read(timeout_s)):
+            payload = frame.payload
+            if self.restless and frame.type == FrameType.TELEMETRY:
+                telemetry = Telemetry.unpack(payload)
+                payload = telemetry._replace(state=telemetry.state | State.MOVING).pack()
             if not self.sullen or frame.type & ~FrameType.ACK not in MOVES:
-                said += encode(frame.type, frame.seq, frame.payload)
+                said += encode(frame.type, frame.seq, payload)
         return said
 
     def close(self) -> None:
@@ -93,3 +97,17 @@ def test_a_motion_that_is_made_and_never_acknowledged_is_stopped(told: Told) -> 
     assert refused.value.reason is Reason.BOARD_LOST
     until(lambda: not robot.status().moving, "at rest", 1.5)
     assert robot.positions().commanded.short < 45
+
+
+def test_stop_to_a_board_that_never_comes_to_rest_is_answered_as_not_stopped(told: Told) -> None:
+    body, robot = told
+    body.port.lazy, body.port.restless = False, True
+    until(lambda: robot.status().moving, "it says so")
+    with pytest.raises(
+        Refused, match=r"^NOT stopped\. .*says that the arms still move.*motor power off"
+    ) as refused:
+        robot.stop()
+    assert refused.value.reason is Reason.FAULT
+    body.port.restless = False
+    until(lambda: not robot.status().moving, "it says so")
+    assert robot.stop().result

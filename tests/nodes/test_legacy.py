@@ -3,93 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import signal
 import time
-from collections.abc import Callable, Iterator
 from itertools import groupby
 from pathlib import Path
 
 import pytest
-import serial
 from dialogue import DIALOGUES, read, wanted
-from pty_board import PtyBoard
-from stage import Stage, free_endpoint, ready, until, wait_status
+from old_program import Place, Program
+from stage import Stage, until
 
-from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Fault, Reason
-from beatrix_zenoh.node import Node, Roads, Terminal
-from hw_node.body import Hardware
-
-PATIENCE_S = 10.0
-
-
-class Program:
-    """A program of 2023, which opens its serial port with pyserial."""
-
-    def __init__(self, path: Path, begun: Callable[[], None] = lambda: None) -> None:
-        self.port = serial.Serial(str(path), 9600, timeout=PATIENCE_S)
-        self._begun = begun
-
-    def say(self, line: str, answers: int = 2) -> list[str]:
-        """Send a line, wait for so many lines."""
-        self.port.write(line.encode() + b"\r")
-        return self.read(answers)
-
-    def read(self, lines: int) -> list[str]:
-        """The next lines."""
-        return [self.port.readline().decode() for _ in range(lines)]
-
-    def begin(self) -> Program:
-        """As programs do."""
-        assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
-        self._begun()
-        return self
-
-    @property
-    def x(self) -> int:
-        """Where the short arm is, as the program is told."""
-        return int(self.say("@GETXPOS", 3)[1])
-
-
-class Place:
-    """A robot with a port for old programs."""
-
-    def __init__(self, stage: Stage, twin: str, path: Path) -> None:
-        self.stage, self.path = stage, path
-        self.robot = stage.robot("bea", twin)
-        self.start = 0.0
-
-    def far(self) -> bool:
-        """It moves, and has made some steps."""
-        return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
-
-    def _remember(self) -> None:
-        """Where it stands; a simulation was set upright."""
-        self.start = self.robot.positions().commanded.short
-
-    @contextlib.contextmanager
-    def program(self) -> Iterator[Program]:
-        """A program that has opened the port; nobody drives."""
-        until(lambda: self.robot.status().holder == "", "free", 5.0)
-        program = Program(self.path, self._remember)
-        try:
-            yield program
-        finally:
-            program.port.close()
-            self.robot.stop()
-
-
-@pytest.fixture(scope="module", params=["sim", "hw"])
-def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
-    path = tmp_path_factory.mktemp("legacy") / "COM4"
-    with Stage() as stage:
-        if request.param == "sim":
-            stage.simulation("bea", "--legacy", str(path))
-        else:
-            virtual = ("--port", "virtual:", "--legacy", str(path))
-            stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
-        yield Place(stage, request.param, path)
+from beatrix_zenoh import Interrupted, Refused
+from beatrix_zenoh._generated.messages import Reason
 
 
 @pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda path: path.stem)
@@ -166,24 +90,6 @@ def test_a_program_that_asks_without_end_holds_up_nobodys_motion(place: Place) -
         while motion.poll(0.0) is None:
             assert program.say("@GETXPOS", 3)[::2] == ["ACK\n", "ACK\n"]
         motion.wait()
-
-
-def test_the_router_goes_and_an_old_program_is_stopped(tmp_path: Path) -> None:
-    with Stage() as stage:
-        router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint := free_endpoint())
-        router.expect("ready")
-        node = ("--name", "bea", "--connect", endpoint, "--legacy", str(tmp_path / "COM4"))
-        stage.process("sim_node", *node).expect("ready")
-        program = Program(tmp_path / "COM4")
-        program.begin()
-        program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
-        assert program.read(1) == ["ACK\n"], "it moves"
-        router.end(signal.SIGKILL)
-        assert program.read(3) == ["NACK\n", "ACK\n", "NACK\n"]
-        at = program.x
-        assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"], "nobody could stop it"
-        assert program.x == at < 500
-        program.port.close()
 
 
 def test_limits_of_a_lab_that_old_programs_could_not_keep_are_refused(tmp_path: Path) -> None:
@@ -294,22 +200,6 @@ def test_moves_faster_than_they_can_be_made_are_all_answered_in_turn(place: Plac
         assert abs(program.x) == 40
 
 
-def test_a_program_that_never_reads_holds_up_nobody(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        program.port.write_timeout = PATIENCE_S
-        for _ in range(4000):
-            program.port.write(b"@GETALLPOS\r")
-        began_s = time.monotonic()
-        assert place.robot.status().board.connected
-        assert time.monotonic() - began_s < 1.0
-        assert place.robot.stop().result
-        program.port.timeout = 1.0
-        answers = list(iter(program.port.readline, b""))
-        assert answers[-1] in (b"ACK\n", b"NACK\n")
-        assert set(answers) == {b"ACK\n", b"\n", b"0 0 0\n"} | (set(answers) & {b"NACK\n"}), "whole lines"
-
-
 def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
     with place.program() as program:
         program.begin()
@@ -320,29 +210,3 @@ def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
         assert not any("@CALNOW" in line for line in warnings)
         tilt = place.robot.positions().head
         assert abs(tilt.pitch) < 36
-
-
-def test_a_board_that_is_lost_answers_nack_and_its_return_is_a_power_up(tmp_path: Path) -> None:
-    with Stage() as stage, PtyBoard(tmp_path / "board") as board:
-        roads = Roads.open(lambda: zbus.connect(stage.endpoint))
-        node = Node(roads, "bea", Hardware(str(tmp_path / "board")), terminal=Terminal(tmp_path / "COM4"))
-        try:
-            robot: Robot = stage.robot("bea", "hw")
-            wait_status(robot, lambda status: status.board.connected, "board there")
-            program = Program(tmp_path / "COM4").begin()
-            program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
-            until(lambda: robot.status().moving, "moving")
-            board.unplug()
-            assert program.read(4) == ["ACK\n", "NACK\n"] * 2
-            assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
-            wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
-            board.plug()
-            wait_status(robot, lambda status: status.board.connected, "back")
-            assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-            assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
-            assert any("its zero for this program is forgotten" in line for line in robot.status().warnings)
-            until(lambda: robot.status().holder == "", "free", 3.0)
-            ready(robot)
-            program.port.close()
-        finally:
-            node.close()

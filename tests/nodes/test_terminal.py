@@ -34,13 +34,16 @@ class Listener:
     def __init__(self, terminal: Terminal) -> None:
         self.told: list[str] = []
         self.free = threading.Semaphore(1_000_000)
-        self.greets = True
+        self.greets = self.roomy = True
         self._terminal = terminal
 
     def opened(self) -> None:
         if self.greets:
             self._terminal.forget()
         self.told.append("opened")
+
+    def room(self) -> bool:
+        return self.roomy
 
     def heard(self, line: bytes) -> None:
         self.told.append(line.decode())

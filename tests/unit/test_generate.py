@@ -45,6 +45,7 @@ def contract(folder: Path, robot: str, schemas: Path = SCHEMAS) -> int:
         "[limits]\nspeed_max = 91.0",
         "[limits]\nacceleration = 181.0",
         "[limits]\ntext_speed = 201.0",
+        "[limits]\ntext_yaw_max = 180.0",
         "[limits]\ntilt_gap_min = 50.0",
         "[limits]\ntilt_gap_max = 170.0",
     ],

@@ -49,6 +49,12 @@ def test_arms_without_power_are_not_said_to_rest(how: Outcome) -> None:
     )
 
 
+def test_an_ending_of_another_firmware_is_told_as_such() -> None:
+    reason, text = outcome.ended(99, Reason.STOPPED, ARMS)
+    assert reason is Reason.CONTRACT_MISMATCH
+    assert "(99)" in text
+
+
 def test_every_ending_has_a_sentence() -> None:
     for how in Outcome:
         if how is not Outcome.NONE:
