@@ -20,9 +20,8 @@ class Notices:
 
     def add(self, text: str) -> None:
         """Show it for a while; the same sentence again only begins its time anew."""
-        if self._told and self._told[-1][1] == text:
-            self._told.pop()
-        self._told.append((time.monotonic(), text))
+        others = [told for told in self._told if told[1] != text]
+        self._told = deque([*others, (time.monotonic(), text)], maxlen=LENGTH)
 
     def started(self, boot: int, *, home_known: bool) -> None:
         """The board says how often it was started: once more than before is told until home is known."""

@@ -142,7 +142,7 @@ def test_signal_stops_the_arms_and_ends_cleanly(stage: Stage, module: str, numbe
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.SHUTDOWN
-    assert "closing" in ended.value.message
+    assert "which is closing; the arms rest at" in ended.value.message
     assert process.wait(10) == 0
     assert "Traceback" not in "\n".join(process.lines)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import signal
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -20,6 +20,9 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Fault
 from beatrix_zenoh.node import Node, Roads, Terminal
 from hw_node.body import Hardware
+
+FAR_AHEAD = 500
+"""Writes of a hundred lines: what a program without back-pressure gets rid of in a few seconds."""
 
 
 def test_the_router_goes_and_an_old_program_is_stopped(tmp_path: Path) -> None:
@@ -61,17 +64,25 @@ def test_a_program_that_writes_moves_without_end_is_stopped_and_stays_stopped(pl
     with place.program() as program:
         program.begin()
         program.port.write_timeout = 0.2
-        over = threading.Event()
+        over, far_ahead = threading.Event(), threading.Event()
+        there_and_back = b"@MOVRALL 2000 2000 2000 200\r@MOVRALL -2000 -2000 -2000 200\r" * 50
 
         def write() -> None:
-            while not over.is_set():
-                with contextlib.suppress(serial.SerialTimeoutException):
-                    program.port.write(b"@MOVRALL 900 900 900 200\r@MOVRALL -900 -900 -900 200\r" * 50)
+            for number in count():
+                if over.is_set():
+                    return
+                try:
+                    program.port.write(there_and_back)
+                except serial.SerialTimeoutException:
+                    far_ahead.set()
+                if number == FAR_AHEAD:
+                    far_ahead.set()
 
         with ThreadPoolExecutor(1) as pool:
             writing = pool.submit(write)
             try:
                 until(place.far, "moving")
+                assert far_ahead.wait(PATIENCE_S)
                 assert "rest at" in place.robot.stop().message
                 until_s = time.monotonic() + 2.5
                 while time.monotonic() < until_s:

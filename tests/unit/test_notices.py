@@ -9,6 +9,13 @@ import pytest
 from beatrix_zenoh.node.notices import RESTARTED, Notices
 
 
+def test_a_sentence_is_shown_once() -> None:
+    notices = Notices()
+    for text in ("one", "two", "one"):
+        notices.add(text)
+    assert notices.recent() == ["two", "one"]
+
+
 def test_a_restart_is_told_until_home_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     notices = Notices()
     notices.started(1, home_known=True)
