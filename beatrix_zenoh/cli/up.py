@@ -50,6 +50,10 @@ def up(
     settings = resolve(name, connect)
     if no_sim and hw is None:
         raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
+    if no_sim and ready:
+        raise typer.BadParameter(
+            "--ready is for the simulation: a robot is made ready by who sees it, with enable and calibrate."
+        )
     load(robot_file)  # says what is wrong with it before anything starts
     with heard(), Fleet() as fleet:
         router = start_router(fleet, settings.connect)

@@ -215,3 +215,6 @@ def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> No
 
 def test_up_with_nothing_to_serve_is_wrong_usage(endpoint: str) -> None:
     assert Process(*CLI, "up", "--connect", endpoint, "--no-sim").wait() == 2
+    unready = Process(*CLI, "up", "--connect", endpoint, "--no-sim", "--ready", "--hw", "virtual:")
+    assert unready.wait() == 2
+    assert "--ready is for the simulation" in "".join(unready.lines)
