@@ -93,8 +93,9 @@ class Plan:
             NoAnswer: one is not on line, or has lost its board.
             Interrupted: one robot ended elsewhere.
         """
-        self._settle("committed")
+        self._check_open()
         self._twin.check_ready()
+        self._settled = "committed"
         now = stand(self._twin.sim), stand(self._twin.hw)
         for robot, was, is_ in zip((self._twin.sim, self._twin.hw), self._start, now, strict=True):
             if was is None or was.calibrations != is_.calibrations or apart(was.arms, is_.arms) > SAME_DEG:
@@ -109,12 +110,12 @@ class Plan:
 
     def abort(self) -> None:
         """Drop it; nothing moves."""
-        self._settle("aborted")
+        self._check_open()
+        self._settled = "aborted"
 
-    def _settle(self, how: str) -> None:
+    def _check_open(self) -> None:
         if self._settled:
             raise Refused(Reason.BAD_VALUE, f"This plan was {self._settled} already: preview a new one.")
-        self._settled = how
 
     def plot(self) -> Figure:
         """A figure of the path; needs the extra `plot`."""

@@ -52,6 +52,11 @@ class Place:
         """It moves, and has made some steps."""
         return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
 
+    def turn(self, steps: int) -> bytes:
+        """A line that turns the head by so many steps, to the side where there is room."""
+        away = -steps if self.robot.positions().commanded.short > 0 else steps
+        return f"@MOVRALL {away} {away} {away} 200\r".encode()
+
     def _remember(self) -> None:
         """Where it stands; a simulation was set upright."""
         self.start = self.robot.positions().commanded.short

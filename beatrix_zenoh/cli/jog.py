@@ -147,8 +147,10 @@ def replug(seen: list[Seen]) -> list[str]:
             Reason.BAD_VALUE,
             f"You saw {', '.join(turned)}: each arm should turn once. Jog again, and type none where no arm turns.",
         )
+    unseen = [arm for arm in ARMS if arm not in turned]
+    strays = [arm for arm in unseen if seen[ARMS.index(arm)].arm is not None]
     advice = [
-        missing(plug, due)
+        missing(plug, due if due in unseen else strays.pop(0))
         if arm is None
         else f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}."
         for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True)
@@ -163,10 +165,11 @@ def replug(seen: list[Seen]) -> list[str]:
 
 
 def missing(plug: str, arm: str) -> str:
-    """What to look at where nothing turned."""
+    """What to look at where nothing turned, and an arm was not seen to turn."""
     return (
-        f"Nothing turned on {plug}, where the motor of the {arm} arm belongs: see that the motor is plugged in, that its driver "
-        "sits straight and the right way round, and that its reference voltage is set (docs/how-to/board.md)."
+        f"Nothing turned on {plug}, and the {arm} arm did not turn: see that its motor is plugged in (it belongs on "
+        f"{PLUGS[ARMS.index(arm)]}), that the driver on {plug} sits straight and the right way round, and that its reference "
+        "voltage is set (docs/how-to/board.md)."
     )
 
 

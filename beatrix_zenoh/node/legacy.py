@@ -24,8 +24,10 @@ from beatrix_zenoh.node.terminal import KEPT, Terminal
 CAPACITY = 32
 """Lines that wait; those beyond are refused."""
 UNANSWERED = KEPT // 2
-"""Lines without an answer, refused ones among them; then the program waits. Each answer has two lines: no more are kept
-for a program that does not read."""
+"""Lines without an answer, refused ones among them; then the program waits, and is not heard, not even @STOPALL. Each answer
+has two lines: no more are kept for a program that does not read."""
+AT_ONCE = 128
+"""Refusals written in one go: what others ask for waits no longer."""
 HANDED_OVER = 8
 """Lines on their way from the terminal's thread to the driver's; then the program waits, not those who ask over Zenoh."""
 HAND_OVER_S = 1.0
@@ -42,6 +44,8 @@ ZERO_FORGOTTEN = (
     "Start the program anew, or let it send @CALNOW."
 )
 NOT_YET_OR_TOO_FAR = "the motion was refused: @CALNOW must come before it, again after each @ENMOTORS, and no number in it may be beyond 32767."
+EXPLAINED_S = 0.1
+"""A board that refuses a motion says why within this long, if it does."""
 SILENT_S = 3.0
 """A line that the board has not answered for this long, arms at rest, was lost on the wire."""
 PRETENDED_S = 340.0
@@ -100,6 +104,10 @@ class Legacy:
         self._seq: int | None = None
         """The board's next TEXT; None: any"""
         self._openings = 0
+        self._refusing = False
+        """More refusals are about to be written"""
+        self._unexplained_s: float | None = None
+        """When a motion was refused; the board may be about to say why"""
         self._stale = False
         """The board may still answer lines that were given up: it must forget them before it gets another."""
         self._zero_forgotten = False
@@ -120,8 +128,8 @@ class Legacy:
         """A line of the program."""
         if line == STOP:
             self._driver.halt(TEXT_SESSION)
-        if line in ECHOED:
-            return
+        if line in ECHOED or (line != STOP and len(self._lines) >= UNANSWERED + 2 * HANDED_OVER):
+            return  # the latter left behind by a program that has gone
         waited = self._room.acquire(timeout=HAND_OVER_S)
         self._post(lambda: self._take(line, waited=waited))
 
@@ -152,8 +160,6 @@ class Legacy:
     def _take(self, text: bytes, *, waited: bool) -> None:
         if waited:
             self._room.release()
-        if not self.room() and text != STOP:
-            return  # left behind by a program that has gone: nobody waits for the answer
         line = Line(text)
         if not readable(text):
             line.refusal = UNKNOWN
@@ -178,20 +184,32 @@ class Legacy:
 
     def call_off(self) -> None:
         """STOP, whoever pressed it: nothing that waits moves any more."""
-        for waiting in self._lines:
-            if waiting.moves and not waiting.sent:
-                waiting.refusal = REFUSED
+        for line in self._lines:
+            if not line.moves:
+                continue
+            line.warned = True
+            if not line.sent and not line.refusal:
+                line.refusal = REFUSED
 
     def _advance(self) -> None:
         """Answer what is refused, send the next."""
-        while self._lines:
+        for _ in range(AT_ONCE):
+            if not self._lines:
+                self._rest()
+                return
             line = self._lines[0]
             if not line.refusal and not line.sent:
                 self._send(line)
             if not line.refusal:
                 return
             self._refuse(self._lines.popleft())
-        self._rest()
+        if not self._refusing:
+            self._refusing = True
+            self._post(self._refuse_more)
+
+    def _refuse_more(self) -> None:
+        self._refusing = False
+        self._advance()
 
     def _send(self, line: Line) -> None:
         """Pass a line on, if the lease and the board allow it; else it is refused."""
@@ -252,7 +270,7 @@ class Legacy:
 
     def _answered(self, line: Line, last: bytes) -> None:
         if last == UNDONE and self._driver.text_refused() and line.moves and not line.warned:
-            self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
+            self._unexplained_s = time.monotonic()
         for text in line.end(last):
             self._terminal.write(text)
         self._advance()
@@ -260,15 +278,22 @@ class Legacy:
     def _pass_warning_on(self, frame: TextWarning, line: Line | None) -> None:
         known = frame.code in WARNING_TEXT
         self._warn(WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}")
+        self._unexplained_s = None
         if line is not None:
             line.warned = True
 
     def overdue(self) -> bool:
         """There is a reason for a `look`; may be called on any thread."""
-        return bool(self._lines) and time.monotonic() - self._heard_s > SILENT_S
+        now, unexplained_s = time.monotonic(), self._unexplained_s
+        if unexplained_s is not None and now - unexplained_s > EXPLAINED_S:
+            return True
+        return bool(self._lines) and now - self._heard_s > SILENT_S
 
     def look(self) -> None:
-        """Give up what the board will not answer any more: it was lost, reset, or the line was."""
+        """Give up what the board will not answer any more: it was lost, reset, or the line was. Say what it does not explain."""
+        if self._unexplained_s is not None and time.monotonic() - self._unexplained_s > EXPLAINED_S:
+            self._unexplained_s = None
+            self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
         if not self._board.connected:
             self._seq = None
         if not any(line.sent for line in self._lines):

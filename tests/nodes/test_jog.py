@@ -57,7 +57,7 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
         (
             SHORT_RIGHT + "none\nl\ncw\n",
             [
-                "Nothing turned on Y, where the motor of the middle arm belongs",
+                "Nothing turned on Y, and the middle arm did not turn",
                 "driver",
                 "reference voltage",
                 "Turn the plug of the long arm's motor round",
@@ -69,10 +69,19 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
             ["Nothing turned at all. Is the motor power on? USB alone", "and jog again."],
             "Nothing turned on",
         ),
+        (
+            "m\nccw\nnone\nl\nccw\n",
+            [
+                "Move the motor of the middle arm from X to Y.",
+                "Nothing turned on Y, and the short arm did not turn",
+                "it belongs on X",
+            ],
+            "the middle arm did not",
+        ),
         (RIGHT + "90,5\n", ["All three are plugged in right."], "Type a number"),
         ("s\nccw\ns\nccw\nl\nccw\n", ["each arm should turn once"], "Switch"),
     ],
-    ids=["right", "swapped", "elsewhere", "silent", "unpowered", "comma", "twice"],
+    ids=["right", "swapped", "elsewhere", "silent", "unpowered", "two", "comma", "twice"],
 )
 def test_three_jogs_tell_what_is_plugged_in_wrong(
     stage: Stage, answers: str, advice: list[str], missing: str

@@ -19,6 +19,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Fault
 from beatrix_zenoh.node import Node, Roads, Terminal
+from beatrix_zenoh.node.legacy import UNANSWERED
 from hw_node.body import Hardware
 
 FAR_AHEAD = 500
@@ -59,13 +60,63 @@ def test_a_program_that_never_reads_holds_up_nobody(place: Place) -> None:
         assert set(answers) == {b"ACK\n", b"\n", b"0 0 0\n"} | (set(answers) & {b"NACK\n"}), "whole lines"
 
 
+def test_its_stop_is_heard_behind_thousands_of_lines(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write(place.turn(2000))
+        until(place.far, "moving")
+        program.port.write(b"@COMSTATUS\r" * 5000 + b"@STOPALL\r")
+        until(lambda: not place.robot.status().moving, "it rests", 5.0)
+        assert set(program.read(2 * 5002)) == {"ACK\n", "NACK\n"}
+        assert abs(program.x) < 1500
+
+
+def test_a_program_that_reads_gets_every_answer_however_far_it_is_ahead(place: Place) -> None:
+    lines = UNANSWERED + 1000
+    with place.program() as program, ThreadPoolExecutor(1) as pool:
+        program.begin()
+        reading = pool.submit(program.read, 2 * lines + 2)
+        program.port.write(place.turn(600) + b"@COMSTATUS\r" * lines)
+        answers = reading.result(40.0)
+        assert answers[::2] == ["ACK\n"] * (lines + 1)
+        assert answers[1] == "ACK\n", "it moved"
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"], "in step"
+
+
+def test_stop_leaves_an_answer_as_long_as_it_is(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write(place.turn(600) + b"@MOVRX \xe9\r@COMSTATUS\r")
+        until(place.far, "moving")
+        assert place.robot.stop().result
+        assert program.read(5) == ["ACK\n", "NACK\n", "NACK\n", "ACK\n", "ACK\n"]
+
+
+def test_a_refusal_is_explained_by_its_true_reason_only(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        place.robot.emergency_stop()
+        assert program.say("@CALNOW") == ["ACK\n", "ACK\n"]
+        assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
+        wait_status(
+            place.robot, lambda status: "after an emergency stop" in " ".join(status.warnings), "told"
+        )
+        until_s = time.monotonic() + 1.0
+        while time.monotonic() < until_s:
+            assert "@CALNOW must come" not in " ".join(place.robot.status().warnings)
+        place.robot.enable()
+        assert program.say("@ENMOTORS ON", 2) == ["ACK\n", "ACK\n"]
+        assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
+        wait_status(place.robot, lambda status: "@CALNOW must come" in " ".join(status.warnings), "told")
+
+
 def test_a_program_that_writes_moves_without_end_is_stopped_and_stays_stopped(place: Place) -> None:
-    """It never reads, and is thousands of lines ahead; each of its lines is another try, so its pause does not end."""
+    """It never reads, and is thousands of lines ahead; each of its lines is another try, so its pause does not end (last of these for that)."""
     with place.program() as program:
         program.begin()
         program.port.write_timeout = 0.2
         over, far_ahead = threading.Event(), threading.Event()
-        there_and_back = b"@MOVRALL 2000 2000 2000 200\r@MOVRALL -2000 -2000 -2000 200\r" * 50
+        there_and_back = (place.turn(2000) + b"@MOVHOME\r") * 50
 
         def write() -> None:
             for number in count():
@@ -137,7 +188,9 @@ def test_a_board_that_is_lost_answers_nack_and_its_return_is_a_power_up(tmp_path
             wait_status(robot, lambda status: status.board.connected, "back")
             assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
             assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
-            assert any("its zero for this program is forgotten" in line for line in robot.status().warnings)
+            wait_status(
+                robot, lambda status: "its zero for this program" in " ".join(status.warnings), "told"
+            )
             until(lambda: robot.status().holder == "", "free", 3.0)
             ready(robot)
             program.port.close()

@@ -152,8 +152,9 @@ def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: T
         twin.check_ready()
     twin.hw.enable()
     with pytest.raises(Refused, match=r"bea \(hw\): Home is not known") as unknown:
-        twin.check_ready()
+        plan.commit()
     assert unknown.value.reason is Reason.NOT_CALIBRATED
+    assert "committed" not in repr(plan)
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
 
 

@@ -147,3 +147,14 @@ def test_who_still_drove_before_rests_from_then_on() -> None:
     lease.give_back(2)
     assert lease.holder(2 + LINGER_S - 0.1) == "ana"
     assert lease.holder(2 + LINGER_S) == ""
+
+
+def test_a_try_that_is_refused_anyway_prolongs_the_pause() -> None:
+    halt = Halt()
+    halt.press("ana", "her-session", "another", 0.0)
+    halt.sent()
+    halt.tried("ana", 0.9)
+    with pytest.raises(Refused, match="STOP was pressed while ana was driving"):
+        halt.check("ana", "her-session", 1.5, resting=True)
+    halt.tried("ben", 2.4)
+    halt.check("ana", "her-session", 2.6, resting=True)
