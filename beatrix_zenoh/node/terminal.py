@@ -33,7 +33,7 @@ LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
 """A line that has begun is forgotten after this long without a byte."""
 TURN_S = 0.02
 """Between two looks whether a program has opened the terminal, or reads again."""
-KEPT = 32768
+KEPT = 8192
 """Lines kept for a program that does not read, besides what the system keeps; then the oldest goes."""
 CHUNK = 4096
 LEFT_BEHIND = 16 * CHUNK

@@ -65,14 +65,14 @@ def test_its_stop_is_heard_behind_thousands_of_lines(place: Place) -> None:
         program.begin()
         program.port.write(place.turn(2000))
         until(place.far, "moving")
-        program.port.write(b"@COMSTATUS\r" * 5000 + b"@STOPALL\r")
+        program.port.write(b"@COMSTATUS\r" * 3000 + b"@STOPALL\r")
         until(lambda: not place.robot.status().moving, "it rests", 5.0)
-        assert set(program.read(2 * 5002)) == {"ACK\n", "NACK\n"}
+        assert set(program.read(2 * 3002)) == {"ACK\n", "NACK\n"}
         assert abs(program.x) < 1500
 
 
 def test_a_program_that_reads_gets_every_answer_however_far_it_is_ahead(place: Place) -> None:
-    lines = UNANSWERED + 1000
+    lines = UNANSWERED + 500
     with place.program() as program, ThreadPoolExecutor(1) as pool:
         program.begin()
         reading = pool.submit(program.read, 2 * lines + 2)
