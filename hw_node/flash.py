@@ -86,7 +86,7 @@ def told_before_it_ends() -> Iterator[None]:
     before = {
         number: signal.signal(number, interrupt)
         for number in SIGNALS
-        if signal.getsignal(number) is signal.SIG_DFL
+        if signal.getsignal(number) is not signal.SIG_IGN
     }
     try:
         yield
