@@ -284,14 +284,15 @@ class Legacy:
 
     def overdue(self) -> bool:
         """There is a reason for a `look`; may be called on any thread."""
-        now, unexplained_s = time.monotonic(), self._unexplained_s
-        if unexplained_s is not None and now - unexplained_s > EXPLAINED_S:
-            return True
-        return bool(self._lines) and now - self._heard_s > SILENT_S
+        return self._unexplained() or (bool(self._lines) and time.monotonic() - self._heard_s > SILENT_S)
+
+    def _unexplained(self) -> bool:
+        refused_s = self._unexplained_s
+        return refused_s is not None and time.monotonic() - refused_s > EXPLAINED_S
 
     def look(self) -> None:
         """Give up what the board will not answer any more: it was lost, reset, or the line was. Say what it does not explain."""
-        if self._unexplained_s is not None and time.monotonic() - self._unexplained_s > EXPLAINED_S:
+        if self._unexplained():
             self._unexplained_s = None
             self._warn(ZERO_FORGOTTEN if self._zero_forgotten else NOT_YET_OR_TOO_FAR)
         if not self._board.connected:

@@ -38,22 +38,22 @@ class Stopping:
 
     def tell(self, arms: Arms, *, moving: bool) -> None:
         """Answer all of them; arms in rad."""
-        askers, self._askers = self._askers, []
         link = self._board.link
-        for asker in askers:
-            if not link.connected:
-                error = lost_while_stopping(reset=link.reset)
-                asker.answer(command_reply(error.reason, error.message, arms))
-            elif moving:
-                error = not_stopped(STILL_MOVING)
-                asker.answer(command_reply(error.reason, error.message, arms))
-            else:
-                asker.answer(command_reply(Reason.OK, at_rest(self._board, "Stopped", arms), arms))
-            asker.finish()
+        if not link.connected:
+            error = lost_while_stopping(reset=link.reset)
+            self._answer(error.reason, error.message, arms)
+        elif moving:
+            error = not_stopped(STILL_MOVING)
+            self._answer(error.reason, error.message, arms)
+        else:
+            self._answer(Reason.OK, at_rest(self._board, "Stopped", arms), arms)
 
     def close(self, arms: Arms) -> None:
         """The node ends before the arms rest."""
+        self._answer(Reason.SHUTDOWN, "The node is closing.", arms)
+
+    def _answer(self, reason: Reason, text: str, arms: Arms) -> None:
         askers, self._askers = self._askers, []
         for asker in askers:
-            asker.answer(command_reply(Reason.SHUTDOWN, "The node is closing.", arms))
+            asker.answer(command_reply(reason, text, arms))
             asker.finish()

@@ -21,7 +21,7 @@ NECK, GEAR = Neck(), Gear()
 TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
 TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
 YAW_SUM_MAX = math.floor(3 * GEAR.steps_per_turn / 360 * ROBOT.limits.text_yaw_max)
-"""Microsteps of the sum, for arms that turn back: see firmware/core/reach.cpp."""
+"""Microsteps of the sum that the text port allows: see firmware/core/reach.cpp."""
 
 
 def gaps(steps: Steps) -> list[int]:
