@@ -55,7 +55,7 @@ class Simulation:
             spoken_to.clear()
             turn += 1
             with self._lock:
-                self._advance(self._pace.due(time.monotonic()))
+                self._advance(self._pace.due(time.monotonic(), host_is_late=self._board.host_is_late))
                 if (turn % ALARM_EVERY == 0 or self._resting) and self._plant.home_assembly_left():
                     self._plant.re_place()
                     self._left_s = time.monotonic()

@@ -30,10 +30,10 @@ class Pace:
         self.late = 0
         """Steps made more than LATE_S late."""
 
-    def due(self, now_s: float) -> int:
-        """Steps to make now."""
+    def due(self, now_s: float, *, host_is_late: bool = False) -> int:
+        """Steps to make now; none while the board waits for its host."""
         behind_s = now_s - self._due_s
-        if behind_s > STALL_S:
+        if behind_s > STALL_S or host_is_late:
             self._due_s = now_s
             return 0
         steps = max(0, int(min(behind_s, SLICE_S) / self._step_s + 1e-6))

@@ -26,6 +26,8 @@ _CATCH_UP_MS: Final = 100
 """Milliseconds made up for at once: well under the firmware's heartbeat timeout."""
 _STALL_MS: Final = 300
 """Held up for longer, the board's time has stood still like that of its host: no heartbeat is missed."""
+_UNREAD_MS: Final = 100
+"""With a slice and the heartbeat's period on top still under the heartbeat timeout."""
 _BREATH_S: Final = 0.001
 _UNREAD_MAX: Final = 65536
 """Bytes kept for a reader; what is older is lost, as on a serial port nobody reads."""
@@ -164,6 +166,7 @@ class VirtualBoard:
         self.lock = threading.RLock()
         self._arrived = threading.Condition(self.lock)
         self._unread = bytearray()
+        self._unread_ms = 0
         self._closed = False
         self.spoken_to = threading.Event()
         """Set by every write: whoever advances an idle board need not let it wait."""
@@ -187,13 +190,25 @@ class VirtualBoard:
                 return b""
             data = bytes(self._unread)
             self._unread.clear()
+            self._unread_ms = 0
             return data
 
     def advance(self, ms: int) -> None:
         """Let `ms` milliseconds of the board's time pass."""
         with self.lock:
+            if self._unread:
+                self._unread_ms += ms
             self.firmware.tick(ms)
             self._collect()
+
+    @property
+    def host_is_late(self) -> bool:
+        """What the board says has not been read for a while: a busy computer has forgotten the reader's thread.
+
+        The heartbeat comes from that thread. Who keeps the board's time lets it stand still meanwhile: here board and
+        host are one process, and neither is to miss the other.
+        """
+        return self._unread_ms > _UNREAD_MS
 
     def close(self) -> None:
         """Wake the reader and refuse writers; the firmware stays as it is."""
@@ -210,7 +225,7 @@ class VirtualBoard:
 
 
 class RealTimeTicker:
-    """Advances a board with the wall clock, every `period_ms`, until `close`; late ticks are made up for."""
+    """Advances a board with the wall clock, every `period_ms`, until `close`; late ticks are made up for, a late host is waited for."""
 
     def __init__(self, board: VirtualBoard, period_ms: int = 5) -> None:
         self._board = board
@@ -224,7 +239,7 @@ class RealTimeTicker:
         while not self._closing.wait(start_s + (done_ms + self._period_ms) / 1000 - time.monotonic()):
             due_ms = int((time.monotonic() - start_s) * 1000)
             due_ms -= due_ms % self._period_ms
-            if due_ms - done_ms > _STALL_MS:
+            if due_ms - done_ms > _STALL_MS or self._board.host_is_late:
                 start_s += (due_ms - done_ms) / 1000
                 continue
             # After a stall in slices, between which the host's heartbeat gets through.

@@ -38,6 +38,8 @@ class LossyPort:
         self.board = board
         self.lose: list[int] = []
         self.gone = self.mute = False
+        self.free = threading.Event()
+        self.free.set()
         self.forged = b""
         self.instead = b""
         """Comes in the place of every frame that is lost."""
@@ -49,6 +51,7 @@ class LossyPort:
         self.board.write(data)
 
     def read(self, timeout_s: float) -> bytes:
+        self.free.wait(10)
         if self.gone:
             raise OSError("gone")
         out, self.forged = self.forged, b""
@@ -330,6 +333,17 @@ def test_the_heartbeat_keeps_an_idle_host_moving(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
     rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
+    assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)
+
+
+def test_a_host_whose_thread_is_forgotten_for_a_second_is_waited_for(rig: Rig) -> None:
+    """A busy computer may let one thread of many stand still; nobody has gone."""
+    rig.board.enable(on=True)
+    rig.board.request(FrameType.CALIBRATE)
+    rig.board.move(MoveStraight(7, (500, 500, 500), 800))
+    rig.port.free.clear()
+    assert rig.rest() < (500, 500, 500)
+    rig.port.free.set()
     assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)
 
 
