@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 from bench_node import ROOT, Row, Served, on_a_board, rows, spread_ms
 from rich.console import Console
@@ -43,6 +44,20 @@ def raw_tcp(count: int = 500) -> list[float]:
     return took
 
 
+def given_away() -> tuple[int, int]:
+    """What the host gave to other computers on it, and all time, of all processors since the start (proc_stat(5))."""
+    times = [
+        int(word) for word in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:9]
+    ]
+    return times[7], sum(times)
+
+
+def share_given_away(before: tuple[int, int]) -> float:
+    """Part of the processors' time since `before` that was not ours."""
+    given, everything = given_away()
+    return (given - before[0]) / (everything - before[1])
+
+
 def show(console: Console, figures: list[Row]) -> None:
     """One table; latencies are median / p99 / largest."""
     table = Table("figure", "measured", "to reach", title="Over Zenoh: loopback, real processes")
@@ -59,6 +74,7 @@ def main() -> None:
         endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
     assert endpoint != settings.DEFAULT_ENDPOINT, "never measure somebody's classroom"
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
+    began = given_away()
     try:
         figures = [("floor: raw TCP round trip in Python [ms]", spread_ms(raw_tcp()), FLOOR)]
         figures += rows("sim", "sim_node", endpoint)
@@ -66,6 +82,8 @@ def main() -> None:
         figures += on_a_board(endpoint)
     finally:
         router.end()
+    given = f"{share_given_away(began):.1%}"
+    figures.insert(1, ("processors' time that the host gave to others meanwhile", given, "0"))
     show(console, figures)
     for script in ("bench_kinematics.py", "bench_plant.py", "bench_poses.py", "bench_mega.py"):
         console.print(f"\n{script}")
