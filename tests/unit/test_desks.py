@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import msgspec
 
 from beatrix_zenoh._generated.serial import FrameType
@@ -37,3 +39,22 @@ def test_stop_is_sent_until_the_desk_closes_and_told_to_everybody() -> None:
     desk.press(FrameType.STOP, ben)
     assert sent == [FrameType.STOP]
     assert told == [None, ana, ben]
+
+
+def test_an_emergency_goes_before_a_stop_that_was_pressed_earlier() -> None:
+    sent: list[FrameType] = []
+    busy, pressed = threading.Event(), threading.Event()
+
+    def send(road: FrameType) -> None:
+        sent.append(road)
+        busy.set()
+        pressed.wait(5)
+
+    desk = StopDesk(send, lambda *_: None)
+    desk.press(FrameType.STOP, None)
+    assert busy.wait(5)
+    desk.press(FrameType.STOP, None)
+    desk.press(FrameType.EMERGENCY_STOP, None)
+    pressed.set()
+    desk.close()
+    assert sent == [FrameType.STOP, FrameType.EMERGENCY_STOP, FrameType.STOP]
