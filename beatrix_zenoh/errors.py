@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from beatrix_zenoh._generated.messages import Reason
 
 QUOTED = 60
@@ -35,6 +38,17 @@ class Interrupted(BeatrixError):
 
 class NoAnswer(BeatrixError):
     """Nobody answered: no router, no robot of this name, or no reply in time."""
+
+
+@contextmanager
+def naming(robot: str) -> Iterator[None]:
+    """Where several robots are asked, what one of them refuses begins with its name."""
+    try:
+        yield
+    except BeatrixError as error:
+        if error.message.startswith(robot):
+            raise
+        raise type(error)(error.reason, f"{robot}: {error.message}") from error
 
 
 def quoted(text: str) -> str:

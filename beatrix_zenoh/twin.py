@@ -21,7 +21,7 @@ from beatrix_zenoh._generated.messages import (
     Status,
 )
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused
+from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.lease import LINGER_S, TEACHER, driven
 from beatrix_zenoh.readings import ArmAngles, Path, arm_angles, head_angles
 from beatrix_zenoh.robot import MARGIN_S, SILENT, Motion, Robot, motion_query, pose_query, stop_together
@@ -157,8 +157,9 @@ class Twin:
         self.preview_arms(0, 0, 0).commit()
 
     def _both(self, do: Callable[[Robot], None]) -> None:
-        do(self.sim)
-        do(self.hw)
+        for robot in (self.sim, self.hw):
+            with naming(str(robot)):
+                do(robot)
 
     def stop(self) -> None:
         """Stop both at once; raises as `Robot.stop`, after both have been asked."""
@@ -228,22 +229,16 @@ class Twin:
             NoAnswer: one is not on line, or has lost its board.
         """
         for robot in (self.sim, self.hw):
-            try:
+            with naming(str(robot)):
                 may_move(robot.status(), self.client.settings.who)
-            except BeatrixError as error:
-                if error.message.startswith(str(robot)):
-                    raise
-                raise type(error)(error.reason, f"{robot}: {error.message}") from error
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
         begun: list[tuple[Robot, Motion]] = []
         try:
             for robot in (self.sim, self.hw):
-                try:
+                with naming(str(robot)):
                     begun.append((robot, robot.begin(road, query)))
-                except Refused as refusal:
-                    raise Refused(refusal.reason, f"{robot}: {refusal.message}") from refusal
             self._wait(begun)
         except BaseException as error:
             # What one robot does not do, the other must not finish; but who was replaced has nothing to stop.

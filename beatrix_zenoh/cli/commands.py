@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from typing import Annotated
 
 import typer
@@ -16,7 +17,7 @@ from beatrix_zenoh.cli.line import Where, named, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.verb import document, exit_code, note, say
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, naming
 from beatrix_zenoh.settings import resolve
 
 STOP_S = 3.0
@@ -48,9 +49,10 @@ def calibrate(
 def command(where: Where, which: Which | None, what: Command, *, as_json: bool, value: bool = True) -> None:
     """One command to the robots chosen, the simulation first."""
     with on_line(where, which) as line:
-        rows = []
-        for robot in line.robots():
-            reply = robot.command(what, value=value)
+        rows, robots = [], line.robots()
+        for robot in robots:
+            with naming(str(robot)) if len(robots) > 1 else nullcontext():
+                reply = robot.command(what, value=value)
             rows.append({"robot": robot.name, "on": robot.twin, "message": reply.message})
             if not as_json:
                 say(f"{robot}: {reply.message}")

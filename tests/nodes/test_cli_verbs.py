@@ -334,6 +334,15 @@ def test_emergency_stop_of_all_robots_needs_enable_afterwards(shell: Shell) -> N
     shell.good("calibrate", "--on", "both")
 
 
+def test_of_both_robots_the_one_that_refuses_is_named(shell: Shell) -> None:
+    shell.good("disable", "--on", "hw")
+    done = shell.run("calibrate", "--on", "both")
+    shell.good("enable", "--on", "hw")
+    shell.good("calibrate", "--on", "both")
+    assert (done.returncode, f"{NAME} (sim): " in done.stdout) == (1, True)
+    assert f"\n{NAME} (hw): The motors are off" in done.stderr
+
+
 # -- exit codes ---------------------------------------------------------------------------------
 
 

@@ -158,6 +158,13 @@ def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: T
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
 
 
+def test_what_one_of_both_refuses_begins_with_its_name(twin: Twin) -> None:
+    twin.hw.disable()
+    with pytest.raises(Refused, match=r"^bea \(hw\): ") as refusal:
+        twin.calibrate()
+    assert refusal.value.message.count("bea (hw)") == 1
+
+
 def test_hardware_that_refuses_after_all_stops_the_simulation(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
