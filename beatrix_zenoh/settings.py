@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,18 +32,38 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
     Raises:
         WrongUsage: BAD_VALUE, for a name that cannot stand in a key or a file that cannot be read.
     """
+    settings, wrong = usable(robot, connect, who)
+    if wrong:
+        raise wrong[0]
+    return settings
+
+
+def usable(
+    robot: str | None = None, connect: str | None = None, who: str | None = None
+) -> tuple[Settings, list[WrongUsage]]:
+    """As `resolve`, for STOP, in whose way no setting may stand: what can mean nothing counts as not given, and why."""
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
-    stored = _stored()
+    wrong: list[WrongUsage] = []
+    stored: dict[str, str] = {}
+    try:
+        stored = _stored()
+    except WrongUsage as error:
+        wrong.append(error)
 
-    def value(field: str) -> str | None:
-        return given[field] or environment[field] or stored.get(field)
+    def value(field: str, check: Callable[[str], str], default: str) -> str:
+        try:
+            return check(given[field] or environment[field] or stored.get(field) or default)
+        except WrongUsage as error:
+            wrong.append(error)
+            return default
 
-    return Settings(
-        robot=names.check_name(value("robot") or names.default_robot(), "robot"),
-        connect=value("connect") or DEFAULT_ENDPOINT,
-        who=names.check_seat(value("who") or names.default_seat()),
+    settings = Settings(
+        robot=value("robot", names.check_name, names.default_robot()),
+        connect=value("connect", str, DEFAULT_ENDPOINT),
+        who=value("who", names.check_seat, names.default_seat()),
     )
+    return settings, wrong
 
 
 def _stored() -> dict[str, str]:

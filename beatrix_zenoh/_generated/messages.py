@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "ed7a5410"
+CONTRACT: Final = "43265feb"
 """Hash of messages and keys."""
 
 
@@ -37,6 +37,8 @@ class Reason(StrEnum):
     """Somebody else drives the robot."""
     NOT_AT_REST = "NOT_AT_REST"
     """Only possible while nothing moves."""
+    HOME_KNOWN = "HOME_KNOWN"
+    """Home is known, and the arms are far from it."""
     BUSY = "BUSY"
     """Too many requests are waiting."""
     BOARD_LOST = "BOARD_LOST"
@@ -78,6 +80,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.SPEED_LIMIT: "The speed is zero, negative or above the limit.",
     Reason.NOT_HOLDER: "Somebody else drives the robot.",
     Reason.NOT_AT_REST: "Only possible while nothing moves.",
+    Reason.HOME_KNOWN: "Home is known, and the arms are far from it.",
     Reason.BUSY: "Too many requests are waiting.",
     Reason.BOARD_LOST: "The node does not hear its board.",
     Reason.HOST_LOST: "The board did not hear its node for too long and stopped the arms.",

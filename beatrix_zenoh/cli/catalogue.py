@@ -27,7 +27,7 @@ VERBS = {
     "enable": "commands",
     "disable": "commands",
     "calibrate": "commands",
-    "stop": "commands",
+    "stop": "stop",
     "doctor": "doctor",
     "flash": "serving",
 }

@@ -62,7 +62,8 @@ def on_line(where: Where, which: Which | None) -> Iterator[Line]:
 
 def named(where: Where, settings: Settings) -> bool:
     """Somebody named the robot: flag, environment or file."""
-    return bool(where.name or os.environ.get("BEATRIX_ROBOT")) or settings.robot != names.default_robot()
+    by_setting = settings.robot == os.environ.get("BEATRIX_ROBOT") or settings.robot != names.default_robot()
+    return bool(where.name) or by_setting
 
 
 def only_one(present: Present, endpoint: str) -> str:

@@ -57,6 +57,7 @@ def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
     as_json = "--json" in words  # also where typer has not come so far as to read it
     command = typer.main.get_command(app)
     try:
+        _check_once(command, words)
         with command.make_context(program, list(words)) as context:
             command.invoke(context)
     except typer.Exit as end:
@@ -77,6 +78,19 @@ def _done(app: typer.Typer, words: Sequence[str], program: str) -> int:
             note(error.message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
+
+
+def _check_once(command: object, words: Sequence[str]) -> None:
+    """Raise BadParameter for an option with a value that is given twice: typer would take the last, in silence."""
+    verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
+    for option in getattr(verb, "params", ()):
+        if option.param_type_name != "option" or option.multiple or option.is_flag:
+            continue
+        given = [word for word in words if word.partition("=")[0] in option.opts]
+        if len(given) > 1:
+            raise typer.BadParameter(
+                f"{given[0].partition('=')[0]} is given {len(given)} times: give it once."
+            )
 
 
 def _taught(error: typer.BadParameter) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from beatrix_zenoh._generated.messages import Reason
@@ -13,6 +14,8 @@ from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import degrees
 
 REFLECTED_S = 0.3
+SAME_HOME = math.radians(15.0)
+"""Home may be mended by so much at once; cables and limits count from it."""
 
 
 def switch(board: Board, *, on: bool) -> str:
@@ -34,7 +37,7 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     """Declare the present place, `stood` (rad) from home so far, home; what is then true.
 
     Raises:
-        Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED.
+        Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED, HOME_KNOWN.
     """
     board.check_heard()
     state = board.state
@@ -42,6 +45,12 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
         raise Refused(Reason.NOT_AT_REST, "The arms are moving: wait or stop, then calibrate.")
     if not state & State.ENABLED:
         raise Refused(Reason.NOT_ENABLED, "The motors are off: enable first, then calibrate.")
+    if state & State.CALIBRATED and max(map(abs, stood)) > SAME_HOME:
+        raise Refused(
+            Reason.HOME_KNOWN,
+            f"Home is known, and the arms stand at {degrees(stood)} from it: `beatrix home` goes there. To set "
+            "it anew: disable, set the head upright and straight ahead, enable, calibrate.",
+        )
     body.straighten()
     board.request(FrameType.CALIBRATE)
     # Known before, home is another place now: only the new position shows it.

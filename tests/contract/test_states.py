@@ -57,6 +57,19 @@ def test_calibrating_anew_elsewhere_is_told(robot: Robot) -> None:
     assert "Home was known already, and the arms stood at 6" in robot.command(Command.CALIBRATE).message
 
 
+def test_a_home_that_is_far_is_not_replaced(robot: Robot) -> None:
+    """Else the head could turn on and on: what cables allow counts from home."""
+    robot.move(20, 20, 20, speed=80)
+    with pytest.raises(Refused, match="stand at 20") as refusal:
+        robot.calibrate()
+    assert refusal.value.reason is Reason.HOME_KNOWN
+    assert robot.positions().commanded == pytest.approx((20, 20, 20), abs=0.1)
+    robot.disable()
+    robot.enable()
+    robot.calibrate()
+    assert robot.positions().commanded == (0, 0, 0)
+
+
 def test_emergency_stop_holds_whatever_was_asked_before_it(robot: Robot) -> None:
     key = keys.command(robot.name, robot.twin, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))

@@ -36,10 +36,16 @@ class Shell:
         kept = {key: value for key, value in os.environ.items() if not key.startswith("BEATRIX_")}
         return {**kept, "BEATRIX_CONNECT": self.endpoint, "BEATRIX_WHO": "ana", "PYTHONPATH": str(ROOT)}
 
-    def run(self, *words: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    def run(self, *words: str, cwd: Path = ROOT, **more: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, *CLI, *words]
         done = subprocess.run(
-            command, capture_output=True, text=True, env=self.environment(), timeout=30, check=False, cwd=cwd
+            command,
+            capture_output=True,
+            text=True,
+            env={**self.environment(), **more},
+            timeout=30,
+            check=False,
+            cwd=cwd,
         )
         assert "Traceback" not in done.stderr, done.stderr
         return done
@@ -324,6 +330,28 @@ def test_stop_ends_a_motion_and_its_asker_is_told(free: Shell) -> None:
         output, _ = look.communicate(timeout=10)
     assert {(row["on"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
     assert (look.returncode, "STOP" in output) == (1, True)
+
+
+def test_no_setting_stands_in_the_way_of_stop(shell: Shell, tmp_path: Path) -> None:
+    (tmp_path / "beatrix.toml").write_text('robot = "bea1', encoding="utf-8")
+    done = shell.run("stop", "--json", cwd=tmp_path, BEATRIX_ROBOT="Bea 1", BEATRIX_WHO="Frau Müller")
+    rows = json.loads(done.stdout)["robots"]
+    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw")}
+    assert done.returncode == 0
+    for wrong in ("beatrix.toml", "'Bea 1'", "Frau"):
+        assert wrong in done.stderr
+
+
+def test_stop_takes_several_names_and_both_twins(shell: Shell) -> None:
+    with another(shell, "bea2"):
+        rows = shell.json("stop", "--name", "bea2", "--name", NAME, "--on", "hw", "--on", "sim")["robots"]
+    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw"), ("bea2", "hw")}
+
+
+def test_stop_that_finds_nobody_of_the_name_that_is_set_says_how_to_stop_all(shell: Shell) -> None:
+    done = shell.run("stop", BEATRIX_ROBOT="bea9")
+    assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
+    assert "`beatrix stop --all` stops every robot." in done.stderr
 
 
 def test_emergency_stop_of_all_robots_needs_enable_afterwards(shell: Shell) -> None:

@@ -88,6 +88,8 @@ def test_a_fault_of_ours_is_not_hidden(error: Exception) -> None:
         (("sim", "--nonsense"), "--nonsense"),
         (("look", "20"), "(20). Values follow the name of their option here: --yaw, --pitch, --roll"),
         (("hw", "--nonsense"), "--nonsense"),
+        (("look", "--yaw", "20", "--yaw=30"), "--yaw is given 2 times"),
+        (("hw", "--legacy", "COM4", "--legacy", "COM5"), "--legacy is given 2 times"),
     ],
 )
 def test_wrong_usage_is_one_json_document_if_one_was_asked_for(
