@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 from beatrix_zenoh import readiness
@@ -73,7 +73,7 @@ class Plan:
         self.verdict = preview.message
         """What the simulation thinks of it, and whether that holds for the hardware."""
         if (elsewhere := between(start)) > SAME_DEG:
-            self.verdict += f" The hardware stands {elsewhere:.0f} deg elsewhere: its way there is another, and not previewed."
+            self.verdict += f" The hardware stands {elsewhere:.1f} deg elsewhere: its way there is another, and not previewed."
         if not alike:
             self.verdict += UNLIKE
         self.path = Path(
@@ -141,7 +141,8 @@ class Twin:
         self.hw = Robot(twin="hw", timeout_s=timeout_s, client=self.client)
 
     def enable(self) -> None:
-        """Motors of both on."""
+        """Motors of both on; of neither if one cannot be reached, or is driven by somebody else."""
+        check_reachable((self.sim, self.hw), self.client.settings.who)
         self._both(Robot.enable)
 
     def disable(self) -> None:
@@ -149,7 +150,8 @@ class Twin:
         self._both(Robot.disable)
 
     def calibrate(self) -> None:
-        """Declare the present positions home."""
+        """Declare the present positions home; of neither if one cannot be reached, or is driven by somebody else."""
+        check_reachable((self.sim, self.hw), self.client.settings.who)
         self._both(Robot.calibrate)
 
     def home(self) -> None:
@@ -207,7 +209,18 @@ class Twin:
         reply = self.client.ask(self.name, "sim", key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, f"{self.sim}: {reply.message}")
-        return Plan(self, road, query, reply, start, alike=start[1] is None or self._alike())
+        plan = Plan(self, road, query, reply, start, alike=start[1] is None or self._alike())
+        if start[1] is not None:
+            plan.verdict += self._hindrance()
+        return plan
+
+    def _hindrance(self) -> str:
+        """What keeps the hardware from moving just now, for people; empty if nothing does."""
+        try:
+            may_move(self.hw.status(), self.client.settings.who)
+        except BeatrixError as error:
+            return f" But the hardware may not move now: {error.message}"
+        return ""
 
     def _alike(self) -> bool:
         with contextlib.suppress(NoAnswer):  # as in _start
@@ -248,6 +261,8 @@ class Twin:
             rests = [f"{robot}: {reply.message}" for robot, reply in stop_together(moving)]
             if isinstance(error, KeyboardInterrupt):
                 raise KeyboardInterrupt("\n".join(rests)) from error
+            if isinstance(error, BeatrixError) and rests:
+                raise type(error)(error.reason, "\n".join([error.message, *rests])) from error
             raise
 
     @staticmethod
@@ -284,12 +299,36 @@ def runs(motion: Motion) -> bool:
 
 def may_move(status: Status, who: str) -> None:
     """Raise unless a seat may move a robot of this status, as the robot itself would."""
-    if not status.board.connected:
-        reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
-        raise NoAnswer(reason, " ".join(status.warnings[:1]) or FAULT_TEXT[status.fault])
+    check_heard(status)
     readiness.check(
         emergency=status.fault is Fault.EMERGENCY, enabled=status.enabled, calibrated=status.calibrated
     )
+    check_free(status, who)
+
+
+def check_reachable(robots: Iterable[Robot], who: str) -> None:
+    """Raise unless a seat may switch all of them: better than to switch one and not the other.
+
+    Raises:
+        Refused: somebody else drives.
+        NoAnswer: one is not on line, or has lost its board.
+    """
+    for robot in robots:
+        with naming(str(robot)):
+            status = robot.status()
+            check_heard(status)
+            check_free(status, who)
+
+
+def check_heard(status: Status) -> None:
+    """Raise NoAnswer unless the robot hears its board."""
+    if not status.board.connected:
+        reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
+        raise NoAnswer(reason, " ".join(status.warnings[:1]) or FAULT_TEXT[status.fault])
+
+
+def check_free(status: Status, who: str) -> None:
+    """Raise Refused if somebody else drives."""
     if status.holder not in ("", who) and who != TEACHER:
         raise driven(status.holder, f"until {LINGER_S:.0f} s after its motion has ended")
 

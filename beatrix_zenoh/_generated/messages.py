@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "43265feb"
+CONTRACT: Final = "f12401e9"
 """Hash of messages and keys."""
 
 
@@ -413,6 +413,23 @@ class LimitInfo(Struct, frozen=True, kw_only=True):
     """of an arm [rad/s2]"""
 
 
+class GeometryInfo(Struct, frozen=True, kw_only=True):
+    """The neck's shape: what its kinematics need."""
+
+    arm_angle: float
+    """common vertical axis to elbow axis [rad]"""
+    rod_twist: float
+    """elbow axis to skull mount axis [rad]"""
+    mount_angle: float
+    """head axis to skull mount axis [rad]"""
+    arm0_azimuth: float
+    """direction of the short arm at home, from x (forward) towards y (left) [rad]"""
+    arm_spacing: float
+    """from arm to arm at home [rad]"""
+    hand: Annotated[int, Meta(ge=-(2**15), le=2**15 - 1, extra={"wire": "int16"})]
+    """+1: rods run counter-clockwise from arm to mount, -1: clockwise"""
+
+
 class Info(Struct, frozen=True, kw_only=True):
     """What a stranger needs to drive this robot."""
 
@@ -432,6 +449,8 @@ class Info(Struct, frozen=True, kw_only=True):
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
+    geometry: GeometryInfo | None = None
+    """as it runs with it"""
     fingerprint: str | None = None
     """of all values of the robot: simulation and hardware that were started with the same robot file have the same"""
     commands: list[str]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from contextlib import nullcontext
 
 from beatrix_zenoh._generated.messages import Command
-from beatrix_zenoh.cli.line import Where, on_line
+from beatrix_zenoh.cli.line import Where, on_the_move
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.verb import document, say
 from beatrix_zenoh.errors import naming
+from beatrix_zenoh.twin import check_reachable
 
 
 def enable(
@@ -34,8 +35,10 @@ def calibrate(
 
 def command(where: Where, which: Which | None, what: Command, *, as_json: bool, value: bool = True) -> None:
     """One command to the robots chosen, the simulation first."""
-    with on_line(where, which) as line:
+    with on_the_move(where, which) as line:
         rows, robots = [], line.robots()
+        if len(robots) > 1 and value:
+            check_reachable(robots, line.client.settings.who)
         for robot in robots:
             with naming(str(robot)) if len(robots) > 1 else nullcontext():
                 reply = robot.command(what, value=value)

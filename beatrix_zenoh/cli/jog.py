@@ -5,6 +5,7 @@ Questions go to stderr: what is found is the result.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Mapping
 from typing import NamedTuple, TypeVar
@@ -73,7 +74,10 @@ def jog(where: Where, *, as_json: bool) -> None:
             seen = [look(robot, index) for index in range(len(ARMS))]
             todo = replug(seen)
             if not todo:
-                todo = describe(ask_azimuth(), as_shipped=robot.info().fingerprint == fingerprint(ROBOT))
+                info = robot.info()
+                shape = info.geometry
+                known = ROBOT.geometry.arm0_azimuth if shape is None else math.degrees(shape.arm0_azimuth)
+                todo = describe(ask_azimuth(known), known, as_shipped=info.fingerprint == fingerprint(ROBOT))
     if as_json:
         document({"result": not todo, "todo": todo})
     else:
@@ -103,13 +107,13 @@ def ask(question: str, answers: Mapping[str, T]) -> T:
         note(f"Type one of: {', '.join(answers)}.")
 
 
-def ask_azimuth() -> float:
-    """Where the short arm is, deg; raises as `typed`."""
+def ask_azimuth(known_deg: float) -> float:
+    """Where the short arm is, deg, if not where the robot knows it; raises as `typed`."""
     low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
     while True:
         words = typed(
             "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left "
-            f"({ROBOT.geometry.arm0_azimuth:g} as shipped; what is less than {JOG_DEG:g} from it counts as that):"
+            f"(the robot says {known_deg:.6g}; what is less than {JOG_DEG:g} from it counts as that):"
         )
         try:
             azimuth = float(words.replace(",", "."))  # as half of Europe types it
@@ -173,16 +177,14 @@ def missing(plug: str, arm: str) -> str:
     )
 
 
-def describe(azimuth_deg: float, *, as_shipped: bool) -> list[str]:
-    """What to write into a robot file if the arms point elsewhere than on the shipped robot; a remark if there is one."""
+def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[str]:
+    """What to write into a robot file if the arms point elsewhere than the robot knows."""
+    if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
+        return []
     line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
-    if not as_shipped:
-        note(f"The robot runs with a file of its own: see that it says\n{line}")
-        return []
-    if abs((azimuth_deg - ROBOT.geometry.arm0_azimuth + 180) % 360 - 180) < JOG_DEG:
-        return []
-    elsewhere = "Your arms sit elsewhere than on the shipped robot."
-    return [
-        f"{elsewhere} Write this into a file, and start hardware and simulation with --robot-file FILE:",
-        line,
-    ]
+    elsewhere = (
+        f"elsewhere than your robot file says ({known_deg:.6g} deg). Write this into it, and start anew"
+    )
+    if as_shipped:
+        elsewhere = "elsewhere than on the shipped robot. Write this into a file, and start"
+    return [f"Your arms sit {elsewhere} hardware and simulation with --robot-file FILE:", line]

@@ -60,6 +60,15 @@ def on_line(where: Where, which: Which | None) -> Iterator[Line]:
         yield Line(client, name, choose(name, which, present, client.bus.endpoint))
 
 
+@contextlib.contextmanager
+def on_the_move(where: Where, which: Which | None) -> Iterator[Line]:
+    """As `on_line`, for verbs that act; says so where the hardware is taken for want of a simulation."""
+    with on_line(where, which) as line:
+        if which is None and line.twins == ("hw",):
+            note(f"No simulation of {line.name} is on line: this goes to the hardware.")
+        yield line
+
+
 def named(where: Where, settings: Settings) -> bool:
     """Somebody named the robot: flag, environment or file."""
     by_setting = settings.robot == os.environ.get("BEATRIX_ROBOT") or settings.robot != names.default_robot()

@@ -143,8 +143,17 @@ def limits_deg(info: Info) -> dict[str, float]:
     return {name: round(math.degrees(getattr(info.limits, name)), 3) for name in names}
 
 
+def geometry_deg(info: Info) -> dict[str, float]:
+    """The neck's shape in degrees; empty from a node of a version that does not tell."""
+    shape = info.geometry
+    if shape is None:
+        return {}
+    angles = {name: getattr(shape, name) for name in shape.__struct_fields__ if name != "hand"}
+    return {**{name: round(math.degrees(angle), 3) for name, angle in angles.items()}, "hand": shape.hand}
+
+
 def described(info: Info) -> dict[str, object]:
-    """Info for JSON, with limits in degrees."""
+    """Info for JSON, angles in degrees."""
     return {
         "robot": info.robot,
         "on": info.twin,
@@ -154,6 +163,7 @@ def described(info: Info) -> dict[str, object]:
         "steps_per_turn": info.steps_per_turn,
         "arms": info.arms,
         "limits_deg": limits_deg(info),
+        "geometry_deg": geometry_deg(info),
         "fingerprint": info.fingerprint,
         "commands": info.commands,
         "reasons": info.reasons,
@@ -176,6 +186,8 @@ def describe(info: Info) -> None:
         f"speed: {limits['speed_default']:g}°/s unless told otherwise, at most {limits['speed_max']:g}°/s; "
         f"{limits['acceleration']:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
     )
+    if shape := geometry_deg(info):
+        say(f"neck: at home the short arm points {shape['arm0_azimuth']:g}° to the left of straight ahead")
     say("\ncommands:\n  " + "\n  ".join(info.commands))
     say("\n" + columns(("key", "kind", "what for"), [(row.key, row.kind, row.doc_) for row in info.keys]))
     say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))

@@ -10,7 +10,7 @@ import typer
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.cli.line import Line, Where, on_line
+from beatrix_zenoh.cli.line import Line, Where, on_the_move
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.unattended import hand_over
 from beatrix_zenoh.cli.verb import document, note, refusal, say
@@ -48,7 +48,7 @@ def look(
     def preview(twin: Twin) -> Plan:
         return twin.preview(yaw, pitch, roll, relative=relative, speed=speed)
 
-    with on_line(Where(name, connect, who), on) as line:
+    with on_the_move(Where(name, connect, who), on) as line:
         carry_out(line, "pose", query, preview, no_wait=no_wait, as_json=as_json)
 
 
@@ -71,7 +71,7 @@ def move(
     def preview(twin: Twin) -> Plan:
         return twin.preview_arms(short, middle, long, relative=relative, speed=speed)
 
-    with on_line(Where(name, connect, who), on) as line:
+    with on_the_move(Where(name, connect, who), on) as line:
         carry_out(line, "motion", query, preview, no_wait=no_wait, as_json=as_json)
 
 
@@ -80,7 +80,7 @@ def home(
 ) -> None:
     """Turn the head home. All arms go to 0 degrees; Ctrl-C stops them."""
     query = motion_query(0, 0, 0, relative=False, speed=None)
-    with on_line(Where(name, connect, who), on) as line:
+    with on_the_move(Where(name, connect, who), on) as line:
         carry_out(
             line, "motion", query, lambda twin: twin.preview_arms(0, 0, 0), no_wait=False, as_json=as_json
         )

@@ -96,7 +96,7 @@ def tell_stopped(
     replies: dict[tuple[str, str], CommandReply], silent: list[tuple[str, str]], *, as_json: bool
 ) -> None:
     """Say what became of each robot; not to have stopped one is a failure."""
-    missing = f"did not answer within {STOP_S:.0f} s: it is frozen, or its connection is. Cut its power."
+    missing = "did not answer: it is frozen, or its connection is. Cut its power if it moves."
     ends = [(place, reply.reason, reply.message) for place, reply in replies.items()]
     ends += [(place, Reason.TIMED_OUT, missing) for place in silent]
     failed = [reason for _, reason, _ in ends if reason is not Reason.OK]

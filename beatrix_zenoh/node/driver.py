@@ -34,6 +34,7 @@ from beatrix_zenoh.node.answers import (
 from beatrix_zenoh.node.body import Body
 from beatrix_zenoh.node.course import Course, Goal
 from beatrix_zenoh.node.halt import Halt
+from beatrix_zenoh.node.latch import Latch
 from beatrix_zenoh.node.notices import Notices
 from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.running import NUMBERS, Running, next_number
@@ -47,8 +48,6 @@ LATE_S = 2.0
 OF_VALUES = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 GONE = 256
 """Sessions that have ended and are remembered."""
-STREAM_S = 0.5
-"""Short motions that follow each other within this long are a stream of targets."""
 
 
 class Driver:
@@ -64,6 +63,7 @@ class Driver:
         self._course = course
         self._lease = Lease()
         self._halt = Halt()
+        self._latch = Latch()
         self._running: Running | None = None
         self._stopping = Stopping(board)
         self._texting = self._text_moved = False
@@ -108,6 +108,7 @@ class Driver:
             text = f"On the way, {goal.duration:.1f} s."
             asker.answer(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
 
+        self._latch.works(asker.session)
         try:
             goal = self._goal(query, asker)
             number, started = self._begin(goal, asker, end, accept)
@@ -219,12 +220,15 @@ class Driver:
 
     def command(self, query: CommandQuery, asker: Asker, asked_s: float) -> None:
         """Carry out a command other than STOP and EMERGENCY_STOP that came at `asked_s` (monotonic)."""
+        self._latch.works(asker.session)
         try:
             if query.command == Command.ENABLE:
                 if query.value and asked_s <= self._emergency_s:
                     raise Refused(
                         Reason.STOPPED, "EMERGENCY_STOP was pressed after this was asked: look, then enable."
                     )
+                if query.value:
+                    self._latch.check(asker.session, time.monotonic())
                 self._lease.check(asker.who, time.monotonic())
                 text = switch(self._board, on=query.value)
             elif query.command == Command.CALIBRATE:
@@ -268,8 +272,9 @@ class Driver:
         self._pressed_by = session
         if emergency:
             self._emergency_s = now
-        streaming = self._driven or now - self._ended_s < STREAM_S
-        self._halt.press(self._lease.holder(now) if streaming else "", self._moved_by, session, now)
+            self._latch.press(session)
+        # Who holds the robot between two motions has a program that goes on, too.
+        self._halt.press(self._lease.holder(now), self._moved_by, session, now)
 
     def stopped(self, asker: Asker | None, error: BeatrixError | None, *, emergency: bool) -> None:
         """STOP was sent to the board on its own road; `asker` is told when the arms rest."""
@@ -297,6 +302,7 @@ class Driver:
     def client_gone(self, session: str) -> None:
         """A client's session has ended: stop what it asked for, free the robot."""
         self._gone.append(session)
+        self._latch.gone(session)
         if self._running is not None and self._running.asker.session == session:
             self._let_go()
 

@@ -56,8 +56,12 @@ class Halt:
     def tried(self, who: str, now_s: float) -> None:
         """A seat has asked for a motion that is refused anyway: if it pauses, it has not paused yet."""
         with self._lock:
-            if (pause := self._pauses.get(who)) is not None:
+            if (pause := self._pauses.get(who)) is None:
+                return
+            if now_s - pause.since_s < PAUSE_S:
                 pause.since_s = now_s
+            else:
+                del self._pauses[who]
 
     def check(self, who: str, session: str, now_s: float, *, resting: bool) -> None:
         """Raise unless a motion may begin.

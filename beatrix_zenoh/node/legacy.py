@@ -66,7 +66,9 @@ class Line:
     """a line of its answer was lost on the wire"""
     refusal: tuple[bytes, ...] = ()
     warned: bool = False
-    """the board has said why it does not, or not all of it"""
+    """somebody has said why it does not, or not all of it"""
+    warning: str = ""
+    """what the board has said of it"""
 
     @property
     def moves(self) -> bool:
@@ -271,16 +273,19 @@ class Legacy:
     def _answered(self, line: Line, last: bytes) -> None:
         if last == UNDONE and self._driver.text_refused() and line.moves and not line.warned:
             self._unexplained_s = time.monotonic()
+        if line.warning:
+            self._warn(line.warning)  # a long motion has ended: who looks now shall see why it was shorter
         for text in line.end(last):
             self._terminal.write(text)
         self._advance()
 
     def _pass_warning_on(self, frame: TextWarning, line: Line | None) -> None:
         known = frame.code in WARNING_TEXT
-        self._warn(WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}")
+        text = WARNING_TEXT[WarningCode(frame.code)] if known else f"unknown warning {frame.code}"
+        self._warn(text)
         self._unexplained_s = None
         if line is not None:
-            line.warned = True
+            line.warned, line.warning = True, text
 
     def overdue(self) -> bool:
         """There is a reason for a `look`; may be called on any thread."""

@@ -1,10 +1,11 @@
-"""Where requests wait: commands in order, of each seat's motions only the newest."""
+"""Where requests wait: commands in order, of each seat's motions only the newest, before all of them what STOP brings."""
 
 from __future__ import annotations
 
 import math
 import queue
 import threading
+from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
@@ -12,7 +13,8 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import BeatrixError, Refused
 
 CAPACITY = 64
-"""Entries that may wait; each takes about a millisecond, so the last waits well under a tenth of a second."""
+"""Entries that may wait. A motion takes about a millisecond, a command that the telemetry must show ten: the last waits for
+some tenths of a second, STOP for one."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,7 @@ class Mailbox:
     """A bounded queue with one reader, in which a newer entry under the same key replaces the older."""
 
     def __init__(self) -> None:
+        self._urgent: deque[Task] = deque()
         self._entries: dict[Hashable, Task] = {}
         self._lock = threading.Lock()
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
@@ -43,6 +46,18 @@ class Mailbox:
     ) -> None:
         """Queue something that happened; declined only once closed, for there are few of them."""
         self._queue(Task(run, decline), most=math.inf)
+
+    def post_urgent(
+        self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
+    ) -> None:
+        """As `post_event`, in front of all that is not urgent: STOP, and what the board shows."""
+        with self._lock:
+            no = self._refusal(full=False)
+            if no is None:
+                self._urgent.append(Task(run, decline))
+                self._arrived.put(None)
+        if no is not None:
+            decline(no)
 
     def post_latest(self, key: Hashable, task: Task) -> None:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
@@ -77,6 +92,8 @@ class Mailbox:
         """Wait for the next entry; None once the mailbox is closed and empty."""
         self._arrived.get()
         with self._lock:
+            if self._urgent:
+                return self._urgent.popleft()
             return self._entries.pop(next(iter(self._entries))) if self._entries else None
 
     def close(self) -> None:

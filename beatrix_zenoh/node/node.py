@@ -247,7 +247,7 @@ class Node:
                 self._legacy.call_off()
             self.driver.stopped(asker, error, emergency=emergency)
 
-        self._mailbox.post_event(stopped, decline)
+        self._mailbox.post_urgent(stopped, decline)
 
     def _arm_target(self, key: str, payload: bytes) -> None:
         arm = key.removesuffix("/target").rpartition("/")[2]
@@ -297,12 +297,12 @@ class Node:
         state = (telemetry.state, telemetry.outcome, telemetry.motion, telemetry.boot)
         if state != self._last_state or self.driver.overdue():
             self._last_state = state
-            self._mailbox.post_event(self.driver.observe)
+            self._mailbox.post_urgent(self.driver.observe)
         if self._legacy is not None and self._legacy.overdue():
             self._mailbox.post_event(self._legacy.look)
 
     def _on_link(self) -> None:
-        self._mailbox.post_event(self.driver.observe)
+        self._mailbox.post_urgent(self.driver.observe)
         if self._legacy is not None:
             self._mailbox.post_event(self._legacy.look)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 import time
 from importlib import metadata
@@ -10,6 +11,7 @@ from importlib import metadata
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated import messages as msg
 from beatrix_zenoh._generated.messages import Fault, Head, Info, Positions, Status, Steps
+from beatrix_zenoh._generated.robot import Geometry
 from beatrix_zenoh._generated.serial import State, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError
@@ -124,6 +126,7 @@ class Reporter:
                 speed_max=limits.speed_max,
                 acceleration=limits.acceleration,
             ),
+            geometry=geometry_info(self._course.robot.geometry),
             fingerprint=fingerprint(self._course.robot),
             commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
             reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],
@@ -147,3 +150,15 @@ class Reporter:
                 f"z_sub.py {client} -k '{keys.positions_json(self._name, twin)}'",
             ],
         )
+
+
+def geometry_info(shape: Geometry) -> msg.GeometryInfo:
+    """Degrees to radians."""
+    return msg.GeometryInfo(
+        arm_angle=math.radians(shape.arm_angle),
+        rod_twist=math.radians(shape.rod_twist),
+        mount_angle=math.radians(shape.mount_angle),
+        arm0_azimuth=math.radians(shape.arm0_azimuth),
+        arm_spacing=math.radians(shape.arm_spacing),
+        hand=shape.hand,
+    )

@@ -48,8 +48,8 @@ def calibrate(board: Board, body: Body, stood: Arms) -> str:
     if state & State.CALIBRATED and max(map(abs, stood)) > SAME_HOME:
         raise Refused(
             Reason.HOME_KNOWN,
-            f"Home is known, and the arms stand at {degrees(stood)} from it: `beatrix home` goes there. To set "
-            "it anew: disable, set the head upright and straight ahead, enable, calibrate.",
+            f"Home is known: no need to calibrate. The arms stand at {degrees(stood)} from it; `beatrix home` goes there. "
+            "To set it anew: disable, set the head upright and straight ahead, enable, calibrate.",
         )
     body.straighten()
     board.request(FrameType.CALIBRATE)

@@ -4,107 +4,33 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
-from stage import ROOT, Process, free_endpoint, until
+from shell import NAME, Shell, another, both, wait_until_free
+from stage import free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import Incoming
 
-CLI = ("-m", "beatrix_zenoh.cli")
-NAME = "bea1"
 pytestmark = pytest.mark.xdist_group("cli")
-
-
-class Shell:
-    """Somebody who types at one router."""
-
-    def __init__(self, endpoint: str) -> None:
-        self.endpoint = endpoint
-
-    def environment(self) -> dict[str, str]:
-        kept = {key: value for key, value in os.environ.items() if not key.startswith("BEATRIX_")}
-        return {**kept, "BEATRIX_CONNECT": self.endpoint, "BEATRIX_WHO": "ana", "PYTHONPATH": str(ROOT)}
-
-    def run(self, *words: str, cwd: Path = ROOT, **more: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, *CLI, *words]
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            env={**self.environment(), **more},
-            timeout=30,
-            check=False,
-            cwd=cwd,
-        )
-        assert "Traceback" not in done.stderr, done.stderr
-        return done
-
-    def good(self, *words: str) -> str:
-        done = self.run(*words)
-        assert done.returncode == 0, done.stdout + done.stderr
-        return done.stdout
-
-    def json(self, *words: str) -> dict[str, Any]:
-        document: dict[str, Any] = json.loads(self.run(*words, "--json").stdout)
-        return document
-
-    def start(self, *words: str) -> subprocess.Popen[str]:
-        return subprocess.Popen(
-            [sys.executable, *CLI, *words],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            env=self.environment(),
-            cwd=ROOT,
-        )
-
-    def robot(self, twin: str) -> Robot:
-        return Robot(NAME, twin, connect=self.endpoint, who="ana")
 
 
 @pytest.fixture(scope="module")
 def shell() -> Iterator[Shell]:
-    """Router, simulation and virtual robot by `beatrix up`."""
-    endpoint = free_endpoint()
-    where = ("--connect", endpoint, "--name", NAME)
-    up = Process(*CLI, "up", *where, "--hw", "virtual:", "--ready", "--json")
-    try:
-        up.expect('{"result":true')
-        made = Shell(endpoint)
-        made.good("enable", "--on", "hw")
-        made.good("calibrate", "--on", "hw")
+    with both() as made:
         yield made
-    finally:
-        assert up.end(signal.SIGINT) == 0
-
-
-@contextmanager
-def another(shell: Shell, name: str) -> Iterator[Process]:
-    """One more robot at the same router."""
-    process = Process(*CLI, "hw", "--name", name, "--port", "virtual:", "--connect", shell.endpoint)
-    try:
-        process.expect("ready")
-        yield process
-    finally:
-        process.end()
 
 
 @pytest.fixture
 def free(shell: Shell) -> Shell:
-    """Nobody drives: who was stopped must pause, and a driver keeps the robot for a while."""
-    with shell.robot("hw") as hardware, shell.robot("sim") as simulation:
-        until(lambda: not (hardware.status().holder or simulation.status().holder), "both are free")
+    wait_until_free(shell)
     return shell
 
 
@@ -322,55 +248,6 @@ def test_no_wait_lets_the_motion_go_on(free: Shell) -> None:
         assert yaw_deg(robot) == pytest.approx(start + 6, abs=1)
 
 
-def test_stop_ends_a_motion_and_its_asker_is_told(free: Shell) -> None:
-    with free.robot("hw") as robot:
-        look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
-        until(lambda: robot.status().moving, "the motion begins")
-        rows = free.json("stop", "--who", "ben")["robots"]
-        output, _ = look.communicate(timeout=10)
-    assert {(row["on"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
-    assert (look.returncode, "STOP" in output) == (1, True)
-
-
-def test_no_setting_stands_in_the_way_of_stop(shell: Shell, tmp_path: Path) -> None:
-    (tmp_path / "beatrix.toml").write_text('robot = "bea1', encoding="utf-8")
-    done = shell.run("stop", "--json", cwd=tmp_path, BEATRIX_ROBOT="Bea 1", BEATRIX_WHO="Frau Müller")
-    rows = json.loads(done.stdout)["robots"]
-    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw")}
-    assert done.returncode == 0
-    for wrong in ("beatrix.toml", "'Bea 1'", "Frau"):
-        assert wrong in done.stderr
-
-
-def test_stop_takes_several_names_and_both_twins(shell: Shell) -> None:
-    with another(shell, "bea2"):
-        rows = shell.json("stop", "--name", "bea2", "--name", NAME, "--on", "hw", "--on", "sim")["robots"]
-    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw"), ("bea2", "hw")}
-
-
-def test_stop_that_finds_nobody_of_the_name_that_is_set_says_how_to_stop_all(shell: Shell) -> None:
-    done = shell.run("stop", BEATRIX_ROBOT="bea9")
-    assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
-    assert "`beatrix stop --all` stops every robot." in done.stderr
-
-
-def test_emergency_stop_of_all_robots_needs_enable_afterwards(shell: Shell) -> None:
-    shell.good("stop", "--all", "--emergency")
-    assert {row["fault"] for row in shell.json("ls")["robots"]} == {"EMERGENCY"}
-    assert "EMERGENCY_STOP was pressed" in shell.good("ls")
-    shell.good("enable", "--on", "both")
-    shell.good("calibrate", "--on", "both")
-
-
-def test_of_both_robots_the_one_that_refuses_is_named(shell: Shell) -> None:
-    shell.good("disable", "--on", "hw")
-    done = shell.run("calibrate", "--on", "both")
-    shell.good("enable", "--on", "hw")
-    shell.good("calibrate", "--on", "both")
-    assert (done.returncode, f"{NAME} (sim): " in done.stdout) == (1, True)
-    assert f"\n{NAME} (hw): The motors are off" in done.stderr
-
-
 # -- exit codes ---------------------------------------------------------------------------------
 
 
@@ -384,10 +261,6 @@ def test_wrong_usage_is_exit_code_two(words: tuple[str, ...]) -> None:
 def test_nobody_there_is_exit_code_three(shell: Shell) -> None:
     done = shell.run("look", "--name", "bea7")
     assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
-
-
-def test_stop_that_finds_nobody_is_exit_code_three(shell: Shell) -> None:
-    assert shell.run("stop", "--name", "bea7").returncode == 3
 
 
 def test_no_router_is_exit_code_three() -> None:

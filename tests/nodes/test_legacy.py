@@ -209,5 +209,6 @@ def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
         assert 0 < program.x < 500
         warnings = place.robot.status().warnings
         assert "shortened" in warnings[-1]
+        assert sum("shortened" in warning for warning in warnings) == 1
         tilt = place.robot.positions().head
         assert abs(tilt.pitch) < 36

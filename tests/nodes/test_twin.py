@@ -158,6 +158,23 @@ def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: T
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
 
 
+def test_a_preview_tells_if_the_hardware_may_not_move_now(twin: Twin) -> None:
+    assert "But" not in twin.preview(yaw=10).verdict
+    twin.hw.disable()
+    assert "But the hardware may not move now: The motors are off" in twin.preview(yaw=10).verdict
+
+
+def test_neither_is_switched_while_somebody_else_drives_one(stage: Stage, twin: Twin) -> None:
+    teacher = stage.robot("bea", "hw", "teacher")
+    teacher.look(yaw=2, speed=60)
+    calibrations = twin.sim.status().calibrations
+    for verb in (twin.enable, twin.calibrate):
+        with pytest.raises(Refused, match=r"^bea \(hw\): teacher drives this robot"):
+            verb()
+    assert twin.sim.status().calibrations == calibrations
+    until(lambda: not teacher.status().holder, "free")
+
+
 def test_what_one_of_both_refuses_begins_with_its_name(twin: Twin) -> None:
     twin.hw.disable()
     with pytest.raises(Refused, match=r"^bea \(hw\): ") as refusal:
@@ -194,7 +211,8 @@ def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
     until(lambda: other.positions().commanded.short > 5, "moving")
     other.stop()
     thread.join()
-    assert "bea (hw)" in ended[0].message
+    assert "bea (hw): Ended by STOP" in ended[0].message
+    assert "bea (sim): Stopped;" in ended[0].message
     assert not twin.sim.status().moving
     assert commanded(twin.sim)[0] < 60
 
@@ -230,7 +248,7 @@ def test_what_stops_both_stops_the_hardware_though_the_simulation_is_gone() -> N
 def test_a_hardware_that_has_further_to_go_is_waited_for_and_told(twin: Twin) -> None:
     twin.hw.look(yaw=150, speed=60)
     plan = twin.preview_arms(0, 0, 0)
-    assert "The hardware stands 150 deg elsewhere" in plan.verdict
+    assert "The hardware stands 150.0 deg elsewhere" in plan.verdict
     plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
 

@@ -158,3 +158,12 @@ def test_a_try_that_is_refused_anyway_prolongs_the_pause() -> None:
         halt.check("ana", "her-session", 1.5, resting=True)
     halt.tried("ben", 2.4)
     halt.check("ana", "her-session", 2.6, resting=True)
+
+
+def test_a_try_after_the_pause_begins_no_new_one() -> None:
+    """An old program sends forty lines at once, minutes after somebody's STOP."""
+    halt = Halt()
+    halt.press("ana", "her-session", "another", 0.0)
+    halt.sent()
+    halt.tried("ana", 60.0)
+    halt.check("ana", "her-session", 60.1, resting=True)

@@ -99,3 +99,21 @@ def test_once_closed_everything_is_declined_and_what_waited_still_runs() -> None
         task.run()
     assert log.ran == ["before"]
     assert log.declined == [(name, Reason.SHUTDOWN) for name in ("command", "motion", "event")]
+
+
+def test_what_is_urgent_goes_before_all_that_waits_in_its_own_order() -> None:
+    log, mailbox = Log(), Mailbox()
+    for number in range(CAPACITY):
+        mailbox.post(log.task(f"command {number}"))
+    for name in ("stop", "its asker"):
+        task = log.task(name)
+        mailbox.post_urgent(task.run, task.decline)
+    first = [mailbox.take() for _ in range(3)]
+    for taken in first:
+        assert taken is not None
+        taken.run()
+    assert log.ran == ["stop", "its asker", "command 0"]
+    mailbox.close()
+    late = log.task("late")
+    mailbox.post_urgent(late.run, late.decline)
+    assert log.declined == [("late", Reason.SHUTDOWN)]
