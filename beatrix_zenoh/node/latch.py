@@ -41,8 +41,7 @@ class Latch:
     def press(self, presser: str) -> None:
         """EMERGENCY_STOP, by a session that knows of it (empty: none of ours)."""
         with self._lock:
-            for session in self._at_work:
-                self._told_s.setdefault(session, None)
+            self._told_s = dict.fromkeys(self._at_work)
             self._told_s.pop(presser, None)
 
     def check(self, session: str, now_s: float) -> None:

@@ -47,6 +47,14 @@ def test_who_pressed_it_knows(latch: Latch) -> None:
         latch.check("boss", 100.0)
 
 
+def test_each_emergency_is_told_anew(latch: Latch) -> None:
+    with pytest.raises(Refused):
+        latch.check("loop", 100.0)
+    latch.press("boss")
+    with pytest.raises(Refused):
+        latch.check("loop", 200.0)
+
+
 def test_a_session_that_has_ended_is_forgotten(latch: Latch) -> None:
     latch.gone("loop")
     latch.check("loop", 100.0)
