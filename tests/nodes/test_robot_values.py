@@ -60,6 +60,7 @@ def test_twins_with_different_values_are_told_by_doctor_and_in_a_preview(stage: 
     stage.hardware("other")
     with Twin("bea", connect=stage.endpoint, who="ana") as twin:
         ready(twin.sim)
+        ready(twin.hw)
         assert twin.preview(yaw=5).verdict.endswith(" s.")
     with Twin("other", connect=stage.endpoint, who="ana") as twin:
         ready(twin.sim)
