@@ -142,26 +142,23 @@ class Twin:
 
     def enable(self) -> None:
         """Motors of both on; of neither if one cannot be reached, or is driven by somebody else."""
-        check_reachable((self.sim, self.hw), self.client.settings.who)
-        self._both(Robot.enable)
+        self._switch(Robot.enable)
 
     def disable(self) -> None:
         """Motors of both off."""
-        self._both(Robot.disable)
+        each((self.sim, self.hw), Robot.disable)
 
     def calibrate(self) -> None:
         """Declare the present positions home; of neither if one cannot be reached, or is driven by somebody else."""
-        check_reachable((self.sim, self.hw), self.client.settings.who)
-        self._both(Robot.calibrate)
+        self._switch(Robot.calibrate)
 
     def home(self) -> None:
         """Both home, previewed like any motion."""
         self.preview_arms(0, 0, 0).commit()
 
-    def _both(self, do: Callable[[Robot], None]) -> None:
-        for robot in (self.sim, self.hw):
-            with naming(str(robot)):
-                do(robot)
+    def _switch(self, do: Callable[[Robot], None]) -> None:
+        check_reachable((self.sim, self.hw), self.client.settings.who)
+        each((self.sim, self.hw), do)
 
     def stop(self) -> None:
         """Stop both at once; raises as `Robot.stop`, after both have been asked."""
@@ -241,9 +238,7 @@ class Twin:
             Refused: motors off, home unknown, or somebody else drives.
             NoAnswer: one is not on line, or has lost its board.
         """
-        for robot in (self.sim, self.hw):
-            with naming(str(robot)):
-                may_move(robot.status(), self.client.settings.who)
+        each((self.sim, self.hw), lambda robot: may_move(robot.status(), self.client.settings.who))
 
     def carry_out(self, road: str, query: MotionQuery | PoseQuery) -> None:
         """Send a motion to the simulation, then to the hardware; raises as `Plan.commit`."""
@@ -313,11 +308,20 @@ def check_reachable(robots: Iterable[Robot], who: str) -> None:
         Refused: somebody else drives.
         NoAnswer: one is not on line, or has lost its board.
     """
+
+    def check(robot: Robot) -> None:
+        status = robot.status()
+        check_heard(status)
+        check_free(status, who)
+
+    each(robots, check)
+
+
+def each(robots: Iterable[Robot], do: Callable[[Robot], None]) -> None:
+    """One after the other; what one of them refuses begins with its name."""
     for robot in robots:
         with naming(str(robot)):
-            status = robot.status()
-            check_heard(status)
-            check_free(status, who)
+            do(robot)
 
 
 def check_heard(status: Status) -> None:

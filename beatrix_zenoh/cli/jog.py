@@ -182,9 +182,9 @@ def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[
     if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
         return []
     line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
-    elsewhere = (
-        f"elsewhere than your robot file says ({known_deg:.6g} deg). Write this into it, and start anew"
-    )
     if as_shipped:
         elsewhere = "elsewhere than on the shipped robot. Write this into a file, and start"
+    else:
+        file = f"your robot file says ({known_deg:.6g} deg)"
+        elsewhere = f"elsewhere than {file}. Write this into it, and start anew"
     return [f"Your arms sit {elsewhere} hardware and simulation with --robot-file FILE:", line]

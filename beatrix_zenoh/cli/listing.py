@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+
+import msgspec
 
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
@@ -139,8 +141,7 @@ def info(
 
 def limits_deg(info: Info) -> dict[str, float]:
     """Limits in degrees, degrees/s and degrees/s2."""
-    names = info.limits.__struct_fields__
-    return {name: round(math.degrees(getattr(info.limits, name)), 3) for name in names}
+    return in_degrees(info.limits, info.limits.__struct_fields__)
 
 
 def geometry_deg(info: Info) -> dict[str, float]:
@@ -148,8 +149,13 @@ def geometry_deg(info: Info) -> dict[str, float]:
     shape = info.geometry
     if shape is None:
         return {}
-    angles = {name: getattr(shape, name) for name in shape.__struct_fields__ if name != "hand"}
-    return {**{name: round(math.degrees(angle), 3) for name, angle in angles.items()}, "hand": shape.hand}
+    angles = [name for name in shape.__struct_fields__ if name != "hand"]
+    return {**in_degrees(shape, angles), "hand": shape.hand}
+
+
+def in_degrees(values: msgspec.Struct, names: Iterable[str]) -> dict[str, float]:
+    """These fields, which are in radians."""
+    return {name: round(math.degrees(getattr(values, name)), 3) for name in names}
 
 
 def described(info: Info) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""STOP from the command line: nothing that was typed, set or written in a file beside it may stand in its way."""
+"""STOP from the command line: nothing that is set, or written in a file, may stand in its way."""
 
 from __future__ import annotations
 
@@ -47,10 +47,12 @@ def stop(
     """Stop at once, whoever drives. Robot and simulation of a name; without a name every robot at the router."""
     asked = [names.check_name(one) for one in name or ()]
     settings, wrong = usable(connect=connect, who=who)
-    if every or not asked:
-        by_setting = not every and named(Where(None, connect, who), settings)
-        asked = [settings.robot if by_setting else "*"]
-    twin = on[0].value if on and len(set(on)) == 1 and on[0] is not Which.BOTH else "*"
+    if every:
+        asked = ["*"]
+    elif not asked:
+        asked = [settings.robot if named(Where(None, connect, who), settings) else "*"]
+    sides = {*(on or ())}
+    twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else "*"
     with Client(settings) as client:
         questions = [ask_to_stop(client, robot, twin, emergency=emergency) for robot in asked]
         present = client.bus.robots()  # asked after STOP, and before a frozen robot counts as gone
@@ -82,7 +84,7 @@ def answers(questions: Sequence[Question]) -> Iterator[tuple[tuple[str, str], Co
     deadline = time.monotonic() + STOP_S
     for question in questions:
         try:
-            while (answer := question.next(max(0.0, deadline - time.monotonic()))) is not None:
+            while (answer := question.next(deadline - time.monotonic())) is not None:
                 if not answer.error:
                     _, robot, twin, *_ = answer.key.split("/")
                     yield (robot, twin), codec.decode(answer.payload, CommandReply)

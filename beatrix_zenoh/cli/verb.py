@@ -86,11 +86,9 @@ def _check_once(command: object, words: Sequence[str]) -> None:
     for option in getattr(verb, "params", ()):
         if option.param_type_name != "option" or option.multiple or option.is_flag:
             continue
-        given = [word for word in words if word.partition("=")[0] in option.opts]
+        given = [name for name in (word.partition("=")[0] for word in words) if name in option.opts]
         if len(given) > 1:
-            raise typer.BadParameter(
-                f"{given[0].partition('=')[0]} is given {len(given)} times: give it once."
-            )
+            raise typer.BadParameter(f"{given[0]} is given {len(given)} times: give it once.")
 
 
 def _taught(error: typer.BadParameter) -> str:

@@ -70,7 +70,6 @@ class Driver:
         self._pressed_by = self._moved_by = ""
         self._lost = True
         self._cause = Reason.STOPPED
-        self._emergency_s = self._ended_s = float("-inf")
         self._number = secrets.randbelow(NUMBERS)  # not again those of the node before
         self.calibrations = 0
         """How often home was set."""
@@ -204,9 +203,9 @@ class Driver:
     def text_rests(self) -> None:
         """No motion of an old program is under way or waits."""
         if self._texting:
-            self._texting, self._ended_s = False, time.monotonic()
-            if self._lease.holder(self._ended_s) == OLD_PROGRAMS:
-                self._lease.rest(self._ended_s)
+            self._texting, now = False, time.monotonic()
+            if self._lease.holder(now) == OLD_PROGRAMS:
+                self._lease.rest(now)
 
     def _end_arm_target(self, reason: Reason, text: str) -> None:
         if reason not in (Reason.OK, Reason.REPLACED):
@@ -223,12 +222,8 @@ class Driver:
         self._latch.works(asker.session)
         try:
             if query.command == Command.ENABLE:
-                if query.value and asked_s <= self._emergency_s:
-                    raise Refused(
-                        Reason.STOPPED, "EMERGENCY_STOP was pressed after this was asked: look, then enable."
-                    )
                 if query.value:
-                    self._latch.check(asker.session, time.monotonic())
+                    self._latch.check(asker.session, asked_s, time.monotonic())
                 self._lease.check(asker.who, time.monotonic())
                 text = switch(self._board, on=query.value)
             elif query.command == Command.CALIBRATE:
@@ -271,8 +266,7 @@ class Driver:
         now = time.monotonic()
         self._pressed_by = session
         if emergency:
-            self._emergency_s = now
-            self._latch.press(session)
+            self._latch.press(session, now)
         # Who holds the robot between two motions has a program that goes on, too.
         self._halt.press(self._lease.holder(now), self._moved_by, session, now)
 
@@ -368,8 +362,7 @@ class Driver:
 
     def _finish(self, running: Running, reason: Reason, text: str) -> None:
         self._running = None
-        self._ended_s = time.monotonic()
-        self._lease.rest(self._ended_s)
+        self._lease.rest(time.monotonic())
         running.end(reason, text)
 
     @property

@@ -20,6 +20,7 @@ class Latch:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
+        self._pressed_s = float("-inf")
         self._at_work: dict[str, None] = {}
         self._told_s: dict[str, float | None] = {}
         """Sessions that must look first, and when they were told, if they were."""
@@ -38,19 +39,25 @@ class Latch:
             self._at_work.pop(session, None)
             self._told_s.pop(session, None)
 
-    def press(self, presser: str) -> None:
+    def press(self, presser: str, now_s: float) -> None:
         """EMERGENCY_STOP, by a session that knows of it (empty: none of ours)."""
         with self._lock:
+            self._pressed_s = now_s
             self._told_s = dict.fromkeys(self._at_work)
             self._told_s.pop(presser, None)
 
-    def check(self, session: str, now_s: float) -> None:
-        """Raise unless a session may switch the motors on.
+    def check(self, session: str, asked_s: float, now_s: float) -> None:
+        """Raise unless a session that asked at `asked_s` may switch the motors on.
 
         Raises:
-            Refused: STOPPED, once for each session that was at work, and again if it does not pause.
+            Refused: STOPPED, whoever asked before it was pressed; once for each session that was at work, and again if
+                it does not pause.
         """
         with self._lock:
+            if asked_s <= self._pressed_s:
+                raise Refused(
+                    Reason.STOPPED, "EMERGENCY_STOP was pressed after this was asked: look, then enable."
+                )
             if session not in self._told_s:
                 return
             told_s = self._told_s[session]

@@ -51,13 +51,7 @@ class Mailbox:
         self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
     ) -> None:
         """As `post_event`, in front of all that is not urgent: STOP, and what the board shows."""
-        with self._lock:
-            no = self._refusal(full=False)
-            if no is None:
-                self._urgent.append(Task(run, decline))
-                self._arrived.put(None)
-        if no is not None:
-            decline(no)
+        self._queue(Task(run, decline), most=math.inf, urgent=True)
 
     def post_latest(self, key: Hashable, task: Task) -> None:
         """Queue in place of the entry under the same key, which is declined as REPLACED."""
@@ -75,10 +69,13 @@ class Mailbox:
                 Refused(Reason.REPLACED, "A newer motion from this seat came before this one began.")
             )
 
-    def _queue(self, task: Task, *, most: float) -> None:
+    def _queue(self, task: Task, *, most: float, urgent: bool = False) -> None:
         with self._lock:
             no = self._refusal(full=len(self._entries) >= most)
-            if no is None:
+            if no is None and urgent:
+                self._urgent.append(task)
+                self._arrived.put(None)
+            elif no is None:
                 self._count += 1
                 self._put(self._count, task)
         if no is not None:

@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import pytest
+from body import Body
 from stage import Stage, ready
 
 from beatrix_zenoh import Robot
 
 BODIES = ("sim", "hw", "in-process", "mega")
-
-
-@dataclass(frozen=True)
-class Body:
-    """A robot under test on a stage of its own."""
-
-    kind: str
-    stage: Stage
-    name: str
-    twin: str
-
-    def robot(self, who: str = "ana") -> Robot:
-        """The robot through another session."""
-        return self.stage.robot(self.name, self.twin, who)
 
 
 @pytest.fixture(scope="module", params=BODIES)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import threading
-from typing import Protocol, Self
+from typing import Self
 
 import pytest
-from stage import Stage, ask_raw, until
+from body import Body
+from stage import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh import bus as zbus
@@ -15,15 +16,6 @@ from beatrix_zenoh._generated.messages import CommandReply, MotionReply, PoseQue
 from beatrix_zenoh.bus import Question
 from beatrix_zenoh.drive import Gear
 from beatrix_zenoh.errors import WrongUsage
-
-
-class Body(Protocol):
-    """What the fixture gives."""
-
-    stage: Stage
-
-    def robot(self, who: str = "ana") -> Robot:
-        """Another session."""
 
 
 def test_second_client_is_refused_by_name_and_the_first_goes_on(body: Body, robot: Robot) -> None:

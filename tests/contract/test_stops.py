@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import pytest
+from body import Body
 from stage import ready, until
 
 from beatrix_zenoh import Refused, Robot, codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, Fault, Reason
 from beatrix_zenoh.bus import Question
-
-
-class Body(Protocol):
-    """A robot under test (conftest.py)."""
-
-    def robot(self, who: str = "ana") -> Robot:
-        """The robot through another session."""
 
 
 def test_an_emergency_is_not_undone_by_a_program_that_begins_with_enable(body: Body, robot: Robot) -> None:

@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from shell import NAME, Shell, another, both, wait_until_free
+from shell import NAME, Shell, another
 from stage import until
 
 pytestmark = pytest.mark.xdist_group("cli")
-
-
-@pytest.fixture(scope="module")
-def shell() -> Iterator[Shell]:
-    with both() as made:
-        yield made
-
-
-@pytest.fixture
-def free(shell: Shell) -> Shell:
-    wait_until_free(shell)
-    return shell
 
 
 def test_stop_ends_a_motion_and_its_asker_is_told(free: Shell) -> None:

@@ -7,11 +7,10 @@ import math
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from shell import NAME, Shell, another, both, wait_until_free
+from shell import NAME, Shell, another
 from stage import free_endpoint, until
 
 from beatrix_zenoh import Robot
@@ -20,18 +19,6 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import Incoming
 
 pytestmark = pytest.mark.xdist_group("cli")
-
-
-@pytest.fixture(scope="module")
-def shell() -> Iterator[Shell]:
-    with both() as made:
-        yield made
-
-
-@pytest.fixture
-def free(shell: Shell) -> Shell:
-    wait_until_free(shell)
-    return shell
 
 
 def yaw_deg(robot: Robot) -> float:

@@ -2,37 +2,16 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import BoardStatus, Fault, Status
+import msgspec
+from statuses import READY
+
+from beatrix_zenoh._generated.messages import Status
 from beatrix_zenoh.cli.up import verbs
 
 
 def status(*, calibrated: bool) -> Status:
     """Of a robot that rests."""
-    board = BoardStatus(
-        connected=True,
-        port="virtual:",
-        name="",
-        firmware="",
-        contract="",
-        boot=1,
-        rejected_frames=0,
-        retries=0,
-    )
-    return Status(
-        t_mono_ns=0,
-        t_wall_ns=0,
-        robot="bea",
-        twin="hw",
-        enabled=calibrated,
-        calibrated=calibrated,
-        moving=False,
-        motion=0,
-        fault=Fault.NONE,
-        warnings=[],
-        calibrations=0,
-        holder="",
-        board=board,
-    )
+    return msgspec.structs.replace(READY, enabled=calibrated, calibrated=calibrated)
 
 
 def test_up_tells_nobody_to_calibrate_a_robot_that_knows_home() -> None:

@@ -4,29 +4,12 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import BoardStatus, Fault, Reason, Status
+from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.twin import may_move
 
-BOARD = BoardStatus(
-    connected=True, port="", name="bea", firmware="", contract="", boot=1, rejected_frames=0, retries=0
-)
-READY = Status(
-    t_mono_ns=0,
-    t_wall_ns=0,
-    robot="bea",
-    twin="hw",
-    enabled=True,
-    calibrated=True,
-    moving=False,
-    motion=0,
-    fault=Fault.NONE,
-    warnings=[],
-    calibrations=1,
-    holder="",
-    board=BOARD,
-)
 LOST = msgspec.structs.replace(BOARD, connected=False)
 
 
