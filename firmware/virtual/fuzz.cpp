@@ -1,10 +1,10 @@
-// Any input at all: bytes and frames of every kind, in any order, with time passing in between.
+// Fuzz target: bytes, frames and lines of every kind, in any order, with time between them.
 //
-// The input is a list of operations: a byte that says what, a byte that says how much, and what belongs to it.
+// The input is a list of operations: a byte for the kind, a byte for a parameter, and the data.
 #include <stddef.h>
 
-#include "../core/frame.h"
-#include "../core/guard.h"
+#include "../beatrix/src/core/frame.h"
+#include "../beatrix/src/core/limits.h"
 #include "board.h"
 
 namespace {
@@ -14,7 +14,7 @@ class Input {
   Input(const uint8_t *data, size_t size) : data_(data), left_(size) {}
 
   bool empty() const { return left_ == 0; }
-  // Past the end: 0.
+  // 0 after the end.
   uint8_t next() {
     if (empty()) return 0;
     left_--;
@@ -26,33 +26,33 @@ class Input {
   size_t left_;
 };
 
-void give(const uint8_t *bytes, uint32_t count) {
+void send_bytes(const uint8_t *bytes, uint32_t count) {
   for (uint32_t i = 0; i < count; i++) receive_buffer()[i] = bytes[i];
   receive(count);
   drain();
 }
 
-void give_noise(Input &input, uint8_t count) {
+void send_noise(Input &input, uint8_t count) {
   uint8_t noise[255];
   for (uint8_t i = 0; i < count; i++) noise[i] = input.next();
-  give(noise, count);
+  send_bytes(noise, count);
 }
 
-void give_frame(uint8_t type, const uint8_t *payload, uint8_t size) {
+void send_frame(uint8_t type, const uint8_t *payload, uint8_t size) {
   uint8_t wire[beatrix::MAX_WIRE];
-  give(wire, beatrix::encode(type, 0, payload, size, wire));
+  send_bytes(wire, beatrix::encode(type, 0, payload, size, wire));
 }
 
-// A frame that is correct as such, of a type that exists or nearly.
-void give_any_frame(Input &input, uint8_t how) {
+// A correct frame of an existing type, or of a type near it.
+void send_any_frame(Input &input, uint8_t how) {
   uint8_t payload[beatrix::MAX_PAYLOAD];
   uint8_t size = uint8_t(input.next() % (beatrix::MAX_PAYLOAD + 1));
   for (uint8_t i = 0; i < size; i++) payload[i] = input.next();
-  give_frame(uint8_t(how % 13), payload, size);
+  send_frame(uint8_t(how % 13), payload, size);
 }
 
-// A move whose fields are mostly allowed.
-void give_move(Input &input, uint8_t how) {
+// A move with mostly valid fields.
+void send_move(Input &input, uint8_t how) {
   beatrix::Move move;
   move.motion = input.next();
   for (uint8_t i = 0; i < beatrix::ARMS; i++) {
@@ -61,26 +61,26 @@ void give_move(Input &input, uint8_t how) {
   }
   uint8_t payload[beatrix::Move::SIZE];
   move.write(payload);
-  // A straight one has the first speed only, and is the same otherwise.
-  if (how & 1) give_frame(beatrix::FRAME_MOVE_STRAIGHT, payload, beatrix::MoveStraight::SIZE);
-  else give_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
+  // MOVE_STRAIGHT has one speed only, and otherwise the same fields.
+  if (how & 1) send_frame(beatrix::FRAME_MOVE_STRAIGHT, payload, beatrix::MoveStraight::SIZE);
+  else send_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
 }
 
-// Whoever asked, whatever they asked for: no limit is crossed, and no motor turns that is off.
-void pass(uint8_t milliseconds) {
+// Whatever was requested: no limit is crossed, and no step is made while the motors are off.
+void run_checked(uint8_t milliseconds) {
   const Report *report = report_buffer();
   for (uint8_t i = 0; i < milliseconds; i++) {
     int32_t before = report->pulses[0];
     bool could_turn = report->drivers_on;
     tick(1);
-    if (beatrix::guard_steps(report->steps) != beatrix::OUTCOME_NONE) __builtin_trap();
+    if (beatrix::check_steps(report->steps) != beatrix::OUTCOME_NONE) __builtin_trap();
     if (!could_turn && report->pulses[0] != before) __builtin_trap();
   }
   drain();
 }
 
 // A line of text, known or not, with arguments of any bytes.
-void give_line(Input &input, uint8_t how) {
+void send_line(Input &input, uint8_t how) {
   static const char *const WORDS[] = {"@ENMOTORS ON", "@ENMOTORS OFF", "@CALNOW", "@STOPALL", "@GETALLPOS", "@GETXPOS",
                                       "@MOVHOME", "@MOVRALL ", "@MOVAALL ", "@MOVRX ", "@MOVAY ", "@MOVTOAPOS ", "@"};
   uint8_t line[192];
@@ -88,11 +88,11 @@ void give_line(Input &input, uint8_t how) {
   for (const char *at = WORDS[how % (sizeof WORDS / sizeof WORDS[0])]; *at; at++) line[size++] = uint8_t(*at);
   for (uint8_t left = how & 0x80 ? input.next() % 150 : how / 13; left; left--) line[size++] = input.next();
   line[size++] = how & 1 ? '\r' : '\n';
-  give(line, size);
+  send_bytes(line, size);
 }
 
-// Three numbers that are mostly allowed.
-void give_text_move(Input &input, uint8_t how) {
+// A text motion with mostly valid numbers.
+void send_text_move(Input &input, uint8_t how) {
   uint8_t line[32] = "@MOVRALL +000 +000 +000\r";
   if (how & 1) line[4] = 'A';
   for (uint8_t i = 0; i < beatrix::ARMS; i++) {
@@ -103,18 +103,18 @@ void give_text_move(Input &input, uint8_t how) {
     number[2] = uint8_t('0' + digits / 10 % 10);
     number[3] = uint8_t('0' + digits / 26);
   }
-  give(line, 24);
+  send_bytes(line, 24);
 }
 
-void get_ready() {
+void enable_and_calibrate() {
   const uint8_t on = 1;
-  give_frame(beatrix::FRAME_ENABLE, &on, 1);
-  give_frame(beatrix::FRAME_CALIBRATE, &on, 0);
+  send_frame(beatrix::FRAME_ENABLE, &on, 1);
+  send_frame(beatrix::FRAME_CALIBRATE, &on, 0);
 }
 
-void get_ready_in_text() {
+void enable_and_calibrate_in_text() {
   const uint8_t lines[] = "@ENMOTORS ON\r@CALNOW\r";
-  give(lines, sizeof lines - 1);
+  send_bytes(lines, sizeof lines - 1);
 }
 
 }  // namespace
@@ -125,14 +125,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   while (!input.empty()) {
     uint8_t what = input.next(), how = input.next();
     switch (what % 8) {
-      case 0: give_noise(input, how); break;
-      case 1: give_any_frame(input, how); break;
-      case 2: give_move(input, how); break;
-      case 3: get_ready(); break;
-      case 4: pass(how); break;
-      case 5: give_line(input, how); break;
-      case 6: give_text_move(input, how); break;
-      case 7: get_ready_in_text(); break;
+      case 0: send_noise(input, how); break;
+      case 1: send_any_frame(input, how); break;
+      case 2: send_move(input, how); break;
+      case 3: enable_and_calibrate(); break;
+      case 4: run_checked(how); break;
+      case 5: send_line(input, how); break;
+      case 6: send_text_move(input, how); break;
+      case 7: enable_and_calibrate_in_text(); break;
     }
   }
   return 0;

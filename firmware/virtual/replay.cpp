@@ -1,4 +1,4 @@
-// Runs one fuzzer input from standard input: for compilers without a fuzzer, and to look into a finding.
+// Runs one fuzzer input from standard input: for compilers without a fuzzer, and to debug a finding.
 #include <stdint.h>
 #include <stdio.h>
 

@@ -1,0 +1,28 @@
+// Limits of the arms: gaps between neighbours, and the common turn.
+#ifndef BEATRIX_LIMITS_H
+#define BEATRIX_LIMITS_H
+
+#include "axis.h"
+#include "contract.h"
+
+namespace beatrix {
+
+static const uint8_t ARMS = 3;
+
+inline uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
+
+// Difference of step counts to the next arm at this gap. The arm after the last is the first, a turn further.
+inline int32_t difference_at(uint8_t arm, int32_t gap) {
+  return gap - (arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING);
+}
+
+// GAP, YAW, or NONE if arms at these steps are within the limits.
+Outcome check_steps(const int32_t steps[ARMS]);
+
+// The same for the planned tick: NONE if braking right after it ends within the limits, or no further beyond them than
+// now.
+Outcome check_tick(const Axis axes[ARMS]);
+
+}  // namespace beatrix
+
+#endif

@@ -1,0 +1,56 @@
+// Motion of the three arms: towards a target or braking, within the limits.
+#ifndef BEATRIX_MOTION_H
+#define BEATRIX_MOTION_H
+
+#include "limits.h"
+
+namespace beatrix {
+
+// Targets and ramps for start(), computed beforehand because of its divisions.
+struct Plan {
+  int32_t target[ARMS] = {};
+  Ramp ramp[ARMS];
+};
+
+class Motion {
+ public:
+  // Distance of each arm to its target, for plan(); `resting`: all arms rest.
+  void measure(const Move &move, uint32_t distance_to_go[ARMS], bool *resting) const;
+  // Straight: speed[0] is the speed of the arm with the longest distance, the others are slower in proportion. From rest
+  // their accelerations are, too, so that all start and arrive together.
+  void plan(const Move &move, bool straight, const uint32_t distance_to_go[ARMS], bool resting, Plan *plan) const;
+  // Replaces a running motion.
+  void start(const Plan &plan);
+  // Brake to rest from the next tick on; the first reason is reported.
+  void brake(Outcome why);
+  // Rest at once at the position of the last steps: the drivers are off, and some steps were discarded.
+  void abort(Outcome why, const int16_t discarded_steps[ARMS]);
+  // At rest only: the present position becomes home.
+  void set_home();
+  void tick();
+
+  const Axis &axis(uint8_t i) const { return axes_[i]; }
+  bool moving() const { return moving_; }
+  bool braking() const { return braking_; }
+  Outcome outcome() const { return outcome_; }
+
+ private:
+  void plan_straight(const Fixed &top, const uint32_t distance_to_go[ARMS], bool resting, Plan *plan) const;
+  bool same_accelerations(const Plan &plan) const;
+  void follow_or_brake_first(const Plan &plan);
+  void follow(const Plan &plan);
+  void stop_slow_axes();
+  void brake_all();
+  void finish();
+
+  Axis axes_[ARMS];
+  Plan next_ = Plan();
+  Outcome brake_reason_ = OUTCOME_NONE;      // reported after braking; NONE: start next_ from rest
+  Outcome outcome_ = OUTCOME_NONE;
+  bool moving_ = false;
+  bool braking_ = false;
+};
+
+}  // namespace beatrix
+
+#endif

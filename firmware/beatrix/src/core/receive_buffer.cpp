@@ -1,0 +1,79 @@
+// Ring buffer of received bytes.
+#include "../speed.h"
+#include "receive_buffer.h"
+
+namespace beatrix {
+
+static_assert(FRAME_EMERGENCY_STOP == (FRAME_STOP | 1) && !(FRAME_STOP & 1), "find_stop() finds both with one comparison");
+
+// The bytes of a block that has just ended are still in the ring, even if the main loop has read them.
+bool ReceiveBuffer::find_stop(uint8_t *type, uint8_t *seq) {
+  uint8_t scanned = scanned_, block = block_, head = head_;
+  bool found = false;
+  while (scanned != head && !found) {
+    if (bytes_[scanned++]) continue;
+    if (uint8_t(scanned - block) == STOP_BLOCK + 1 && (bytes_[uint8_t(block + 1)] | 1) == FRAME_EMERGENCY_STOP && in_block_) {
+      uint8_t copy[STOP_BLOCK];
+      for (uint8_t i = 0; i < STOP_BLOCK; i++) copy[i] = bytes_[uint8_t(block + i)];
+      found = read_stop(copy, type, seq);
+    }
+    block = scanned;
+    in_block_ = true;
+  }
+  // Limit the length of a long block: its start may be overwritten, and its length would wrap.
+  if (uint8_t(scanned - block) > STOP_BLOCK + 1) block = uint8_t(scanned - STOP_BLOCK - 2);
+  scanned_ = scanned;
+  block_ = block;
+  return found;
+}
+
+void ReceiveBuffer::add_stop(uint8_t type, uint8_t seq) {
+  bool emergency = false;
+  if (stop_count_ == STOPS) {
+    stop_count_--;
+    emergency = stops_[uint8_t(first_ + stop_count_) % STOPS].type == FRAME_EMERGENCY_STOP;
+  }
+  EarlyStop &last = stops_[uint8_t(first_ + stop_count_) % STOPS];
+  last.end = scanned_;
+  last.type = emergency ? uint8_t(FRAME_EMERGENCY_STOP) : type;
+  last.seq = seq;
+  last.lost = false;
+  stop_count_++;
+}
+
+bool ReceiveBuffer::within_stop(uint8_t at) const {
+  for (uint8_t i = 0; i < stop_count_; i++) {
+    uint8_t left = uint8_t(stops_[uint8_t(first_ + i) % STOPS].end - at);
+    if (left > 0 && left <= STOP_BLOCK) return true;
+  }
+  return false;
+}
+
+// Discards up to the end of a frame or line. Stop frames among the discarded bytes are marked as lost.
+bool ReceiveBuffer::discard_oldest() {
+  uint8_t fill = waiting();
+  if (fill <= FILL_MAX) return false;
+  uint8_t tail = tail_, discarded = 0, excess = uint8_t(fill - FILL_MAX);
+  bool ends = false;
+  while (tail != scanned_ && (discarded < excess || !ends)) {
+    uint8_t byte = bytes_[tail++];
+    discarded++;
+    ends = byte == 0 || ((byte == '\r' || byte == '\n') && !within_stop(tail));
+    for (uint8_t i = 0; i < stop_count_; i++) {
+      EarlyStop &stop = stops_[uint8_t(first_ + i) % STOPS];
+      if (stop.end == tail) stop.lost = true;
+    }
+  }
+  tail_ = tail;
+  discarded_ = at_most_255(uint16_t(discarded_ + discarded));
+  return true;
+}
+
+bool ReceiveBuffer::has_emergency() const {
+  for (uint8_t i = 0; i < stop_count_; i++) {
+    if (stops_[uint8_t(first_ + i) % STOPS].type == FRAME_EMERGENCY_STOP) return true;
+  }
+  return false;
+}
+
+}  // namespace beatrix

@@ -1,0 +1,93 @@
+// Ring buffer of received bytes. Stop frames act as soon as they are found in it, before the bytes ahead of them.
+//
+// put() runs in the AVR's receive interrupt, everything else in the main loop. Each variable is written on one side
+// only, so neither side disables interrupts.
+//
+// The main loop scans new bytes for stop frames (find_stop) before and after every long action. It discards the oldest
+// bytes beyond FILL_MAX (discard_oldest), so the ring has room for all bytes until the next scan and loses no stop frame.
+#ifndef BEATRIX_RECEIVE_BUFFER_H
+#define BEATRIX_RECEIVE_BUFFER_H
+
+#include "frame.h"
+
+namespace beatrix {
+
+// A stop frame that has acted while bytes ahead of it wait.
+struct EarlyStop {
+  uint8_t end;  // its end in the ring
+  uint8_t type;
+  uint8_t seq;
+  bool lost;  // discarded with other bytes: the receiver will not decode it
+};
+
+class ReceiveBuffer {
+ public:
+  // Add a received byte.
+  void put(uint8_t byte) {
+    uint8_t head = head_;
+    uint8_t next = uint8_t(head + 1);
+    if (next == tail_) {
+      overruns_++;
+      return;
+    }
+    bytes_[head] = byte;
+    head_ = next;
+  }
+
+  bool empty() const { return head_ == tail_; }
+  bool full() const { return waiting() >= FILL_MAX; }
+  // The oldest byte; only while not empty.
+  uint8_t take() {
+    uint8_t tail = tail_;
+    uint8_t byte = bytes_[tail];
+    tail_ = uint8_t(tail + 1);
+    return byte;
+  }
+
+  bool has_unscanned() const { return scanned_ != head_; }
+  // Scans new bytes up to the end of the next stop frame; false: there is none.
+  bool find_stop(uint8_t *type, uint8_t *seq);
+  // Store the frame just found. If the list is full, it replaces the newest; the host repeats that request.
+  void add_stop(uint8_t type, uint8_t seq);
+  // Discards the oldest lines and frames beyond FILL_MAX; true: some were discarded, the incomplete one included.
+  bool discard_oldest();
+  // Bytes lost or discarded since start, at most 255.
+  uint8_t bytes_lost() const { return at_most_255(uint16_t(overruns_ + discarded_)); }
+
+  // Stop frames that have acted and still have bytes ahead of them.
+  bool has_stops() const { return stop_count_ != 0; }
+  bool has_emergency() const;
+  // The main loop has read all bytes up to the end of the first stop frame.
+  bool stop_is_due() const { return stop_count_ && (stops_[first_].lost || stops_[first_].end == tail_); }
+  const EarlyStop &first_stop() const { return stops_[first_]; }
+  void remove_stop() {
+    first_ = uint8_t((first_ + 1) % STOPS);
+    stop_count_--;
+  }
+
+ private:
+  static const uint8_t FILL_MAX = 191;  // leaves 64 bytes, 2.5 ms
+  static const uint8_t STOPS = 16;
+
+  static uint8_t at_most_255(uint16_t count) { return uint8_t(count > 255 ? 255 : count); }
+  bool within_stop(uint8_t at) const;
+  uint8_t waiting() const { return uint8_t(head_ - tail_); }
+
+  // Written by put().
+  volatile uint8_t head_ = 0;
+  volatile uint8_t overruns_ = 0;  // 0 while the main loop keeps its budget (hal.h)
+  // Written by the main loop.
+  volatile uint8_t tail_ = 0;
+  uint8_t scanned_ = 0;       // end of the scanned bytes
+  uint8_t block_ = 0;      // start of the block being scanned
+  bool in_block_ = false;  // false before the first delimiter
+  uint8_t discarded_ = 0;
+  uint8_t first_ = 0;
+  uint8_t stop_count_ = 0;
+  EarlyStop stops_[STOPS] = {};
+  uint8_t bytes_[256] = {};  // indices wrap by themselves
+};
+
+}  // namespace beatrix
+
+#endif

@@ -1,0 +1,17 @@
+// Shortens text motions to the limits: the old protocol cannot refuse them with a reason.
+#ifndef BEATRIX_TEXT_LIMITS_H
+#define BEATRIX_TEXT_LIMITS_H
+
+#include "limits.h"
+
+namespace beatrix {
+
+static const Warning NOT_SHORTENED = Warning(0);
+
+// Moves `target` back on the line from `start` to the first limit and returns its warning, or NOT_SHORTENED. A `start`
+// beyond a limit allows every motion that goes no further beyond it.
+Warning shorten_to_limits(const int32_t start[ARMS], int32_t target[ARMS]);
+
+}  // namespace beatrix
+
+#endif

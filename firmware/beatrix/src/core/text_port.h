@@ -1,0 +1,66 @@
+// Text protocol of 2023: two replies to every command, one command at a time.
+//
+// Its positions count from a zero of its own: @CALNOW does not move the limits, which refer to home.
+#ifndef BEATRIX_TEXT_PORT_H
+#define BEATRIX_TEXT_PORT_H
+
+#include "text_limits.h"
+#include "text_queue.h"
+
+namespace beatrix {
+
+class Machine;
+
+class TextPort {
+ public:
+  // Set the state after a reset: the queue is empty, home is not known, the present position is 0.
+  void open(Machine &machine);
+  // Queue a line of text; its replies follow those of earlier lines. STOP acts here.
+  void take(Machine &machine, const uint8_t *line, uint8_t size);
+  // Send the replies that are due; called at least every millisecond.
+  void poll(Machine &machine);
+
+  // Cancel the queued motions, after a stop.
+  void cancel_motions();
+  // A motion of the host replaces a text motion.
+  void host_takes_over(const Machine &machine);
+  // Home has moved to the position that was `steps`.
+  void home_changed(const int32_t steps[ARMS]);
+
+ private:
+  // Phase of the current command: the event or time for which its second reply waits.
+  enum Phase : uint8_t {
+    IDLE,        // no current command
+    WAITING_FOR_REST,    // the end of the previous motion, before it starts its own
+    MOVING,      // the last step of its motion
+    COUNTING_ONLY,  // motors are off: the time that the motion would take
+    STOPPING,    // the arms to rest
+    ARRIVED,     // the motors, which are behind the tick
+    CANCELLED,        // nothing: its motion was ended by a stop or another motion
+  };
+
+  bool advance(Machine &machine);
+  void begin(Machine &machine, const TextCommand &command);
+  void execute(Machine &machine, CommandKind kind);
+  void start_move(Machine &machine);
+  void count_only(Machine &machine, const int32_t from[ARMS], const int32_t target[ARMS]);
+  void end(Machine &machine, bool done);
+  void send_position(Machine &machine, uint8_t arm) const;
+  void send_positions(Machine &machine) const;
+  void queue_warning(Warning warning) { warnings_ = uint8_t(warnings_ | 1 << warning); }
+  void send_warnings(Machine &machine);
+
+  TextQueue queue_;
+  TextCommand command_ = command_of_kind(COMMAND_UNKNOWN);  // the current one, unless IDLE
+  Phase phase_ = IDLE;
+  bool calibrated_ = false;
+  int32_t zero_[ARMS] = {0, 0, 0};    // the port's zero, in steps from home
+  int32_t counted_steps_[ARMS] = {0, 0, 0}; // COUNTING_ONLY: what the motion adds to the port's position
+  uint32_t since_tick_ = 0;                // COUNTING_ONLY, ARRIVED: tick at which the phase began
+  uint32_t duration_ = 0;             // COUNTING_ONLY: in ticks
+  uint8_t warnings_ = 0;              // to send, one bit for each code
+};
+
+}  // namespace beatrix
+
+#endif

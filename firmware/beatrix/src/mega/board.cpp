@@ -1,0 +1,85 @@
+// The board: start-up, main loop, watchdog.
+#include "../speed.h"
+#include "board.h"
+
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+#include <avr/wdt.h>
+
+#include "../core/machine.h"
+#include "eeprom.h"
+#include "serial.h"
+#include "steps.h"
+#include "tick.h"
+
+namespace beatrix {
+
+namespace {
+
+Machine machine;
+
+// Stops what the Arduino core has started: its clock would take 3 % of the time; its PWM is not used.
+void stop_other_timers() {
+  TIMSK0 = 0;
+  TCCR0B = TCCR2B = TCCR4B = TCCR5B = 0;
+  TCCR1A = TCCR1B = TCCR3A = TCCR3B = 0;
+  ADCSRA = 0;
+}
+
+// Every step wakes the processor, so the most frequent case is decided first: no new bytes, none waiting.
+inline bool work_pending() {
+  const ReceiveBuffer &buffer = mega::receive_buffer;
+  if (buffer.has_unscanned()) return true;
+  return (!buffer.empty() || buffer.stop_is_due()) && hal::transmit_room() >= REPLY_ROOM;
+}
+
+// Checks with interrupts disabled, so that none is missed; the processor executes the instruction after sei() first.
+void sleep_until_interrupt() {
+  cli();
+  if (work_pending() || mega::tick_done()) {
+    sei();
+    return;
+  }
+  sei();
+  sleep_cpu();
+}
+
+}  // namespace
+
+void begin(uint32_t baud) {
+  cli();
+  stop_other_timers();
+  SMCR = _BV(SE);  // sleep mode idle: timers and UART continue
+  mega::start_steps();
+  mega::count_boot();
+  mega::start_serial(baud);
+  machine.start();
+  mega::start_tick(machine);
+  wdt_enable(WDTO_250MS);
+  sei();
+}
+
+// Received bytes before telemetry, because of EMERGENCY_STOP. MAX_WIRE bounds them, so poll() runs even under a flood.
+void run() {
+  if (work_pending()) machine.process(mega::receive_buffer, MAX_WIRE);
+  if (mega::tick_done()) {
+    mega::clear_tick_done();
+    machine.poll();
+    mega::continue_eeprom_write();
+  }
+  sleep_until_interrupt();
+}
+
+namespace hal {
+void reset_watchdog() { wdt_reset(); }
+}  // namespace hal
+
+}  // namespace beatrix
+
+// After a watchdog reset the watchdog keeps running with its shortest period, 16 ms, so it is stopped first. Most boot
+// loaders do so, too, but the firmware needs none.
+extern "C" void stop_watchdog() __attribute__((naked, used, section(".init3")));
+extern "C" void stop_watchdog() {
+  MCUSR = 0;
+  wdt_disable();
+}

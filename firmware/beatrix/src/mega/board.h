@@ -1,0 +1,16 @@
+// The board: call begin() once, then run() in a loop.
+#ifndef BEATRIX_MEGA_BOARD_H
+#define BEATRIX_MEGA_BOARD_H
+
+#include "../core/contract.h"
+
+namespace beatrix {
+
+// Takes over timers 1 and 3, UART 0 and the watchdog, stops the other timers, and switches the motors off.
+void begin(uint32_t baud);
+// One turn of the main loop: processes received bytes, then sleeps until the next interrupt.
+void run();
+
+}  // namespace beatrix
+
+#endif

@@ -1,0 +1,8 @@
+// Program for `make mega`: the sketch without the Arduino core. Not in the sketch's folder, because the Arduino core has its
+// own main().
+#include "beatrix/beatrix.ino"
+
+int main() {
+  setup();
+  for (;;) loop();
+}
