@@ -1,6 +1,6 @@
-"""What of the robot is compiled into the firmware, in the units of the planner: microsteps, and Q26 microsteps per tick.
+"""Values of the robot that are compiled into the firmware, in its units: microsteps, and Q26 microsteps per tick.
 
-Robots that have the same values here run the same firmware.
+Robots with the same values run the same firmware.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ def number(robot: Robot, table: str, name: str) -> float:
 
 
 def microsteps_per_degree(robot: Robot) -> float:
-    """Of an arm."""
+    """Microsteps per degree of an arm."""
     steps = number(robot, "drive", "full_steps") * number(robot, "drive", "microsteps")
     return steps * number(robot, "drive", "gear_ring") / number(robot, "drive", "gear_pinion") / 360
 
 
 def compiled(robot: Robot) -> dict[str, int]:
-    """Name in the firmware -> value; what holds for the text port is rounded to the safe side."""
+    """Map names in the firmware to values; values of the text port are rounded to the safe side."""
     per_degree = microsteps_per_degree(robot)
 
     def steps(name: str) -> float:

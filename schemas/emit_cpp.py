@@ -1,4 +1,4 @@
-"""C++11 side of the contract: firmware/core/contract.h, for g++, clang and avr-g++."""
+"""C++11 side of the contract: firmware/beatrix/src/core/contract.h, for g++, clang and avr-g++."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def frame(name: str, table: dict[str, object]) -> str:
     members, reads, writes, offset = "", "", "", 0
     for field in fields:
         kind, count, field_name = str(field["type"]), int(str(field.get("count", 1))), str(field["name"])
-        if kind == "text":  # of variable length, at the end: whoever writes the frame puts it there
+        if kind == "text":  # variable length, at the end: the code that sends the frame appends it
             members += f"  static const uint8_t {field_name.upper()}_MAX = {count};  // {field['doc']}\n"
             continue
         suffix = f"[{count}]" if count > 1 else ""
@@ -128,4 +128,4 @@ def header(contract: Contract) -> str:
 
 def files(contract: Contract) -> dict[str, str]:
     """Relative path -> text of every generated C++ file."""
-    return {"firmware/core/contract.h": header(contract)}
+    return {"firmware/beatrix/src/core/contract.h": header(contract)}

@@ -16,6 +16,8 @@ SCALARS = {
     "float32": "float",
     "string": "str",
 }
+SHOWN = ("Reason", "Fault")
+"""Enumerations whose texts programs show."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
@@ -36,6 +38,8 @@ def field_type(row: dict[str, object]) -> str:
 def default_of(row: dict[str, object]) -> str:
     if row.get("optional"):
         return " = None"
+    if row.get("type") == "Reason" and "default" in row:
+        return f" = Reason.{row['default']}"
     return f" = {row['default']!r}" if "default" in row else ""
 
 
@@ -71,8 +75,9 @@ def messages(contract: Contract) -> str:
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
-        texts = "".join(f"    {name}.{k.upper()}: {v!r},\n" for k, v in table.items() if k != "doc")
-        out += f"\n\n{name.upper()}_TEXT: Final[dict[{name}, str]] = {{\n{texts}}}\n"
+        if name in SHOWN:
+            texts = "".join(f"    {name}.{k.upper()}: {v!r},\n" for k, v in table.items() if k != "doc")
+            out += f"\n\n{name.upper()}_TEXT: Final[dict[{name}, str]] = {{\n{texts}}}\n"
     commands = contract.messages["command"]
     out += '\n\nclass Command(IntEnum):\n    """Numbers of CommandQuery."""\n\n'
     for name, row in commands.items():
@@ -82,25 +87,103 @@ def messages(contract: Contract) -> str:
     out += "}\n"
     for name, table in contract.messages["message"].items():
         out += "\n\n" + struct_class(name, table) + "\n"
-    return out
+    out += "\n\nNOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {\n"
+    for name, table in contract.messages["message"].items():
+        quiet = [field for field, row in rows(table).items() if not row.get("on_change", True)]
+        out += f"    {name}: frozenset({quiet!r}),\n" if quiet else ""
+    return (
+        out
+        + '}\n"""Fields of Status and its parts whose change alone is not published: clocks and rates."""\n'
+    )
+
+
+KEY_ROW = '''class KeyRow(NamedTuple):
+    """One row of keys.toml."""
+
+    key: str
+    kind: str
+    payload: str
+    reply: str
+    twins: tuple[str, ...]
+    session: str
+    """Traffic class of the session that answers or subscribes."""
+    publish: str
+    """Traffic class of the session that publishes; empty: none."""
+    priority: str
+    congestion: str
+    doc: str
+
+
+class Parts(NamedTuple):
+    """The names in a key; empty if its row has none."""
+
+    row: str
+    """Name of the row in KEYS."""
+'''
+
+PARSE = '''
+
+_CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}
+
+
+@lru_cache(maxsize=1024)
+def parse(key: str) -> Parts | None:
+    """Return the row of a key and the names in it, which may be `*`; None if the key matches no row."""
+    chunks = key.split("/")
+    for name, pattern in _CHUNKS.items():
+        if (parts := _parts(name, pattern, chunks)) is not None:
+            return parts
+    return None
+
+
+def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
+    if len(pattern) != len(chunks):
+        return None
+    found: dict[str, str] = {}
+    for wanted, chunk in zip(pattern, chunks, strict=True):
+        if wanted[0] == "{":
+            found[wanted[1:-1]] = chunk
+        elif wanted != chunk:
+            return None
+    if "robot" in found and "twin" not in found:
+        found["twin"] = pattern[2]
+    return Parts(name, **found)
+'''
+
+
+def parameters(contract: Contract) -> list[str]:
+    """Return the names in braces of all keys, in the order of their first use."""
+    chunks = [chunk for row in contract.keys.values() for chunk in str(row["key"]).split("/")]
+    return list(dict.fromkeys(chunk[1:-1] for chunk in chunks if chunk.startswith("{")))
 
 
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
-    out += "from typing import Final, NamedTuple\n\n\n"
-    out += 'class KeyRow(NamedTuple):\n    """One row of keys.toml."""\n\n    key: str\n    kind: str\n    payload: str\n    reply: str\n    twins: tuple[str, ...]\n    doc: str\n\n\n'
+    out += "from functools import lru_cache\nfrom typing import Final, NamedTuple\n\n\n" + KEY_ROW
+    out += "".join(f'    {name}: str = ""\n' for name in parameters(contract)) + "\n\n"
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
         twins = (row["twin"],) if "twin" in row else ("hw", "sim")
-        values = (row["key"], row["kind"], row["payload"], row["reply"], twins, row["doc"])
-        out += f"    {name!r}: KeyRow({', '.join(map(repr, values))}),\n"
+        values = (
+            row["key"],
+            row["kind"],
+            row["payload"],
+            row["reply"],
+            twins,
+            row["session"],
+            row.get("publish", ""),
+        )
+        how = (row.get("priority", "data"), row.get("congestion", "drop"), row["doc"])
+        out += f"    {name!r}: KeyRow({', '.join(map(repr, values + how))}),\n"
     out += "}\n"
     for name, row in contract.keys.items():
         pattern = str(row["key"])
         names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]
         arguments = ", ".join(f"{argument}: str" for argument in names)
         out += f'\n\ndef {name}({arguments}) -> str:\n    """{row["doc"]}"""\n    return f"{pattern}"\n'
+    out += PARSE
     out += "\n\nPOSITIONS_HZ: Final = " + str(contract.keys["positions"]["rate_hz"]) + "\n"
+    out += "STATUS_HZ: Final = " + str(contract.keys["status"]["rate_hz"]) + "\n"
     return out
 
 
@@ -195,8 +278,8 @@ def python_value(value: object) -> tuple[str, str]:
 
 
 def robot_ranges(contract: Contract) -> str:
-    """What a robot file may say."""
-    out = '\n\nclass Range(NamedTuple):\n    """Values a robot file may give a field; infinite where another value or the firmware decides."""\n\n'
+    """Ranges of the fields that a robot file may change."""
+    out = '\n\nclass Range(NamedTuple):\n    """Range of a field in a robot file; infinite if another value or the firmware limits it."""\n\n'
     out += "    low: float\n    high: float\n    unit: str\n"
     out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
     for group, table in contract.robot.items():
@@ -217,7 +300,7 @@ def robot(contract: Contract) -> str:
         for name, row in rows(table).items():
             kind, literal = python_value(row["value"])
             out += f'    {name}: {kind} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
-    out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All of robot.toml; degrees, metres, kilograms as the units there say."""\n\n'
+    out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All values of robot.toml, in its units."""\n\n'
     out += "".join(f"    {group}: {group.title()} = {group.title()}()\n" for group in contract.robot)
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
     return out + robot_ranges(contract)

@@ -53,38 +53,46 @@ def messages(contract: Contract) -> str:
 def keys(contract: Contract) -> str:
     out = (
         NOTE.format(source="keys.toml")
-        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{twin}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`.\n\n"
+        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{twin}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`, `{eye}` is `left`, `right` or, of simulations only, `outside`.\n\n"
     )
     lines: list[list[object]] = [
-        [f"`{r['key']}`", r["kind"], r["payload"], r["reply"], r.get("rate_hz", ""), r["doc"]]
+        [
+            f"`{r['key']}`",
+            r["kind"],
+            r["payload"],
+            r["reply"],
+            r.get("rate_hz", ""),
+            r.get("priority", "data"),
+            r["doc"],
+        ]
         for r in contract.keys.values()
     ]
-    return out + table(["key", "kind", "payload", "reply", "Hz", "meaning"], lines)
+    return out + table(["key", "kind", "payload", "reply", "Hz", "priority", "meaning"], lines)
 
 
-SPEAKING = """## Speaking to a board
+RULES = """## Rules for a host
 
-- Three numbers are those of the short, the middle and the long arm. Positive turns counter-clockwise, seen from above. Steps are microsteps of the motors: [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) say how many make a turn.
-- Opening a port resets most boards, and after a reset the boot loader listens for 0.9 s. Who speaks to it keeps it for 5 s more, and at this speed every byte counts: so open, say nothing for 1.2 s, then begin. A board that falls silent may have been reset while you spoke: say nothing for 6 s, or until it sends a frame.
-- Begin with HELLO, and compare the contract. If it is another, ask for nothing but STOP and EMERGENCY_STOP, which are the same in all versions, and try to read nothing else.
-- Every request is answered once: HELLO by HELLO_REPLY, the others by ACK. What is no whole and correct frame is not answered, only counted (`rejected` in TELEMETRY); frames of types from 0x40 on are passed over.
-- A request without an answer after reply_timeout is sent again as it was, seq and all. The board answers again. A MOVE or MOVE_STRAIGHT that is the same as the one before, motion number and all, is not begun anew; the other requests do no harm twice.
-- A motion has ended when TELEMETRY shows its number without MOVING; `outcome` says how. Until a host sends its first motion, and while text moves the arms, the number is text_motion.
-- Say something at least every heartbeat_period while arms move: PING will do.
+- Three numbers belong to the short, the middle and the long arm. Positive angles are counter-clockwise, seen from above. Steps are microsteps of the motors; [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) give the number per turn.
+- Opening a port resets most boards, and after a reset the boot loader runs for 0.9 s, and for 5 s more after each byte it receives. Open the port, send nothing for 1.2 s, then begin. If a board becomes silent, it may have been reset: send nothing for 6 s, or until it sends a frame.
+- Begin with HELLO and compare the contract. If it is another contract, send only STOP and EMERGENCY_STOP, which are the same in all versions, and ignore all other frames.
+- The board answers every request once: HELLO with HELLO_REPLY, the others with ACK. It does not answer an incomplete or incorrect frame, but counts it (`rejected` in TELEMETRY). It ignores frames of types from 0x40 on.
+- Repeat a request without an answer after reply_timeout, with the same seq. The board answers again. It does not restart a MOVE or MOVE_STRAIGHT that equals the one before, including its motion number; the other requests have the same effect twice as once.
+- A motion has ended when TELEMETRY shows its number without MOVING; `outcome` says how. Before the first motion of a host, and while text moves the arms, the number is text_motion.
+- While arms move, send a frame at least every heartbeat_period, for example PING.
 """
 
 
 def values(contract: Contract) -> str:
-    """What is compiled into the firmware."""
+    """Return the section about the values that are compiled into the firmware."""
     out = "\n## Values in the firmware\n\n"
-    out += "From [the robot](robot.md); part of the contract. A target closer to a neighbour than GAP_MIN is refused as GAP, beyond YAW_SUM_MAX as YAW, a faster speed as SPEED.\n\n"
+    out += "Computed from [the robot](robot.md); part of the contract. The firmware refuses a target closer to a neighbour than GAP_MIN as GAP, beyond YAW_SUM_MAX as YAW, and a speed above SPEED_MAX as SPEED.\n\n"
     return out + table(
         ["name", "value", "meaning"], [[n, v, MEANING[n]] for n, v in compiled(contract.robot).items()]
     )
 
 
 def quantity(field: dict[str, object]) -> str:
-    """How many of what."""
+    """Count and type of a field."""
     if field["type"] == "text":
         return f"0 to {field['count']} bytes"
     return f"{field.get('count', 1)} x {field['type']}"
@@ -93,12 +101,12 @@ def quantity(field: dict[str, object]) -> str:
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
     out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
-    out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0013-text-lives-in-the-firmware.md)). The board sends nothing unasked before a valid frame, and nothing but plain answers to text when none came for host_gone.\n\n"
+    out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0013-text-lives-in-the-firmware.md)). Before the first valid frame, and when host_gone has passed without one, the board sends nothing except plain answers to text.\n\n"
     out += table(
         ["name", "value", "unit", "meaning"],
         [[n, r["value"], r["unit"], r["doc"]] for n, r in contract.serial["link"].items()],
     )
-    out += "\n" + SPEAKING + values(contract)
+    out += "\n" + RULES + values(contract)
     for name, row in contract.serial["frame"].items():
         out += f"\n## {name} (0x{row['type']:02X})\n\n{row['doc']}\n"
         if "fields" in row:
@@ -122,7 +130,7 @@ def serial(contract: Contract) -> str:
 
 
 def allowed(row: dict[str, object]) -> str:
-    """What a robot file may say."""
+    """Range that a robot file may use."""
     if "min" not in row and "max" not in row:
         return "as built"
     if "max" not in row:
@@ -133,8 +141,8 @@ def allowed(row: dict[str, object]) -> str:
 def robot(contract: Contract) -> str:
     out = (
         NOTE.format(source="robot.toml")
-        + "# The robot\n\nknown: stated by paper or makers; inferred: concluded from programs and measurements; open: a choice, your robot may differ.\n\n"
-        + "Allowed: what [a file for your robot](../how-to/board.md#another-robot) may say; as built: in the firmware, or in how it is wired.\n"
+        + "# The robot\n\nSource: known = stated by paper or makers; inferred = concluded from programs and measurements; open = a choice, your robot may differ.\n\n"
+        + "Allowed: range for [a file of your robot](../how-to/board.md#another-robot); as built: fixed by firmware or wiring.\n"
     )
     for group, values in contract.robot.items():
         lines: list[list[object]] = [

@@ -21,11 +21,42 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "absolute": True,
             "position": {"x": 0.1, "y": -0.25, "z": 1.5},
             "speed": {"x": 0.5, "y": 0.5, "z": 0.5},
+            "lease": 0,
         },
     ),
-    ("MotionQuery", {"absolute": False, "position": {"x": 0.0, "y": 0.0, "z": -0.0625}, "speed": None}),
-    ("PoseQuery", {"absolute": True, "yaw": 0.5, "pitch": -0.125, "roll": 0.0, "speed": None}),
-    ("PoseQuery", {"absolute": False, "yaw": 0.0, "pitch": 0.1, "roll": 0.0, "speed": 1.0}),
+    (
+        "MotionQuery",
+        {"absolute": False, "position": {"x": 0.0, "y": 0.0, "z": -0.0625}, "speed": None, "lease": 7},
+    ),
+    ("PoseQuery", {"absolute": True, "yaw": 0.5, "pitch": -0.125, "roll": 0.0, "speed": None, "lease": 0}),
+    ("PoseQuery", {"absolute": False, "yaw": 0.0, "pitch": 0.1, "roll": 0.0, "speed": 1.0, "lease": 70000}),
+    ("LeaseQuery", {"action": "wait", "speed": 0.0}),
+    ("LeaseQuery", {"action": "limit", "speed": 0.5}),
+    (
+        "LeaseReply",
+        {
+            "result": True,
+            "reason": "OK",
+            "message": "",
+            "lease": 3,
+            "holder": "ana",
+            "waiting": ["ben"],
+            "detail": None,
+        },
+    ),
+    ("TargetQuery", {"x": 1.25, "y": -0.5, "z": 0.125}),
+    (
+        "TargetReply",
+        {
+            "result": False,
+            "reason": "BAD_VALUE",
+            "message": "The room allows -2.0 to 2.0 m.",
+            "x": 1.25,
+            "y": 0.0,
+            "z": 0.125,
+            "detail": None,
+        },
+    ),
     ("CommandQuery", {"command": 1, "value": True}),
     ("CommandQuery", {"command": -2, "value": False}),
     (
@@ -35,6 +66,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "reason": "NOT_ENABLED",
             "message": "Die Motoren sind aus – ✓",
             "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "detail": None,
         },
     ),
     (
@@ -47,6 +79,83 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "motion": 65535,
             "duration": 1.25,
             "position": {"x": 0.5, "y": 0.5, "z": 0.5},
+            "detail": None,
+        },
+    ),
+    (
+        "MotionReply",
+        {
+            "result": False,
+            "phase": "accepted",
+            "reason": "OUT_OF_REACH",
+            "message": "The head would tilt 40.0°.",
+            "motion": 0,
+            "duration": 0.0,
+            "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "detail": {
+                "limit": "TILT",
+                "value": 0.75,
+                "low": None,
+                "high": 0.5,
+                "unit": "rad",
+                "arms": [],
+                "at_goal": True,
+                "leaves_s": None,
+                "leaves_arms": None,
+                "field": "",
+                "known": [],
+                "holder": "",
+                "wait_s": None,
+                "needs": ["ENABLE", "CALIBRATE"],
+                "alternative": {
+                    "arms": None,
+                    "head": {"yaw": 0.0, "pitch": 0.5, "roll": 0.0},
+                    "speed": None,
+                },
+            },
+        },
+    ),
+    (
+        "Event",
+        {
+            "seq": 3,
+            "t_mono_ns": 123456789012345,
+            "t_wall_ns": 1700000000123456789,
+            "kind": "command",
+            "action": "ENABLE",
+            "seat": "ana",
+            "session": "4711",
+            "phase": None,
+            "reason": "EMERGENCY",
+            "message": "EMERGENCY_STOP is latched.",
+            "motion": 0,
+            "duration": 0.0,
+            "count": 2,
+            "detail": None,
+        },
+    ),
+    (
+        "FrameHeader",
+        {
+            "seq": 70000,
+            "t_mono_ns": 123456789012345,
+            "t_wall_ns": 1700000000123456789,
+            "width": 640,
+            "height": 480,
+            "source": "pattern",
+        },
+    ),
+    (
+        "CameraStatus",
+        {
+            "eye": "left",
+            "connected": True,
+            "streaming": True,
+            "hz": 29.5,
+            "width": 640,
+            "height": 480,
+            "source": "v4l2",
+            "trouble": "",
         },
     ),
     ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
@@ -64,6 +173,7 @@ FRAMES: list[tuple[str, int, dict[str, object]]] = [
     ("CALIBRATE", 6, {}),
     ("SET_NAME", 9, {"name": "bea1"}),
     ("TEXT_OPEN", 10, {}),
+    ("RESET", 11, {}),
 ]
 
 
@@ -97,9 +207,20 @@ def msgpack(value: object) -> bytes:
         case str():
             data = value.encode()
             return (bytes([0xA0 | len(data)]) if len(data) < 32 else bytes([0xD9, len(data)])) + data
-        case dict():
-            return bytes([0x80 | len(value)]) + b"".join(msgpack(k) + msgpack(v) for k, v in value.items())
+        case list() | dict():
+            return msgpack_container(value)
     raise TypeError(type(value))
+
+
+def msgpack_container(value: list[object] | dict[str, object]) -> bytes:
+    lead, parts = (
+        (0x90, list(value))
+        if isinstance(value, list)
+        else (0x80, [part for row in value.items() for part in row])
+    )
+    long = 0xDC if isinstance(value, list) else 0xDE
+    head = bytes([lead | len(value)]) if len(value) < 16 else struct.pack(">BH", long, len(value))
+    return head + b"".join(map(msgpack, parts))
 
 
 def crc16(data: bytes) -> int:

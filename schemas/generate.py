@@ -1,9 +1,9 @@
-"""Write every file that follows from schemas/*.toml; `--check` only compares.
+"""Write every file that is generated from schemas/*.toml; `--check` only compares.
 
 python schemas/generate.py          write
 python schemas/generate.py --check  exit 1 and name the files that differ
 python schemas/generate.py --robot fast.toml --header build/contract.h
-                                    only the firmware's header, for a robot of which some values are other ones
+                                    only the firmware's header, for a robot with other values
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from contract import ROOT, load
 
 
 def formatted(path: str, text: str) -> str:
-    """Python goes through the project's formatter, so that a checked-in file can be compared."""
+    """Format Python text with the project's formatter, so that it equals the checked-in file."""
     if not path.endswith(".py"):
         return text
     command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(ROOT / path), "-"]

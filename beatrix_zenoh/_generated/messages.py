@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "f12401e9"
+CONTRACT: Final = "3d794ba4"
 """Hash of messages and keys."""
 
 
@@ -18,9 +18,9 @@ class Reason(StrEnum):
     """Why a request was refused or how a motion ended; one table for SDK, command line, window and replies."""
 
     OK = "OK"
-    """Done as asked."""
+    """Done."""
     BAD_VALUE = "BAD_VALUE"
-    """A field is missing, unknown, of the wrong type, not finite or outside what it can hold."""
+    """A field is missing, unknown, of the wrong type, not finite or out of range."""
     NOT_ENABLED = "NOT_ENABLED"
     """The motors are off."""
     NOT_CALIBRATED = "NOT_CALIBRATED"
@@ -34,31 +34,37 @@ class Reason(StrEnum):
     SPEED_LIMIT = "SPEED_LIMIT"
     """The speed is zero, negative or above the limit."""
     NOT_HOLDER = "NOT_HOLDER"
-    """Somebody else drives the robot."""
+    """Another seat holds the robot."""
+    FROZEN = "FROZEN"
+    """The teacher has frozen the robot: only the teacher moves it."""
+    TEACHER_ONLY = "TEACHER_ONLY"
+    """Only the seat `teacher` may send this request."""
     NOT_AT_REST = "NOT_AT_REST"
-    """Only possible while nothing moves."""
+    """The arms are moving."""
     HOME_KNOWN = "HOME_KNOWN"
     """Home is known, and the arms are far from it."""
     BUSY = "BUSY"
     """Too many requests are waiting."""
     BOARD_LOST = "BOARD_LOST"
-    """The node does not hear its board."""
+    """The board does not answer its node."""
     HOST_LOST = "HOST_LOST"
-    """The board did not hear its node for too long and stopped the arms."""
+    """The board received no frame of its node for too long and stopped the arms."""
     CLIENT_LOST = "CLIENT_LOST"
-    """The client that asked for this motion has gone; the arms were stopped."""
+    """The client that requested this motion is gone; the node has stopped the arms."""
     STOPPED = "STOPPED"
-    """Somebody stopped the motion."""
+    """STOP was pressed."""
     REPLACED = "REPLACED"
-    """A newer motion took over."""
+    """A newer motion replaced this one."""
     FAULT = "FAULT"
     """The robot reports a fault."""
     UNKNOWN_COMMAND = "UNKNOWN_COMMAND"
     """There is no command of this number."""
+    EMERGENCY = "EMERGENCY"
+    """EMERGENCY_STOP is latched; send RESET first."""
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
     """The firmware is of another version than the node, or was built for another robot."""
     NO_ANSWER = "NO_ANSWER"
-    """Nobody answered: the robot is not on line."""
+    """No answer: the robot is not on line."""
     TIMED_OUT = "TIMED_OUT"
     """The robot did not answer in time."""
     NO_ROUTER = "NO_ROUTER"
@@ -70,27 +76,30 @@ class Reason(StrEnum):
 
 
 REASON_TEXT: Final[dict[Reason, str]] = {
-    Reason.OK: "Done as asked.",
-    Reason.BAD_VALUE: "A field is missing, unknown, of the wrong type, not finite or outside what it can hold.",
+    Reason.OK: "Done.",
+    Reason.BAD_VALUE: "A field is missing, unknown, of the wrong type, not finite or out of range.",
     Reason.NOT_ENABLED: "The motors are off.",
     Reason.NOT_CALIBRATED: "Home is not known since the motors were switched or the board was reset.",
     Reason.OUT_OF_REACH: "The neck cannot take this pose: it tilts too far or no arm angles reach it.",
     Reason.ARM_GAP: "Two neighbouring arms would come too close.",
     Reason.YAW_LIMIT: "The head would turn further than its cables allow.",
     Reason.SPEED_LIMIT: "The speed is zero, negative or above the limit.",
-    Reason.NOT_HOLDER: "Somebody else drives the robot.",
-    Reason.NOT_AT_REST: "Only possible while nothing moves.",
+    Reason.NOT_HOLDER: "Another seat holds the robot.",
+    Reason.FROZEN: "The teacher has frozen the robot: only the teacher moves it.",
+    Reason.TEACHER_ONLY: "Only the seat `teacher` may send this request.",
+    Reason.NOT_AT_REST: "The arms are moving.",
     Reason.HOME_KNOWN: "Home is known, and the arms are far from it.",
     Reason.BUSY: "Too many requests are waiting.",
-    Reason.BOARD_LOST: "The node does not hear its board.",
-    Reason.HOST_LOST: "The board did not hear its node for too long and stopped the arms.",
-    Reason.CLIENT_LOST: "The client that asked for this motion has gone; the arms were stopped.",
-    Reason.STOPPED: "Somebody stopped the motion.",
-    Reason.REPLACED: "A newer motion took over.",
+    Reason.BOARD_LOST: "The board does not answer its node.",
+    Reason.HOST_LOST: "The board received no frame of its node for too long and stopped the arms.",
+    Reason.CLIENT_LOST: "The client that requested this motion is gone; the node has stopped the arms.",
+    Reason.STOPPED: "STOP was pressed.",
+    Reason.REPLACED: "A newer motion replaced this one.",
     Reason.FAULT: "The robot reports a fault.",
     Reason.UNKNOWN_COMMAND: "There is no command of this number.",
+    Reason.EMERGENCY: "EMERGENCY_STOP is latched; send RESET first.",
     Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
-    Reason.NO_ANSWER: "Nobody answered: the robot is not on line.",
+    Reason.NO_ANSWER: "No answer: the robot is not on line.",
     Reason.TIMED_OUT: "The robot did not answer in time.",
     Reason.NO_ROUTER: "There is no Zenoh router at this endpoint.",
     Reason.NAME_TAKEN: "A robot of this name is already on line.",
@@ -99,27 +108,21 @@ REASON_TEXT: Final[dict[Reason, str]] = {
 
 
 class Phase(StrEnum):
-    """Which of a motion's two replies this is."""
+    """Which of the two replies of a motion this is."""
 
     ACCEPTED = "accepted"
-    """It will be done."""
+    """The motion begins."""
     DONE = "done"
-    """It has ended; `result` is true only if the head is where it was asked to be."""
-
-
-PHASE_TEXT: Final[dict[Phase, str]] = {
-    Phase.ACCEPTED: "It will be done.",
-    Phase.DONE: "It has ended; `result` is true only if the head is where it was asked to be.",
-}
+    """The motion has ended; `result` is true only if the arms have reached the goal."""
 
 
 class Fault(StrEnum):
-    """What is wrong with the robot; shown until it is cured."""
+    """A fault of the robot; reported until it is repaired."""
 
     NONE = "NONE"
-    """Nothing."""
+    """No fault."""
     EMERGENCY = "EMERGENCY"
-    """EMERGENCY_STOP was pressed: motors off until `beatrix enable`."""
+    """EMERGENCY_STOP is latched: motors off. Look at the robot, then `beatrix reset`."""
     BOARD_LOST = "BOARD_LOST"
     """The board does not answer."""
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
@@ -129,12 +132,73 @@ class Fault(StrEnum):
 
 
 FAULT_TEXT: Final[dict[Fault, str]] = {
-    Fault.NONE: "Nothing.",
-    Fault.EMERGENCY: "EMERGENCY_STOP was pressed: motors off until `beatrix enable`.",
+    Fault.NONE: "No fault.",
+    Fault.EMERGENCY: "EMERGENCY_STOP is latched: motors off. Look at the robot, then `beatrix reset`.",
     Fault.BOARD_LOST: "The board does not answer.",
     Fault.CONTRACT_MISMATCH: "The board's firmware is of another version, or was built for another robot: end what uses the board, then `beatrix flash`.",
     Fault.ASSEMBLY_LEFT: "The simulated neck snapped out of its home assembly and was put back.",
 }
+
+
+class Limit(StrEnum):
+    """The limit that a refusal is about."""
+
+    TILT = "TILT"
+    """How far the head may tilt from upright."""
+    ARM_GAP = "ARM_GAP"
+    """How close two neighbouring arms may come."""
+    YAW = "YAW"
+    """How far the head may turn either way."""
+    SPEED = "SPEED"
+    """How fast an arm may turn."""
+    TRAVEL = "TRAVEL"
+    """How far from home the arms may be counted."""
+    HOME = "HOME"
+    """How far from a known home CALIBRATE may set another."""
+    DURATION = "DURATION"
+    """How long a motion may take."""
+    QUEUE = "QUEUE"
+    """How many requests may wait."""
+
+
+class LeaseAction(StrEnum):
+    """The action of a lease query."""
+
+    TAKE = "take"
+    """Hold the robot until it is given back, the session ends, or the holder is idle while others wait."""
+    WAIT = "wait"
+    """As take; while another seat holds the robot, wait in the queue."""
+    GIVE_BACK = "give_back"
+    """End the lease, or leave the queue."""
+    FREEZE = "freeze"
+    """Stop the robot; until unfreeze only the teacher moves it. Teacher only."""
+    UNFREEZE = "unfreeze"
+    """End freeze. Teacher only."""
+    LIMIT = "limit"
+    """Limit the speed of all arms, or with speed 0 end the limit. Teacher only."""
+
+
+class EventKind(StrEnum):
+    """The subject of an event."""
+
+    MOTION = "motion"
+    """A motion query: accepted, refused or ended."""
+    COMMAND = "command"
+    """A command: done or refused."""
+    STOP = "stop"
+    """STOP or EMERGENCY_STOP."""
+    LEASE = "lease"
+    """A lease query, or the robot has another holder, or none."""
+    BOARD = "board"
+    """The board was lost, found or reset."""
+    ROUTER = "router"
+    """The router was lost or is connected again."""
+    CAMERA = "camera"
+    """A camera was lost or found."""
+    WARNING = "warning"
+    """A warning for the user."""
+    LOG = "log"
+    """A log record of Python."""
 
 
 class Command(IntEnum):
@@ -145,24 +209,27 @@ class Command(IntEnum):
     CALIBRATE = 2
     """Declare the present position home. Only at rest with motors on."""
     HOME = 3
-    """Move all arms home at default speed; answered when they are there."""
+    """Move all arms home at the default speed; the reply comes when they are home."""
     STOP = 4
-    """Decelerate at once; answered when the arms rest. Needs no lease."""
+    """Decelerate at once; the reply comes when the arms rest. Needs no lease."""
     EMERGENCY_STOP = 5
-    """Motors off at once, latched until ENABLE. Needs no lease."""
+    """Motors off at once, latched until RESET. Needs no lease."""
+    RESET = 6
+    """Clear the latch of EMERGENCY_STOP; the motors stay off."""
 
 
 COMMAND_TEXT: Final[dict[Command, str]] = {
     Command.ENABLE: "Switch the motors. Clears calibration when it changes them.",
     Command.CALIBRATE: "Declare the present position home. Only at rest with motors on.",
-    Command.HOME: "Move all arms home at default speed; answered when they are there.",
-    Command.STOP: "Decelerate at once; answered when the arms rest. Needs no lease.",
-    Command.EMERGENCY_STOP: "Motors off at once, latched until ENABLE. Needs no lease.",
+    Command.HOME: "Move all arms home at the default speed; the reply comes when they are home.",
+    Command.STOP: "Decelerate at once; the reply comes when the arms rest. Needs no lease.",
+    Command.EMERGENCY_STOP: "Motors off at once, latched until RESET. Needs no lease.",
+    Command.RESET: "Clear the latch of EMERGENCY_STOP; the motors stay off.",
 }
 
 
 class Vector3(Struct, frozen=True, forbid_unknown_fields=True):
-    """One number per arm: x = short, y = middle, z = long; counter-clockwise from above is positive."""
+    """One number for each arm: x = short, y = middle, z = long; counter-clockwise from above is positive."""
 
     x: float
     """short arm"""
@@ -198,18 +265,20 @@ class MotionQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """Turn the arms."""
 
     absolute: bool = True
-    """true: to these angles from home; false: by these angles from the present set point"""
+    """true: angles from home; false: angles relative to the present set point"""
     position: Vector3
     """angle of each arm (not of the motor) [rad]"""
     speed: Vector3 | None = None
     """top speed of each arm, > 0; missing: the robot's default [rad/s]"""
+    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """number of the lease under which it is sent, refused once that has ended; 0: none"""
 
 
 class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Turn the head; the arms start and arrive together."""
 
     absolute: bool = True
-    """true: to this orientation; false: by these angles from the present one"""
+    """true: this orientation; false: angles relative to the present orientation"""
     yaw: float = 0.0
     """left is positive [rad]"""
     pitch: float = 0.0
@@ -218,6 +287,8 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """right ear down is positive [rad]"""
     speed: float | None = None
     """top speed of the fastest arm, > 0; missing: the robot's default [rad/s]"""
+    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """number of the lease under which it is sent, refused once that has ended; 0: none"""
 
 
 class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -229,49 +300,138 @@ class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """used by ENABLE: on or off"""
 
 
+class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Take the robot for longer than a motion, give it back, or govern it as the teacher."""
+
+    action: LeaseAction
+    """the action"""
+    speed: float = 0.0
+    """used by limit: top speed of every arm; 0: as the robot allows [rad/s]"""
+
+
+class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Move the person in the simulated scene. The place is that of the person's eyes, in the frame of the neck, whose origin is 0.206 m above the desk."""
+
+    x: float
+    """forward of the neck's centre [m]"""
+    y: float
+    """to the left of it [m]"""
+    z: float
+    """above it [m]"""
+
+
+class Alternative(Struct, frozen=True, kw_only=True):
+    """A request to send instead of the refused one. The node has checked it and would accept it in the present state."""
+
+    arms: Vector3 | None = None
+    """MotionQuery.position, absolute [rad]"""
+    head: Head | None = None
+    """the orientation of a PoseQuery, absolute [rad]"""
+    speed: Vector3 | None = None
+    """speed of each arm [rad/s]"""
+
+
+class Detail(Struct, frozen=True, kw_only=True):
+    """A refusal as data; its sentence follows from reason and detail."""
+
+    limit: Limit | None = None
+    """the limit that would be exceeded"""
+    value: float | None = None
+    """the requested value, or the value that would result"""
+    low: float | None = None
+    """lowest allowed value"""
+    high: float | None = None
+    """highest allowed value"""
+    unit: str = ""
+    """of value, low and high: rad, rad/s, s, or empty for counts"""
+    arms: list[str] = []
+    """names of the arms concerned"""
+    at_goal: bool | None = None
+    """true: the goal exceeds the limit; false: the path to it does"""
+    leaves_s: float | None = None
+    """time from the start of the motion at which it would leave the limits [s]"""
+    leaves_arms: Vector3 | None = None
+    """arm angles at that time [rad]"""
+    field: str = ""
+    """the wrong field or word of the request"""
+    known: list[str] = []
+    """values that are allowed instead"""
+    holder: str = ""
+    """seat that holds the robot"""
+    wait_s: float | None = None
+    """time after which the same request may succeed [s]"""
+    needs: list[str] = []
+    """commands to send first, in this order"""
+    alternative: Alternative | None = None
+    """a request that would be accepted"""
+
+
 class MotionReply(Struct, frozen=True, kw_only=True):
-    """Sent twice for one motion: accepted at once, done when it has ended."""
+    """Sent twice for each motion: accepted at once, done when it has ended. A refused motion gets one reply."""
 
     result: bool
-    """accepted: it will be done; done: the arms are where they were asked to be"""
+    """accepted: the motion begins; done: the arms have reached the goal"""
     phase: Phase
     """accepted or done"""
     reason: Reason
-    """OK, or why not"""
+    """OK, or the reason of the refusal or interruption"""
     message: str
-    """the reason in a sentence, with the values that would be accepted"""
+    """the reason as a sentence, with the values that would be accepted"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """number of this motion, 0 if refused"""
     duration: float
-    """accepted: how long it will take; done: how long it took [s]"""
+    """accepted: planned time; done: time taken [s]"""
     position: Vector3
-    """accepted: where the arms will rest; done: where they are commanded to be now [rad]"""
+    """accepted: arm angles of the goal; done: set point of the arms [rad]"""
+    detail: Detail | None = None
+    """the refusal as data"""
 
 
 class CommandReply(Struct, frozen=True, kw_only=True):
-    """What became of a command or a STOP."""
+    """The outcome of a command or a STOP."""
 
     result: bool
     """true: done"""
     reason: Reason
-    """OK, or why not"""
+    """OK, or the reason of the refusal"""
     message: str
-    """the reason in a sentence"""
+    """the reason as a sentence"""
     position: Vector3
-    """where the arms are commanded to be now; after STOP: where they rest [rad]"""
+    """set point of the arms; after STOP: arm angles at rest [rad]"""
+    detail: Detail | None = None
+    """the refusal as data"""
+
+
+class LeaseReply(Struct, frozen=True, kw_only=True):
+    """The outcome of a lease query."""
+
+    result: bool
+    """true: done; of wait also: in the queue"""
+    reason: Reason
+    """OK, or the reason of the refusal"""
+    message: str
+    """the reason as a sentence"""
+    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """number of the lease if it is the caller's, otherwise 0"""
+    holder: str
+    """seat that holds the robot; empty: free"""
+    waiting: list[str]
+    """seats in the queue, the next first"""
+    detail: Detail | None = None
+    """the refusal as data"""
 
 
 class PreviewReply(Struct, frozen=True, kw_only=True):
-    """A motion carried out on a copy of the simulation, faster than real time; nothing has moved."""
+    """The result of a motion on a copy of the simulation, computed faster than real time. The robot does not move."""
 
     result: bool
     """true: the motion would be accepted"""
     reason: Reason
-    """OK, or why not"""
+    """OK, or the reason of the refusal"""
     message: str
-    """the reason in a sentence"""
+    """the reason as a sentence"""
     duration: float
-    """until the arms rest [s]"""
+    """time until the arms rest [s]"""
     tilt_max: float
     """largest tilt of the head on the way [rad]"""
     gap_min: float
@@ -279,68 +439,95 @@ class PreviewReply(Struct, frozen=True, kw_only=True):
     t: list[float]
     """times of the samples from the start [s]"""
     arms: list[Vector3]
-    """arm angles at these times, measured in the copied plant [rad]"""
+    """arm angles at these times, measured in the copy of the simulation [rad]"""
     head: list[Head]
     """head orientation at these times [rad]"""
+    detail: Detail | None = None
+    """the refusal as data"""
 
 
 class Positions(Struct, frozen=True, kw_only=True):
-    """Where the robot is; published 50 times a second, always."""
+    """Position of the robot; always published 50 times a second."""
 
     seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """counts publications; a gap is a lost sample"""
     t_mono_ns: int
-    """monotonic clock of the source [ns]"""
+    """monotonic clock of the source at the time of these values [ns]"""
     t_wall_ns: int
-    """wall clock of the source, since 1970 [ns]"""
+    """wall clock of the source at that time, since 1970 [ns]"""
     position: Vector3
-    """where the arms are: simulation: measured in the plant; hardware: counted steps [rad]"""
+    """arm angles; simulation: measured in the physics; hardware: counted steps [rad]"""
     velocity: Vector3
-    """how fast they turn [rad/s]"""
+    """speed of the arms [rad/s]"""
     commanded: Vector3
     """the firmware's set point [rad]"""
     steps: Steps
     """the firmware's step counters"""
     head: Head
     """orientation by forward kinematics of `position` [rad]"""
+    head_measured: Head | None = None
+    """measured orientation, if the robot measures it [rad]"""
 
 
 class BoardStatus(Struct, frozen=True, kw_only=True):
-    """The board behind the node."""
+    """The board of the node."""
 
     connected: bool
-    """it answers"""
+    """the board answers"""
     port: str
     """serial device, or `virtual:`"""
     name: str
-    """the name it keeps in its memory"""
+    """robot name stored on the board"""
     firmware: str
-    """its version"""
+    """version of the firmware"""
     contract: str
     """hash of its serial contract"""
     boot: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """how often it was started"""
+    """number of starts of the board"""
     rejected_frames: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """frames either end threw away: bad checksum, bad length"""
+    """frames rejected by board or node: wrong checksum or length"""
     retries: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """requests that had to be sent again"""
+    """requests that the node has repeated"""
+    overflowed_bytes: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """bytes dropped by the board since its start because its buffer was full; 255: that many or more"""
 
 
 class PlantStatus(Struct, frozen=True, kw_only=True):
-    """The physics behind a simulation."""
+    """The physics of a simulation."""
 
     real_time_factor: float
-    """simulated seconds per second, over the last seconds"""
+    """simulated seconds per second, averaged over the last seconds"""
     late_steps: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """physics steps that were more than 10 ms late and were caught up"""
+    """physics steps that were more than 10 ms late"""
     slipped_steps: Annotated[int, Meta(ge=-(2**31), le=2**31 - 1, extra={"wire": "int32"})]
     """full motor steps lost since calibration, all arms together"""
     re_placed: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """how often the neck had to be put back into its home assembly"""
+    """how often the neck was put back into its home assembly"""
+
+
+class CameraStatus(Struct, frozen=True, kw_only=True):
+    """One camera of the robot."""
+
+    eye: str
+    """`left` or `right`; of simulations also `outside`"""
+    connected: bool
+    """the camera is connected, or the pictures can be rendered"""
+    streaming: bool
+    """the node publishes pictures: a client subscribes and the camera delivers"""
+    hz: float
+    """pictures published per second, over the last two seconds [1/s]"""
+    width: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """of the newest picture, 0: none yet [px]"""
+    height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """of the newest picture, 0: none yet [px]"""
+    source: str
+    """source of the pictures: `v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa`, `rays`"""
+    trouble: str = ""
+    """a sentence: why there are no pictures, and what to do; empty: no fault"""
 
 
 class Status(Struct, frozen=True, kw_only=True):
-    """State of the robot; published on change and once a second."""
+    """State of the robot; published once a second, and at once when a field changes, except those with on_change = false."""
 
     t_mono_ns: int
     """monotonic clock of the source [ns]"""
@@ -355,25 +542,111 @@ class Status(Struct, frozen=True, kw_only=True):
     calibrated: bool
     """home is known"""
     moving: bool
-    """a motion runs"""
+    """a motion is running"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """number of the running or last motion, 0: none yet"""
     fault: Fault
-    """NONE, or what is wrong"""
+    """NONE, or the fault"""
     warnings: list[str]
-    """what a person should know"""
+    """sentences for the user"""
     calibrations: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """how often home was set since the node began: a plan made before is of another home"""
+    """how often home was set since the node started; a plan made before the last calibration is invalid"""
     holder: str
-    """who drives, empty: free"""
+    """seat that holds the robot, empty: free"""
+    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
+    waiting: list[str] = []
+    """seats that wait for the robot, the next first"""
+    frozen: bool = False
+    """the teacher has frozen the robot"""
+    speed_limit: float = 0.0
+    """limit that the teacher has set for every arm; 0: none [rad/s]"""
     board: BoardStatus
     """the board"""
     plant: PlantStatus | None = None
     """only of a simulation"""
+    cameras: list[CameraStatus] = []
+    """the cameras; empty: none"""
+
+
+class TargetReply(Struct, frozen=True, kw_only=True):
+    """The place of the person in the simulated scene."""
+
+    result: bool
+    """true: the person was moved, or the query was empty"""
+    reason: Reason
+    """OK, or the reason of the refusal"""
+    message: str
+    """the reason as a sentence, with the values that would be accepted"""
+    x: float
+    """the person's eyes, forward of the neck's centre [m]"""
+    y: float
+    """to the left of it [m]"""
+    z: float
+    """above it [m]"""
+    detail: Detail | None = None
+    """the refusal as data"""
+
+
+class FrameHeader(Struct, frozen=True, kw_only=True):
+    """Attachment of a picture."""
+
+    seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """counts the pictures of this camera; a gap is a lost one"""
+    t_mono_ns: int
+    """monotonic clock of the source at the exposure, or at the time of the rendered state [ns]"""
+    t_wall_ns: int
+    """wall clock of the source at that time, since 1970 [ns]"""
+    width: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """of the picture [px]"""
+    height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """of the picture [px]"""
+    source: str = ""
+    """as in CameraStatus"""
+
+
+class Event(Struct, frozen=True, kw_only=True):
+    """An event of a robot."""
+
+    seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """counts events since the node started; a gap is a lost sample"""
+    t_mono_ns: int
+    """monotonic clock of the source [ns]"""
+    t_wall_ns: int
+    """wall clock of the source, since 1970 [ns]"""
+    kind: EventKind
+    """subject of the event"""
+    action: str = ""
+    """motion, pose, the name of a command, or a log level"""
+    seat: str = ""
+    """seat that sent the request; empty: none"""
+    session: str = ""
+    """Zenoh session that sent the request; empty: unknown"""
+    phase: Phase | None = None
+    """of a motion: accepted (or refused), done"""
+    reason: Reason = Reason.OK
+    """OK, or the reason of the refusal or interruption"""
+    message: str = ""
+    """the event as a sentence"""
+    motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
+    """number of the motion; 0: none"""
+    duration: float = 0.0
+    """accepted: planned time; done: time taken [s]"""
+    count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 1
+    """number of equal events that this one stands for: in a flood the node counts them instead of sending each"""
+    detail: Detail | None = None
+    """the refusal as data"""
+
+
+class Events(Struct, frozen=True, kw_only=True):
+    """The newest events, oldest first."""
+
+    events: list[Event]
+    """at most 200"""
 
 
 class Clock(Struct, frozen=True, kw_only=True):
-    """Clocks of the source, for offset estimates."""
+    """Clocks of the node's computer, for offset estimates."""
 
     t_mono_ns: int
     """monotonic clock [ns]"""
@@ -389,15 +662,15 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
     kind: str
     """query, publication, put or token"""
     payload: str
-    """message asked with or published"""
+    """message of the query or publication"""
     reply: str
-    """message answered, empty: none"""
+    """message of the reply, empty: none"""
     doc_: str
-    """what it is for"""
+    """its purpose"""
 
 
 class LimitInfo(Struct, frozen=True, kw_only=True):
-    """What a motion must keep."""
+    """Limits of every motion."""
 
     tilt_max: float
     """of the head [rad]"""
@@ -414,7 +687,7 @@ class LimitInfo(Struct, frozen=True, kw_only=True):
 
 
 class GeometryInfo(Struct, frozen=True, kw_only=True):
-    """The neck's shape: what its kinematics need."""
+    """Geometry of the neck, for its kinematics."""
 
     arm_angle: float
     """common vertical axis to elbow axis [rad]"""
@@ -431,7 +704,7 @@ class GeometryInfo(Struct, frozen=True, kw_only=True):
 
 
 class Info(Struct, frozen=True, kw_only=True):
-    """What a stranger needs to drive this robot."""
+    """Everything that a client of another program needs to drive this robot."""
 
     robot: str
     """its name"""
@@ -444,20 +717,27 @@ class Info(Struct, frozen=True, kw_only=True):
     firmware: str
     """version, empty: no board"""
     steps_per_turn: float
-    """microsteps of one arm turn"""
+    """microsteps per turn of an arm"""
     arms: list[str]
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
     geometry: GeometryInfo | None = None
-    """as it runs with it"""
+    """geometry in use"""
     fingerprint: str | None = None
-    """of all values of the robot: simulation and hardware that were started with the same robot file have the same"""
+    """hash of all values of the robot: equal if simulation and hardware were started with the same robot file"""
     commands: list[str]
     """`number NAME: what it does`"""
     reasons: list[str]
-    """`NAME: what it means`"""
+    """`NAME: meaning`"""
     keys: list[KeyInfo]
     """all keys"""
     examples: list[str]
     """lines to type"""
+
+
+NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
+    CameraStatus: frozenset(["hz"]),
+    Status: frozenset(["t_mono_ns", "t_wall_ns", "plant"]),
+}
+"""Fields of Status and its parts whose change alone is not published: clocks and rates."""

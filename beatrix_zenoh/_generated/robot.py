@@ -29,7 +29,7 @@ class Geometry(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Drive(Struct, frozen=True, forbid_unknown_fields=True):
-    """From motor to arm."""
+    """Drive of an arm."""
 
     full_steps: int = 200
     """NEMA 17, 1.8 deg [step/turn]; known"""
@@ -40,7 +40,7 @@ class Drive(Struct, frozen=True, forbid_unknown_fields=True):
     gear_ring: int = 68
     """internal ring on the arm; turns the same way as the motor [tooth]; known"""
     sign: tuple[int, int, int] = (1, 1, 1)
-    """+1: positive steps turn the arm counter-clockwise from above; open"""
+    """+1: positive steps turn the arm counter-clockwise, seen from above; open"""
     holding_torque: float = 0.4
     """of a motor [N m]; open"""
     efficiency: float = 0.8
@@ -50,7 +50,7 @@ class Drive(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Limits(Struct, frozen=True, forbid_unknown_fields=True):
-    """Checked over the whole path before a motion is accepted; the guard values again in the firmware at every tick. A robot file may narrow those that the firmware holds, not widen them; it may tilt the head to a degree short of what the rods reach."""
+    """The node checks them over the whole path before it accepts a motion; the firmware checks the guard values at every tick. A robot file may narrow the limits that the firmware checks, not widen them; the tilt may be up to one degree less than the rods reach."""
 
     tilt_max: float = 35.0
     """of the head [deg]; open"""
@@ -59,17 +59,17 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     yaw_max: float = 180.0
     """of the head, either way (cables) [deg]; open"""
     guard_gap_min: float = 29.0
-    """firmware: a degree of room for rounding to steps [deg]; open"""
+    """firmware: one degree less than gap_min, for rounding to steps [deg]; open"""
     guard_yaw_max: float = 200.0
-    """firmware: of the mean of the arms, which leaves the head's yaw by a few degrees when tilted [deg]; open"""
+    """firmware: mean of the arms, which differs from the head's yaw by a few degrees when the head is tilted [deg]; open"""
     tilt_gap_min: float = 48.5
-    """text port: with all neighbouring arms this far apart or more, and tilt_gap_max or less, the head tilts by tilt_max at most. Found with the kinematics: tilt depends on the differences of the arms only, and of the hexagons of differences inside the region that tilts by 35 deg this is nearly the largest; it holds 87 % of that region, and in every direction 89 % or more of the way to its border [deg]; inferred"""
+    """text port: if all gaps between neighbouring arms are between this and tilt_gap_max, the head tilts by tilt_max at most. Computed with the kinematics: tilt depends only on the differences of the arms, and these two limits form nearly the largest hexagon inside the region of differences that tilt by up to 35 deg; it covers 87 % of that region, and at least 89 % of the distance to its border in every direction [deg]; inferred"""
     tilt_gap_max: float = 175.0
     """text port: see tilt_gap_min [deg]; inferred"""
     text_yaw_max: float = 181.0
-    """text port: of the mean of the arms. Programs of 2023 that follow a sound ask for 2100 microsteps, a little more than yaw_max [deg]; inferred"""
+    """text port: mean of the arms. Programs of 2023 that follow a sound request 2100 microsteps, a little more than yaw_max [deg]; inferred"""
     text_speed: float = 200.0
-    """of every motion of the text port, as in the firmware of 2023 [microstep/s]; known"""
+    """speed of every motion of the text port, as in the firmware of 2023 [microstep/s]; known"""
     speed_max: float = 90.0
     """of an arm [deg/s]; open"""
     speed_default: float = 30.0
@@ -86,7 +86,7 @@ class Head(Struct, frozen=True, forbid_unknown_fields=True):
     centre_height: float = 0.126
     """of the head's centre of mass above the neck centre [m]; open"""
     arm_friction: float = 0.05
-    """holding an arm while its motor is off [N m]; open"""
+    """friction that holds an arm while its motor is off [N m]; open"""
     arm_length: float = 0.06
     """neck centre to elbow [m]; open"""
     mount_radius: float = 0.06
@@ -113,7 +113,7 @@ class Pins(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class RobotData(Struct, frozen=True, forbid_unknown_fields=True):
-    """All of robot.toml; degrees, metres, kilograms as the units there say."""
+    """All values of robot.toml, in its units."""
 
     geometry: Geometry = Geometry()
     drive: Drive = Drive()
@@ -127,7 +127,7 @@ ROBOT: Final = RobotData()
 
 
 class Range(NamedTuple):
-    """Values a robot file may give a field; infinite where another value or the firmware decides."""
+    """Range of a field in a robot file; infinite if another value or the firmware limits it."""
 
     low: float
     high: float

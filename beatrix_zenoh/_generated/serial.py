@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh._generated.messages import Reason
 
-CONTRACT: Final = 0xD69C4993
+CONTRACT: Final = 0x37C12DD5
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
 BAUD: Final = 250000
 """exact on a 16 MHz AVR [bit/s]"""
@@ -20,27 +20,27 @@ MAX_ENCODED: Final = 62
 MAX_PAYLOAD: Final = 56
 """longest payload [byte]"""
 TELEMETRY_PERIOD: Final = 10
-"""TELEMETRY is sent this often, and at once when a motion ends or the state changes [ms]"""
+"""period of TELEMETRY, which is also sent at once when a motion ends or the state changes [ms]"""
 TELEMETRY_PATIENCE: Final = 2
-"""TELEMETRY lets a frame that is coming in go first, at most for this long after its period [ms]"""
+"""longest delay of TELEMETRY after its period while a frame is being received [ms]"""
 HEARTBEAT_TIMEOUT: Final = 500
-"""without any valid frame for this long while moving, the firmware stops the arms [ms]"""
+"""without a valid frame for this long while moving, the firmware stops the arms [ms]"""
 HEARTBEAT_PERIOD: Final = 200
-"""the host sends something at least this often [ms]"""
+"""longest pause between two frames of the host [ms]"""
 REPLY_TIMEOUT: Final = 100
-"""then the host asks again [ms]"""
+"""time after which the host repeats a request [ms]"""
 TRIES: Final = 3
-"""before the host calls the board lost"""
+"""number of tries before the host reports the board lost"""
 TEXT_START: Final = 64
 """'@'"""
 TEXT_LINE_MAX: Final = 127
 """longest line of text, without its end [byte]"""
 TEXT_LINE_TIMEOUT: Final = 2000
-"""without a byte for this long a line (or frame) that has begun is forgotten [ms]"""
+"""without a byte for this long an incomplete line or frame is dropped [ms]"""
 TEXT_MOTION: Final = 0
 """number of every motion of the text port, in TELEMETRY"""
 HOST_GONE: Final = 2000
-"""without any valid frame for this long there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
+"""without a valid frame for this long the firmware assumes that there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
 
 class Error(IntEnum):
@@ -49,7 +49,7 @@ class Error(IntEnum):
     OK = 0
     """done"""
     BAD_LENGTH = 1
-    """payload length does not fit the type"""
+    """the length of the payload does not match the type"""
     BAD_VALUE = 2
     """a field is outside its range"""
     UNKNOWN = 3
@@ -66,6 +66,8 @@ class Error(IntEnum):
     """target turns the arms too far"""
     SPEED = 9
     """speed is zero or above the firmware's limit"""
+    EMERGENCY = 10
+    """an emergency stop is latched: RESET comes first"""
 
 
 ERROR_REASON: Final[dict[Error, Reason]] = {
@@ -79,12 +81,13 @@ ERROR_REASON: Final[dict[Error, Reason]] = {
     Error.GAP: Reason.ARM_GAP,
     Error.YAW: Reason.YAW_LIMIT,
     Error.SPEED: Reason.SPEED_LIMIT,
+    Error.EMERGENCY: Reason.EMERGENCY,
 }
 
 
 ERROR_TEXT: Final[dict[Error, str]] = {
     Error.OK: "done",
-    Error.BAD_LENGTH: "payload length does not fit the type",
+    Error.BAD_LENGTH: "the length of the payload does not match the type",
     Error.BAD_VALUE: "a field is outside its range",
     Error.UNKNOWN: "no such frame type",
     Error.NOT_ENABLED: "motors are off",
@@ -93,6 +96,7 @@ ERROR_TEXT: Final[dict[Error, str]] = {
     Error.GAP: "target brings neighbouring arms too close",
     Error.YAW: "target turns the arms too far",
     Error.SPEED: "speed is zero or above the firmware's limit",
+    Error.EMERGENCY: "an emergency stop is latched: RESET comes first",
 }
 
 
@@ -110,7 +114,7 @@ class Outcome(IntEnum):
     YAW = 4
     """by the guard: arms turned too far on the way"""
     HOST_LOST = 5
-    """by the board itself: it did not hear its node for half a second (a computer too busy, or a bad cable)"""
+    """by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)"""
     DISABLED = 6
     """in mid-move: the motors were switched off"""
     EMERGENCY = 7
@@ -135,7 +139,7 @@ OUTCOME_TEXT: Final[dict[Outcome, str]] = {
     Outcome.STOPPED: "by STOP",
     Outcome.GAP: "by the guard: arms came too close on the way",
     Outcome.YAW: "by the guard: arms turned too far on the way",
-    Outcome.HOST_LOST: "by the board itself: it did not hear its node for half a second (a computer too busy, or a bad cable)",
+    Outcome.HOST_LOST: "by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)",
     Outcome.DISABLED: "in mid-move: the motors were switched off",
     Outcome.EMERGENCY: "by EMERGENCY_STOP",
 }
@@ -151,23 +155,23 @@ class WarningCode(IntEnum):
     TILT = 3
     """the text motion was shortened: the head would tilt too far"""
     MOTORS_OFF = 4
-    """the text motion was only counted: motors are off"""
+    """the text motion was only counted: the motors are off"""
     BUSY = 5
-    """a line of text was refused: too many are waiting"""
+    """a line of text was refused: too many lines are waiting"""
     HOME_UNKNOWN = 6
-    """the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again"""
+    """the text motion was refused: home was lost after @CALNOW; set the head upright and send @CALNOW again"""
     EMERGENCY = 7
-    """text was refused: after an emergency stop only `beatrix enable` (the frame ENABLE) or a reset switches the motors on"""
+    """text was refused: an emergency stop is latched until `beatrix reset` (the frame RESET) or a reset of the board"""
 
 
 WARNING_TEXT: Final[dict[WarningCode, str]] = {
     WarningCode.GAP: "the text motion was shortened: neighbouring arms would come too close",
     WarningCode.YAW: "the text motion was shortened: the arms would turn too far",
     WarningCode.TILT: "the text motion was shortened: the head would tilt too far",
-    WarningCode.MOTORS_OFF: "the text motion was only counted: motors are off",
-    WarningCode.BUSY: "a line of text was refused: too many are waiting",
-    WarningCode.HOME_UNKNOWN: "the text motion was refused: home has been lost since @CALNOW; set the head upright and send it again",
-    WarningCode.EMERGENCY: "text was refused: after an emergency stop only `beatrix enable` (the frame ENABLE) or a reset switches the motors on",
+    WarningCode.MOTORS_OFF: "the text motion was only counted: the motors are off",
+    WarningCode.BUSY: "a line of text was refused: too many lines are waiting",
+    WarningCode.HOME_UNKNOWN: "the text motion was refused: home was lost after @CALNOW; set the head upright and send @CALNOW again",
+    WarningCode.EMERGENCY: "text was refused: an emergency stop is latched until `beatrix reset` (the frame RESET) or a reset of the board",
 }
 
 
@@ -183,42 +187,44 @@ class State(IntFlag):
     STOPPING = 8
     """decelerating to rest"""
     EMERGENCY = 16
-    """latched"""
+    """EMERGENCY_STOP is latched; the motors are off"""
 
 
 class FrameType(IntEnum):
     """First byte of a frame."""
 
     HELLO = 0x01
-    """Who is there? Answered with HELLO_REPLY."""
+    """Request contract, version, boot number and name. Answered with HELLO_REPLY."""
     PING = 0x02
-    """Keep moving. Answered with ACK."""
+    """Heartbeat. Answered with ACK."""
     MOVE = 0x03
-    """Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
+    """Move to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
     STOP = 0x04
     """Decelerate to rest, stay enabled. Answered with ACK at once."""
     EMERGENCY_STOP = 0x05
-    """Motors off now, latched until ENABLE. Answered with ACK."""
+    """Motors off at once, latched until RESET. Answered with ACK."""
     ENABLE = 0x06
-    """Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK."""
+    """Motors on or off; a change clears calibration; on is refused while EMERGENCY is latched. Answered with ACK."""
     CALIBRATE = 0x07
-    """The present position becomes home. Answered with ACK."""
+    """Make the present position home. Answered with ACK."""
     SET_NAME = 0x08
-    """Keep this robot name in non-volatile memory. Answered with ACK."""
+    """Store this robot name in non-volatile memory. Answered with ACK."""
     MOVE_STRAIGHT = 0x0B
-    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
     TEXT_OPEN = 0x09
-    """A program opens the text port, as if the board were reset: waiting lines, the port's zero and its calibration are forgotten, its motion is stopped. Answered with ACK."""
+    """A program opens the text port. As after a reset, pending lines, the zero of the port and its calibration are discarded, and its motion stops. Answered with ACK."""
+    RESET = 0x0C
+    """Clear EMERGENCY; the motors stay off. Answered with ACK."""
     HELLO_REPLY = 0x81
     """Answer to HELLO."""
     ACK = 0x80
-    """Answer to everything else; its type on the wire is the request's type | 0x80."""
+    """Answer to all other requests; its type on the wire is the request's type | 0x80."""
     TELEMETRY = 0xC0
-    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them."""
+    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames."""
     TEXT = 0xC1
     """One line of the answer to a line of text. seq counts them, together with TEXT_WARNING."""
     TEXT_WARNING = 0xC2
-    """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
+    """A warning that the protocol of 2023 has no message for. Several equal warnings in quick succession are sent as one."""
 
 
 _MOVE: Final = Struct("<H3h3H")
@@ -227,10 +233,10 @@ MOVE_SIZE: Final = _MOVE.size
 
 
 class Move(NamedTuple):
-    """Go to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
+    """Move to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
 
     motion: int
-    """the host's number for it, echoed in TELEMETRY; not text_motion, and not that of the motion before"""
+    """number of the motion, chosen by the host and repeated in TELEMETRY; neither text_motion nor that of the motion before"""
     target: tuple[int, int, int]
     """absolute, from home [microstep]"""
     speed: tuple[int, int, int]
@@ -258,7 +264,7 @@ ENABLE_SIZE: Final = _ENABLE.size
 
 
 class Enable(NamedTuple):
-    """Motors on or off; a change clears calibration; on clears EMERGENCY. Answered with ACK."""
+    """Motors on or off; a change clears calibration; on is refused while EMERGENCY is latched. Answered with ACK."""
 
     value: int
     """0 or 1"""
@@ -285,7 +291,7 @@ SET_NAME_SIZE: Final = _SET_NAME.size
 
 
 class SetName(NamedTuple):
-    """Keep this robot name in non-volatile memory. Answered with ACK."""
+    """Store this robot name in non-volatile memory. Answered with ACK."""
 
     name: bytes
     """[a-z0-9-], padded with zeros"""
@@ -312,14 +318,14 @@ MOVE_STRAIGHT_SIZE: Final = _MOVE_STRAIGHT.size
 
 
 class MoveStraight(NamedTuple):
-    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), those with less to do are slowed. In motion they go at such speeds, too, each with full ramps, and arrive at about the same time. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together (an arm with a step or two: within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
 
     motion: int
     """as in MOVE"""
     target: tuple[int, int, int]
     """absolute, from home [microstep]"""
     speed: int
-    """top speed of the arm with most to do, > 0 [0.25 microstep/s]"""
+    """top speed of the arm with the longest distance, > 0 [0.25 microstep/s]"""
 
     @property
     def kind(self) -> FrameType:
@@ -350,7 +356,7 @@ class HelloReply(NamedTuple):
     version: tuple[int, int, int]
     """firmware version major, minor, patch"""
     boot: int
-    """how often the board was started"""
+    """number of starts of the board"""
     name: bytes
     """robot name, padded with zeros"""
 
@@ -376,7 +382,7 @@ ACK_SIZE: Final = _ACK.size
 
 
 class Ack(NamedTuple):
-    """Answer to everything else; its type on the wire is the request's type | 0x80."""
+    """Answer to all other requests; its type on the wire is the request's type | 0x80."""
 
     error: int
     """0 or an error code"""
@@ -397,22 +403,22 @@ class Ack(NamedTuple):
         return cls(values[0])
 
 
-_TELEMETRY: Final = Struct("<HHBBH3h3hH")
+_TELEMETRY: Final = Struct("<HBBBH3h3hHB")
 TELEMETRY_SIZE: Final = _TELEMETRY.size
 """Payload bytes of TELEMETRY."""
 
 
 class Telemetry(NamedTuple):
-    """Unasked while there is a host, every telemetry_period and at once on a change. It waits while a frame comes in, whose answer would come behind it, but not for longer than telemetry_patience after its period; and answers go first where they fill the wire. seq counts them."""
+    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames."""
 
     tick: int
     """since start, modulo 65536 [ms]"""
     boot: int
-    """as in HELLO_REPLY, modulo 65536: a change means the board was reset"""
+    """as in HELLO_REPLY, modulo 256: a change means the board was reset"""
     state: int
     """state bits"""
     outcome: int
-    """how the motion ended; it stands until the next begins"""
+    """how the motion ended; kept until the next one begins"""
     motion: int
     """number of the running or last motion; text_motion: the text port's"""
     position: tuple[int, int, int]
@@ -420,7 +426,9 @@ class Telemetry(NamedTuple):
     velocity: tuple[int, int, int]
     """of the set points [microstep/s]"""
     rejected: int
-    """frames thrown away since start"""
+    """frames rejected since start"""
+    overflowed: int
+    """bytes dropped since start because the buffer was full; 255: that many or more [byte]"""
 
     @property
     def kind(self) -> FrameType:
@@ -438,6 +446,7 @@ class Telemetry(NamedTuple):
             *self.position,
             *self.velocity,
             self.rejected,
+            self.overflowed,
         )
 
     @classmethod
@@ -453,6 +462,7 @@ class Telemetry(NamedTuple):
             (values[5], values[6], values[7]),
             (values[8], values[9], values[10]),
             values[11],
+            values[12],
         )
 
 
@@ -467,7 +477,7 @@ class Text(NamedTuple):
     flags: int
     """bit 0 LAST: this line ends the answer to its command"""
     text: bytes
-    """the line with its end, as a program has to see it; at most 54 bytes"""
+    """the line with its end, exactly as the program must receive it; at most 54 bytes"""
 
     @property
     def kind(self) -> FrameType:
@@ -491,7 +501,7 @@ TEXT_WARNING_SIZE: Final = _TEXT_WARNING.size
 
 
 class TextWarning(NamedTuple):
-    """What the old protocol has no words for. Sent once for several of a kind in quick succession."""
+    """A warning that the protocol of 2023 has no message for. Several equal warnings in quick succession are sent as one."""
 
     code: int
     """a warning code"""
