@@ -1,0 +1,110 @@
+"""Keys that work everywhere in the window, independent of the focus; and STOP while a popup is open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PyQt5.QtCore import QEvent, QObject, Qt, pyqtSignal
+from PyQt5.QtGui import QKeyEvent, QMouseEvent
+from PyQt5.QtWidgets import QAbstractButton, QApplication, QDialog, QLineEdit, QWidget
+
+STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
+SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
+
+
+class Keys(QObject):
+    """Filters the events of the whole application before any widget receives them.
+
+    A shortcut would not do: on a button it acts 0.1 s late, and text fields and popups consume it.
+    """
+
+    stop = pyqtSignal()
+    send = pyqtSignal()
+    undo = pyqtSignal()
+    record = pyqtSignal()
+    help = pyqtSignal()
+
+    def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
+        """Create the filter, not yet installed; `stop_bar` returns the STOP button, which also works while a popup is open."""
+        super().__init__()
+        self._stop_bar = stop_bar
+
+    def install(self) -> None:
+        """Start to filter."""
+        application = QApplication.instance()
+        if application is not None:
+            application.installEventFilter(self)
+
+    def remove(self) -> None:
+        """Stop to filter."""
+        application = QApplication.instance()
+        if application is not None:
+            application.removeEventFilter(self)
+
+    def eventFilter(self, _watched: QObject | None, event: QEvent | None) -> bool:  # noqa: N802
+        if isinstance(event, QKeyEvent):
+            if event.type() == QEvent.Type.ShortcutOverride:
+                return self._override(event)
+            if event.type() == QEvent.Type.KeyPress:
+                return self._press(event)
+        elif isinstance(event, QMouseEvent) and event.type() == QEvent.Type.MouseButtonPress:
+            return self._press_outside_popup(event)
+        return False
+
+    def _override(self, event: QKeyEvent) -> bool:
+        """Keep the keys of STOP from becoming shortcuts of a menu or dialog."""
+        if event.key() in STOP_KEYS:
+            event.accept()
+            return True
+        return False
+
+    def _press(self, event: QKeyEvent) -> bool:
+        act = self._action(event)
+        if act is None:
+            return False
+        event.accept()
+        if not event.isAutoRepeat():
+            act()
+        return True
+
+    def _action(self, event: QKeyEvent) -> Callable[[], object] | None:
+        key, focus = event.key(), QApplication.focusWidget()
+        if key in STOP_KEYS:
+            return self._stop
+        if key == Qt.Key.Key_F1:
+            return self.help.emit
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            if key == Qt.Key.Key_R:
+                return self.record.emit
+            if key == Qt.Key.Key_Z and not isinstance(focus, QLineEdit):
+                return self.undo.emit
+        if key in SEND_KEYS:
+            return self._enter(focus)
+        return None
+
+    def _enter(self, focus: QWidget | None) -> Callable[[], object] | None:
+        """Return the action of Enter: press the focused button (Space, Qt's key for it, is STOP), or send from the pad."""
+        popup = QApplication.activePopupWidget()
+        if popup is not None or isinstance(QApplication.activeWindow(), QDialog):
+            return None
+        if isinstance(focus, QAbstractButton):
+            return focus.click
+        if focus is None or focus.property("sends"):
+            return self.send.emit
+        return None
+
+    def _stop(self) -> None:
+        self.stop.emit()
+        popup = QApplication.activePopupWidget()
+        if popup is not None:
+            popup.close()
+
+    def _press_outside_popup(self, event: QMouseEvent) -> bool:
+        """Send STOP for a press on the STOP button while a popup is open; Qt alone would only close the popup."""
+        bar = self._stop_bar()
+        if QApplication.activePopupWidget() is None or not bar.isVisible():
+            return False
+        if not bar.rect().contains(bar.mapFromGlobal(event.globalPos())):
+            return False
+        self._stop()
+        return True

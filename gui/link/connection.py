@@ -1,0 +1,189 @@
+"""The session of the window: opened when the router answers, and kept while the router is lost and returns."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.settings import Settings
+from gui.link.worker import show_error
+from gui.state.world import LinkPhase
+
+RETRY_S = 1.0
+LOOK_S = 0.25
+"""Period of reading the names on line until one is chosen."""
+EVENTS = 200
+"""Events kept of each robot."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """A session with the router, and the monitor and twin that use it."""
+
+    client: Client
+    monitor: Monitor
+    """of all robots of the router; only Qt's thread reads states"""
+    twin: Twin
+    """both robots of the chosen name"""
+
+
+class Connection:
+    """Looks for the router in a thread until there is a session, which stays until `close`.
+
+    A session whose router is lost recovers by itself when the router returns.
+    """
+
+    def __init__(
+        self, settings: Settings, on_session: Callable[[Session], None], *, name_given: bool
+    ) -> None:
+        """Connect to nothing yet.
+
+        Args:
+            settings: robot, router and seat.
+            on_session: called when there is a session, and when another robot is selected; must not wait.
+            name_given: the user chose the robot, so that it stays even if only another one is on line.
+        """
+        self.settings = settings
+        self.robot = settings.robot
+        self.session: Session | None = None
+        self._on_session, self._chosen = on_session, name_given
+        self._router_present = True
+        self._trouble = ""
+        self._lock = threading.Lock()
+        self._closed = False
+        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def phase(self) -> LinkPhase:
+        """Whether the router answers."""
+        if self.session is None:
+            return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
+        return LinkPhase.ON_LINE if self._router_present else LinkPhase.NO_ROUTER
+
+    @property
+    def trouble(self) -> str:
+        """The reason why there is no session or router; empty if both exist."""
+        if self.session is None or self._router_present:
+            return self._trouble
+        return (
+            f"The router at {self.settings.connect} is lost or does not answer, so the robots stop their motions. The window "
+            "reconnects when it returns."
+        )
+
+    def start(self) -> None:
+        """Start to look for the router."""
+        self._thread = threads.start(self._run, "window-connection")
+
+    def try_now(self) -> None:
+        """Look for the router now."""
+        self._tasks.put(lambda: None)
+
+    def select(self, robot: str) -> None:
+        """Watch and drive the robots of another name from now on, through the same session; returns at once."""
+        with self._lock:
+            self._chosen = True
+            self._select(robot)
+
+    def _select(self, robot: str) -> None:
+        old, self.robot = self.session, robot
+        if old is None or old.twin.name == robot:
+            return
+        session = self.session = Session(old.client, old.monitor, Twin(robot, client=old.client))
+        self._on_session(session)
+        self._tasks.put(old.twin.close)  # which may wait for a robot
+
+    def states(self) -> tuple[RobotState, RobotState]:
+        """Simulation and hardware of the chosen name now."""
+        session = self.session
+        if session is None:
+            return absent(self.robot, "sim"), absent(self.robot, "hw")
+        return session.monitor.robot(self.robot, "sim"), session.monitor.robot(self.robot, "hw")
+
+    def names(self) -> tuple[str, ...]:
+        """Names of the robots on line."""
+        session = self.session
+        return () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
+
+    # -- the connection's thread --------------------------------------------------------------------
+
+    def _run(self) -> None:
+        while not self._closed:
+            try:
+                self._step()
+            except queue.Empty:
+                continue
+            except Exception as error:  # noqa: BLE001  # without this thread there would be no session
+                show_error(error)
+                time.sleep(RETRY_S)
+
+    def _step(self) -> None:
+        """Look for router or robot once, then run the next task; raises queue.Empty if none comes for a while."""
+        if self.session is None:
+            self._connect()
+        else:
+            self._choose()
+        self._tasks.get(timeout=RETRY_S if self.session is None else LOOK_S)()
+
+    def _connect(self) -> None:
+        try:
+            client = Client(self.settings)
+        except BeatrixError as error:
+            self._trouble = error.message
+            return
+        try:
+            client.bus.watch_router(self._on_router)
+            monitor = Monitor(client, events=EVENTS)
+        except BeatrixError as error:  # the router was lost meanwhile
+            client.close()
+            self._trouble = error.message
+            return
+        with self._lock:
+            if not self._closed:
+                session = self.session = Session(client, monitor, Twin(self.robot, client=client))
+                self._trouble = ""
+                self._on_session(session)
+                return
+        client.close()
+
+    def _on_router(self, present: bool) -> None:  # noqa: FBT001
+        self._router_present = present
+
+    def _choose(self) -> None:
+        """Select the only name on line, once, if the user chose none."""
+        with self._lock:
+            names = () if self._chosen else self.names()
+            if len(names) == 1:
+                self._chosen = True
+                self._select(names[0])
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Close the session, so that robots stop its motions; a slow router delays the return."""
+        with self._lock:
+            self._closed = True
+            session = self.session
+        self.try_now()
+        if session is not None:
+            session.client.close()
+            session.twin.close()
+
+    def join(self, deadline_s: float) -> None:
+        """Wait for the end of the thread until `deadline_s` (monotonic clock, s)."""
+        if self._thread is not None:
+            self._thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+def absent(robot: str, twin: str) -> RobotState:
+    """Return the state of a robot that has published nothing."""
+    return RobotState(robot, twin, Presence.ABSENT, None, None, None, None, 0.0, (), None)

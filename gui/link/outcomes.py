@@ -1,0 +1,53 @@
+"""Outcomes of requests, made from return values and errors of the SDK."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import BeatrixError, Interrupted
+from gui.state.actions import DESELECTED, Outcome
+
+REPLACED = "A newer motion of this window replaced this one."
+STOPPED = "STOP was pressed in this window."
+
+
+def done(row: int, twin: str, message: str, took_s: float = 0.0) -> Outcome:
+    """Return the outcome of a request that succeeded; `took_s` in s."""
+    return Outcome(row, twin, accepted=True, done=True, message=message, duration_s=took_s)
+
+
+def accepted(row: int, twin: str, message: str, lasts_s: float) -> Outcome:
+    """Return the outcome of an accepted motion that will last `lasts_s` (s)."""
+    return Outcome(row, twin, accepted=True, done=False, message=message, duration_s=lasts_s)
+
+
+def failed(row: int, twin: str, error: BeatrixError) -> Outcome:
+    """Return the outcome of a refused request, or of a motion that did not reach its goal."""
+    return Outcome(
+        row,
+        twin,
+        accepted=False,
+        done=True,
+        reason=error.reason,
+        message=error.message,
+        detail=error.detail,
+    )
+
+
+def replaced() -> Interrupted:
+    """Return the error of a motion that a newer one of this window replaces."""
+    return Interrupted(Reason.REPLACED, REPLACED)
+
+
+def closed() -> Interrupted:
+    """Return the error of a request that the end of the window interrupts."""
+    return Interrupted(Reason.SHUTDOWN, "The window was closed, so the robots stop its motions.")
+
+
+def deselected() -> Interrupted:
+    """Return the error of plans and plays that end because the user selects another robot."""
+    return Interrupted(Reason.STOPPED, DESELECTED)
+
+
+def stopped() -> Interrupted:
+    """Return the error of a request that STOP of this window has dropped or ended."""
+    return Interrupted(Reason.STOPPED, STOPPED)

@@ -1,0 +1,57 @@
+"""Child processes that end within the time that a closing window has."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.processes import Child, Supervisor
+from beatrix_zenoh.errors import Refused
+
+KILL_S = 0.4
+"""Time to kill children that do not end, and to delete the folder of their output."""
+
+
+class Processes(Supervisor):
+    """A supervisor that another thread can end, even while this one waits for a child."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._starting = threading.Lock()
+        self._closed = False
+
+    def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
+        """Start a process as `Supervisor.start` does; raises Refused (SHUTDOWN) after `end_all`."""
+        with self._starting:
+            if self._closed:
+                raise Refused(Reason.SHUTDOWN, "The window was closed.")
+            return super().start(title, *arguments, may_end=may_end)
+
+    def forget_ended(self) -> None:
+        """Forget children that have ended."""
+        for child in list(self.children):
+            if child.code is not None:
+                self.finish(child)
+
+    def failure(self) -> str:
+        """Return how a child has ended, with its last lines; empty if all run."""
+        try:
+            self.check()
+        except Refused as refusal:
+            return refusal.message
+        return ""
+
+    def end_all(self, deadline_s: float) -> None:
+        """End all children at the same time; those that still run shortly before `deadline_s` (monotonic, s) are killed."""
+        with self._starting:
+            self._closed = True
+        grace_s = max(0.0, deadline_s - KILL_S - time.monotonic())
+        ending = [
+            threads.start(lambda child=child: child.end(grace_s), f"end-{child.title}")  # type: ignore[misc]
+            for child in list(self.children)
+        ]
+        for thread in ending:
+            thread.join()
+        self.end()

@@ -1,0 +1,148 @@
+"""Requests to robots; `link.Link` carries actions out and reports one or more `Outcome`s for each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from beatrix_zenoh._generated.messages import Command, Detail, MotionQuery, PoseQuery, Reason
+
+
+@dataclass(frozen=True)
+class Action:
+    """Root of all actions."""
+
+
+@dataclass(frozen=True)
+class Send(Action):
+    """A motion of one robot, or of both: previewed, made by the simulation, and `lead_s` later by the hardware."""
+
+    row: int
+    """its row in the history"""
+    query: MotionQuery | PoseQuery
+    twins: tuple[str, ...]
+    """`sim`, `hw` or both"""
+    lead_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class SendCommand(Action):
+    """A command for some robots."""
+
+    row: int
+    command: Command
+    value: bool
+    twins: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Ready(Action):
+    """`Robot.make_ready` for one robot."""
+
+    row: int
+    twin: str
+
+
+@dataclass(frozen=True)
+class StopBoth(Action):
+    """STOP for both robots, on a thread of its own."""
+
+    row: int
+
+
+@dataclass(frozen=True)
+class SendPlanNow(Action):
+    """Send the hardware the motion that waits for its lead."""
+
+
+@dataclass(frozen=True)
+class AbortPlan(Action):
+    """End the motion that waits for its lead; the hardware stays unmoved."""
+
+
+@dataclass(frozen=True)
+class Play(Action):
+    """Play a file, or poses (deg: short, middle, long) one after the other."""
+
+    row: int
+    twins: tuple[str, ...]
+    file: Path | None = None
+    """None: the poses are played"""
+    poses: tuple[tuple[float, float, float], ...] = ()
+    speed: float = 30.0
+    """deg/s, of poses"""
+    lead_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class WriteFile(Action):
+    """Write or replace a text file (UTF-8); the outcome names no robot."""
+
+    row: int
+    file: Path
+    text: str
+
+
+@dataclass(frozen=True)
+class WatchCameras(Action):
+    """Subscribe to exactly these pictures."""
+
+    wanted: frozenset[tuple[str, str]]
+    """twin and eye of the visible pictures, for example `("sim", "outside")`"""
+
+
+@dataclass(frozen=True)
+class BeginRecording(Action):
+    """Start `beatrix record`."""
+
+
+@dataclass(frozen=True)
+class EndRecording(Action):
+    """End the recording."""
+
+
+@dataclass(frozen=True)
+class ViewRecording(Action):
+    """Start `beatrix view FILE`."""
+
+    file: Path
+
+
+@dataclass(frozen=True)
+class Connect(Action):
+    """Look for the router now."""
+
+
+@dataclass(frozen=True)
+class Select(Action):
+    """Watch and drive the robot of this name."""
+
+    robot: str
+
+
+@dataclass(frozen=True)
+class RunSimulation(Action):
+    """Start a simulation, and a router if there is none, as children of the window."""
+
+
+DESELECTED = "Another robot was selected in this window."
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The result of an action at one robot."""
+
+    row: int
+    twin: str
+    """`sim`, `hw`, or empty: both, or none was reached"""
+    accepted: bool
+    """true: a motion was accepted, or a command carried out; false: refused, or the motion did not reach its goal"""
+    done: bool
+    """the last outcome of this robot and row"""
+    reason: Reason = Reason.OK
+    message: str = ""
+    """the English text of the SDK's error"""
+    detail: Detail | None = None
+    """a refusal as data, for the sentence in another language"""
+    duration_s: float = 0.0
+    """accepted: expected; done: measured"""

@@ -1,0 +1,123 @@
+"""The arms: one row each and one for all, and the motions of + and -."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from beatrix_zenoh._generated.messages import MotionQuery
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client.readings import ArmAngles, arm_angles
+from gui.state import refusals
+from gui.state.actions import Action, Send
+from gui.state.intents import ALL_ARMS, ARMS, Jog
+from gui.state.memory import Memory
+from gui.state.motions import send_arms
+from gui.state.presence import commanded, reading, unreachable
+from gui.state.views import ArmRowView, ArmsView, ButtonView
+from gui.state.world import World
+
+AXES: Final = dict(zip(ARMS, "xyz", strict=True)) | {ALL_ARMS: ""}
+INCREMENT_MAX: Final = 90.0
+"""deg, a quarter of a turn; larger turns take several presses"""
+
+
+def view(memory: Memory, world: World) -> ArmsView:
+    """Return all rows, and the choices that + and - depend on."""
+    choices = memory.choices
+    limit = ROBOT.limits.speed_max if world.limits is None else math.degrees(world.limits.speed_max)
+    return ArmsView(
+        rows=tuple(_row(memory, world, arm) for arm in (*ARMS, ALL_ARMS)),
+        relative=choices.relative,
+        increment=choices.increment,
+        increment_max=INCREMENT_MAX,
+        speed=choices.speed,
+        speed_max=limit,
+        refusal=refusals.at(memory, (*ARMS, ALL_ARMS)),
+    )
+
+
+def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
+    texts = memory.choices.texts
+    angles: dict[str, float] = {}
+    if arm != ALL_ARMS:
+        for twin in ("sim", "hw"):
+            if (found := reading(world, twin)) is not None:
+                angles[twin] = getattr(found.arms, arm)
+    shown = {twin: texts("angle", degrees=angle) for twin, angle in angles.items()}
+    empty = "" if arm == ALL_ARMS else texts("unknown")
+    apart = texts("difference", degrees=angles["hw"] - angles["sim"]) if len(angles) > 1 else ""
+    return ArmRowView(
+        arm=arm,
+        title=texts(f"arm.{arm}"),
+        axis=AXES[arm],
+        sim=shown.get("sim", empty),
+        hw=shown.get("hw", empty),
+        difference=apart,
+        minus=_button(memory, world, Jog(arm, -1)),
+        plus=_button(memory, world, Jog(arm, +1)),
+    )
+
+
+def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
+    texts = memory.choices.texts
+    text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
+    if not memory.choices.twins:
+        return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
+    return ButtonView(text, _effect(memory, world, jog), jog)
+
+
+def _effect(memory: Memory, world: World, jog: Jog) -> str:
+    """Return the effect of the button, for its tooltip."""
+    choices = memory.choices
+    texts, by = choices.texts, jog.sign * choices.increment
+    title = texts(f"arm.{jog.arm}")
+    start = None if jog.arm == ALL_ARMS else _start(memory, world)
+    if start is None:
+        if choices.relative:
+            return texts("arm.effect_by", arm=title, by=by)
+        return texts("arm.effect_to", arm=title, goal=by)
+    angle: float = getattr(start, jog.arm)
+    return texts("arm.effect", arm=title, start=angle, goal=angle + by if choices.relative else by)
+
+
+def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
+    """Send the motion of + or - in the chosen mode; one motion, also for all arms."""
+    choices = memory.choices
+    by = intent.sign * choices.increment
+    chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)
+    if choices.relative and len(choices.twins) < 2:
+        by_arms = _moved(ArmAngles(0.0, 0.0, 0.0), chosen, by, relative=True)
+        return send_arms(memory, world, by_arms, intent.arm, relative=True)
+    if unreachable(memory, world, choices.twins, intent.arm):
+        return []
+    start = _start(memory, world)
+    if start is None:
+        if choices.relative or intent.arm != ALL_ARMS:
+            return memory.refuse(intent.arm, "cannot.position")
+        start = ArmAngles(by, by, by)
+    return send_arms(memory, world, _moved(start, chosen, by, relative=choices.relative), intent.arm)
+
+
+def _start(memory: Memory, world: World) -> ArmAngles | None:
+    """Return the angles that + or - start from: the set point, or the goal of a motion of both that is under way.
+
+    Both robots get one goal, so that robots that stand apart, as after STOP or during the lead, come together.
+    """
+    choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
+    both = choices.relative and len(choices.twins) > 1
+    if both and world.plan is not None and newest is not None and isinstance(newest.request, Send):
+        query = newest.request.query
+        if isinstance(query, MotionQuery) and query.absolute and len(newest.twins) > 1 and not newest.ended:
+            return arm_angles(query.position)
+        if world.plan.path is not None and world.plan.path.arms:
+            return world.plan.path.arms[-1]
+    return commanded(world, choices.twins)
+
+
+def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bool) -> ArmAngles:
+    """Return the angles with some arms turned by an angle, or to it (deg)."""
+    goals = {arm: angle + by if relative else by for arm, angle in zip(ARMS, start, strict=True)}
+    return ArmAngles(
+        *(goals[arm] if arm in chosen else angle for arm, angle in zip(ARMS, start, strict=True))
+    )

@@ -1,0 +1,91 @@
+"""Commands: calibrate, home, enable, disable, reset, make ready, STOP."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Command
+from gui.state import refusals
+from gui.state.actions import Action, Play, Ready, Send, SendCommand, StopBoth, WriteFile
+from gui.state.intents import Intent, RunCommand, Stop, Undo
+from gui.state.memory import Memory
+from gui.state.motions import again, begin, send_arms
+from gui.state.poses import last_undo
+from gui.state.presence import unreachable
+from gui.state.views import ButtonView, CommandsView
+from gui.state.world import World
+
+PLACE = "commands"
+
+
+def view(memory: Memory) -> CommandsView:
+    """Return the buttons, and the refusal of one of them."""
+    question = memory.choices.texts("command.disable_question") if memory.choices.hw else ""
+    return CommandsView(
+        calibrate=_button(memory, "calibrate", RunCommand(Command.CALIBRATE)),
+        home=_button(memory, "home", RunCommand(Command.HOME)),
+        enable=_button(memory, "enable", RunCommand(Command.ENABLE)),
+        disable=_button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
+        reset=_button(memory, "reset", RunCommand(Command.RESET)),
+        undo=_undo(memory),
+        refusal=refusals.at(memory, (PLACE,)),
+    )
+
+
+def stop_button(memory: Memory) -> ButtonView:
+    """Return the STOP button, which is always enabled."""
+    texts = memory.choices.texts
+    return ButtonView(texts("stop"), texts("stop_tip"), Stop())
+
+
+def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> ButtonView:
+    texts = memory.choices.texts
+    enabled = bool(memory.choices.twins)
+    tooltip = texts(f"command.{key}_tip") if enabled else texts("off.unchecked")
+    return ButtonView(texts(f"command.{key}"), tooltip, intent, enabled=enabled, question=question)
+
+
+def _undo(memory: Memory) -> ButtonView:
+    texts, found = memory.choices.texts, last_undo(memory)
+    if not memory.choices.twins:
+        return ButtonView(texts("command.undo"), texts("off.unchecked"), Undo(), enabled=False)
+    if found is None:
+        return ButtonView(texts("command.undo"), texts("off.no_undo"), Undo(), enabled=False)
+    _, arms = found
+    tooltip = texts("command.undo_tip", short=arms.short, middle=arms.middle, long=arms.long)
+    return ButtonView(texts("command.undo"), tooltip, Undo())
+
+
+def stop(memory: Memory, world: World) -> list[Action]:
+    """Send STOP to both robots, even if none is on line."""
+    memory.mark_dropped()
+    return begin(memory, world, StopBoth(memory.next_row()), PLACE)
+
+
+def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
+    """Send a command to one robot or to the checked ones; HOME is a motion, which both make with the lead."""
+    if intent.command is Command.HOME:
+        return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
+    twins = (intent.twin,) if intent.twin else memory.choices.twins
+    if unreachable(memory, world, twins, PLACE):
+        return []
+    request = SendCommand(memory.next_row(), intent.command, intent.value, twins)
+    return begin(memory, world, request, PLACE)
+
+
+def make_ready(memory: Memory, world: World, twin: str) -> list[Action]:
+    """Enable and calibrate a robot."""
+    if unreachable(memory, world, (twin,), PLACE):
+        return []
+    return begin(memory, world, Ready(memory.next_row(), twin), PLACE)
+
+
+def repeat(memory: Memory, world: World, number: int) -> list[Action]:
+    """Send the request of a row again: a motion to the checked robots, a command to the same robots."""
+    row = memory.row(number)
+    if row is None:
+        return memory.refuse(PLACE, "cannot.row")
+    if isinstance(row.request, StopBoth):
+        return stop(memory, world)
+    twins = memory.choices.twins if isinstance(row.request, Send | Play) else row.twins
+    if not isinstance(row.request, WriteFile) and unreachable(memory, world, twins, row.place):
+        return []
+    return begin(memory, world, again(memory, row.request), row.place)

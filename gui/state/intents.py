@@ -1,0 +1,249 @@
+"""Intents of the user, as widgets report them; angles in degrees, speeds in deg/s, times in s."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from beatrix_zenoh._generated.messages import Command
+
+ARMS = ("short", "middle", "long")
+ALL_ARMS = "all"
+
+
+class Tab(StrEnum):
+    """A tab of the middle column."""
+
+    HEADS = "heads"
+    EYES = "eyes"
+    PLOTS = "plots"
+
+
+class Theme(StrEnum):
+    """Colours and sizes."""
+
+    DARK = "dark"
+    LIGHT = "light"
+    PROJECTOR = "projector"
+
+
+@dataclass(frozen=True)
+class Intent:
+    """Root of all intents."""
+
+
+@dataclass(frozen=True)
+class Stop(Intent):
+    """Stop both robots at once, independent of the checked boxes."""
+
+
+@dataclass(frozen=True)
+class Jog(Intent):
+    """+ or - of an arm: in relative mode turn it by the increment, in absolute mode send it to + or - the increment."""
+
+    arm: str
+    """`short`, `middle`, `long` or `all`"""
+    sign: int
+    """+1 or -1"""
+
+
+@dataclass(frozen=True)
+class AimHead(Intent):
+    """Move the target of the head pad; nothing is sent."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+
+@dataclass(frozen=True)
+class SendHead(Intent):
+    """Send the target of the head pad."""
+
+
+@dataclass(frozen=True)
+class SetRelative(Intent):
+    """Choose relative or absolute mode."""
+
+    relative: bool
+
+
+@dataclass(frozen=True)
+class SetIncrement(Intent):
+    """Choose how far + and - go (deg)."""
+
+    degrees: float
+
+
+@dataclass(frozen=True)
+class SetSpeed(Intent):
+    """Choose the speed of the fastest arm (deg/s)."""
+
+    degrees_per_s: float
+
+
+@dataclass(frozen=True)
+class SetDestination(Intent):
+    """Check or clear Hardware or Simulation."""
+
+    twin: str
+    checked: bool
+
+
+@dataclass(frozen=True)
+class SetCameras(Intent):
+    """Check or clear Eye cameras."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class ShowTab(Intent):
+    """Show another tab in the middle column."""
+
+    name: Tab
+
+
+@dataclass(frozen=True)
+class SetLead(Intent):
+    """Choose by how much the simulation leads the hardware (s); 0: both at once."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class RunCommand(Intent):
+    """Send a command to the checked robots, or to one robot as its next step."""
+
+    command: Command
+    value: bool = True
+    """of ENABLE: on or off"""
+    twin: str = ""
+    """`sim` or `hw`; empty: the checked robots"""
+
+
+@dataclass(frozen=True)
+class MakeReady(Intent):
+    """Enable and calibrate one robot, as far as either is missing."""
+
+    twin: str
+
+
+@dataclass(frozen=True)
+class SendNow(Intent):
+    """Send the hardware the motion that waits for its lead."""
+
+
+@dataclass(frozen=True)
+class Change(Intent):
+    """Keep the hardware unmoved and restore the target on the pad."""
+
+
+@dataclass(frozen=True)
+class Abort(Intent):
+    """Keep the hardware unmoved and drop the motion."""
+
+
+@dataclass(frozen=True)
+class TakeAlternative(Intent):
+    """Send the alternative of the shown refusal."""
+
+
+@dataclass(frozen=True)
+class DismissRefusal(Intent):
+    """Hide the shown refusal."""
+
+
+@dataclass(frozen=True)
+class Undo(Intent):
+    """Go back to the previous pose."""
+
+
+@dataclass(frozen=True)
+class Repeat(Intent):
+    """Send a row of the history again."""
+
+    row: int
+    """number of the row"""
+
+
+@dataclass(frozen=True)
+class SavePose(Intent):
+    """Keep the present arm angles under a name."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class DeletePose(Intent):
+    """Delete a saved pose."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class GoToPose(Intent):
+    """Send a saved pose."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class PlayPoses(Intent):
+    """Play saved poses one after the other, in the order of their list."""
+
+
+@dataclass(frozen=True)
+class PlayFile(Intent):
+    """Play a choreography or motion file."""
+
+    file: Path
+
+
+@dataclass(frozen=True)
+class SaveChoreography(Intent):
+    """Write the saved poses as a choreography."""
+
+    file: Path
+
+
+@dataclass(frozen=True)
+class ToggleRecording(Intent):
+    """Begin or end a recording."""
+
+
+@dataclass(frozen=True)
+class OpenRecording(Intent):
+    """Open the last recording in the viewer."""
+
+
+@dataclass(frozen=True)
+class ChooseRobot(Intent):
+    """Show another robot of the router."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class StartSimulation(Intent):
+    """Start a simulation on this computer, and a router if there is none."""
+
+
+@dataclass(frozen=True)
+class Retry(Intent):
+    """Try the router again now."""
+
+
+@dataclass(frozen=True)
+class SetTheme(Intent):
+    """Choose colours and sizes."""
+
+    theme: Theme
+
+
+@dataclass(frozen=True)
+class SetLanguage(Intent):
+    """Choose a language by its ISO 639-1 code."""
+
+    code: str

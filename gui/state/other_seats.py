@@ -1,0 +1,137 @@
+"""Requests of other seats, grouped from the events of both robots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
+from gui.state.world import World
+
+KINDS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
+WHATS: Final = {
+    "motion": "what.other_move",
+    "pose": "what.other_look",
+    Command.ENABLE.name: "what.enable",
+    "DISABLE": "what.disable",
+    Command.CALIBRATE.name: "what.calibrate",
+    Command.HOME.name: "what.home",
+    Command.STOP.name: "what.stop",
+    Command.EMERGENCY_STOP.name: "what.emergency_stop",
+    Command.RESET.name: "what.reset",
+}
+"""Text key of each action in events."""
+STREAM_S: Final = 1.0
+"""Equal requests at one robot, each within this time of the one before, are one row."""
+LEAD_S: Final = 3.0
+"""An equal request at the other robot within this time is in the same row: the hardware may follow with a lead."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """The events of one row."""
+
+    seat: str
+    action: str
+    began_s: float
+    """wall clock, since 1970"""
+    newest_s: float
+    """of the newest request"""
+    motions: Mapping[str, int]
+    """number of the newest motion of each robot; 0: it is none"""
+    under_way: frozenset[str]
+    """robots whose newest motion has not ended"""
+    count: int
+    """requests at the first robot"""
+    ended: bool
+    """the fields below are about the end of a motion, not about its beginning"""
+    reason: Reason
+    message: str
+    detail: Detail | None
+    duration_s: float
+
+
+def groups(world: World) -> tuple[Group, ...]:
+    """Return a group for each request or stream of equal requests of another seat, oldest first."""
+    found: list[Group] = []
+    for event, twin in sorted(_foreign(world), key=lambda entry: entry[0].t_wall_ns):
+        place = _place(found, event, twin)
+        if place is None:
+            found.append(_group(event, twin))
+        else:
+            found[place] = _joined(found[place], event, twin)
+    return tuple(found)
+
+
+def _foreign(world: World) -> Iterator[tuple[Event, str]]:
+    for robot in (world.sim, world.hw):
+        for event in robot.events:
+            if event.kind in KINDS and not _own(event, world):
+                yield event, robot.twin
+
+
+def _own(event: Event, world: World) -> bool:
+    """Return whether this window sent the event's request; compares sessions or, if one is unknown, seats."""
+    if world.session and event.session:
+        return event.session == world.session
+    return event.seat == world.seat
+
+
+def _place(found: list[Group], event: Event, twin: str) -> int | None:
+    """Return the index of the group of an event; None if it begins one."""
+    for index in range(len(found) - 1, -1, -1):
+        group = found[index]
+        if group.seat != event.seat or group.action != event.action:
+            continue
+        if event.phase is Phase.DONE:
+            return index
+        late_s = event.t_wall_ns / 1e9 - group.newest_s
+        if twin not in group.motions:
+            return index if late_s <= LEAD_S else None
+        alike = group.under_way or group.reason in (event.reason, Reason.REPLACED)
+        return index if alike and late_s <= STREAM_S else None
+    return None
+
+
+def _group(event: Event, twin: str) -> Group:
+    moment_s = event.t_wall_ns / 1e9
+    moves = event.kind is EventKind.MOTION and event.phase is not Phase.DONE and event.reason is Reason.OK
+    return Group(
+        seat=event.seat,
+        action=event.action,
+        began_s=moment_s,
+        newest_s=moment_s,
+        motions={twin: event.motion},
+        under_way=frozenset({twin} if moves else ()),
+        count=event.count,
+        ended=event.phase is Phase.DONE,
+        reason=event.reason,
+        message=event.message,
+        detail=event.detail,
+        duration_s=event.duration,
+    )
+
+
+def _joined(group: Group, event: Event, twin: str) -> Group:
+    """Return the group with one more event."""
+    new, first = _group(event, twin), next(iter(group.motions))
+    if event.phase is Phase.DONE:
+        if group.motions.get(twin) != event.motion:
+            return group  # the end of an earlier motion of a stream
+        new = replace(new, newest_s=group.newest_s, count=group.count)
+    else:
+        new = replace(new, count=group.count + event.count * (twin == first))
+    failed = group.reason is not Reason.OK and not (twin in group.motions and event.phase is not Phase.DONE)
+    kept = group if failed else new  # the end at one robot must not hide a refusal of the other
+    return replace(
+        new,
+        began_s=group.began_s,
+        motions={**group.motions, **new.motions},
+        under_way=group.under_way - {twin} | new.under_way,
+        ended=kept.ended,
+        reason=kept.reason,
+        message=kept.message,
+        detail=kept.detail,
+        duration_s=max(group.duration_s, new.duration_s) if new.reason is Reason.OK else new.duration_s,
+    )

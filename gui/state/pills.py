@@ -1,0 +1,199 @@
+"""State of each robot: its condition, the reason, and the button for the next step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from beatrix_zenoh import sentences
+from beatrix_zenoh._generated.messages import Command, Fault, Reason, Status
+from gui.state import intents
+from gui.state.intents import Intent
+from gui.state.presence import on_line, silent
+from gui.state.views import ButtonView, Condition, PillView
+from gui.state.world import LinkPhase, World
+from gui.texts import Texts
+
+SYMBOLS: Final = {
+    Condition.ABSENT: "✕",
+    Condition.SILENT: "◌",
+    Condition.DISABLED: "○",
+    Condition.NOT_CALIBRATED: "◐",
+    Condition.READY: "●",
+    Condition.MOVING: "►",
+    Condition.DRIVEN: "◆",
+    Condition.FAULT: "▲",
+}
+MAKE_READY: Final = "MAKE_READY"
+"""a next step like a command: ENABLE and CALIBRATE, as far as either is missing"""
+NEXT_STEPS: Final = {
+    "START": "start",
+    "RETRY": "retry",
+    Command.ENABLE.name: "enable",
+    Command.CALIBRATE.name: "calibrate",
+    Command.RESET.name: "reset",
+    MAKE_READY: "ready",
+}
+FAULT_CONDITIONS: Final = {
+    Fault.EMERGENCY: "emergency",
+    Fault.BOARD_LOST: "board_lost",
+    Fault.CONTRACT_MISMATCH: "contract_mismatch",
+    Fault.ASSEMBLY_LEFT: "assembly_left",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The condition of a robot and what follows from it."""
+
+    condition: Condition
+    text: str
+    reason: str = ""
+    next_step: str = ""
+    """one of NEXT_STEPS; empty: none"""
+
+
+def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
+    """Simulation and hardware."""
+    return tuple(pill(world, twin, texts) for twin in ("sim", "hw"))
+
+
+def pill(world: World, twin: str, texts: Texts) -> PillView:
+    """One robot."""
+    found, status = finding(world, twin, texts), world.twin(twin).status
+    latency_s = world.latency_s.get(twin)
+    here = found.condition is not Condition.ABSENT
+    return PillView(
+        twin=twin,
+        title=texts(f"twin.{twin}"),
+        condition=found.condition,
+        symbol=SYMBOLS[found.condition],
+        text=found.text,
+        reason=found.reason,
+        next_step=next_step_button(found.next_step, twin, texts, starting=world.starting)
+        if found.next_step
+        else None,
+        latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
+        warnings=tuple(status.warnings) if here and status is not None else (),
+        details=details(status, texts) if here and status is not None else "",
+    )
+
+
+def finding(world: World, twin: str, texts: Texts) -> Finding:
+    """Return the first problem of a robot, in the order in which problems must be solved."""
+    robot = world.twin(twin)
+    if not on_line(world, twin):
+        return _absent(world, twin, texts)
+    if robot.status is None or silent(robot):
+        age_s = robot.positions_age_s
+        reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))
+        return Finding(Condition.SILENT, texts("condition.silent"), reason)
+    if (fault := fault_of(robot.status)) is not Fault.NONE:
+        return _faulty(fault, robot.status, texts)
+    return _unready(robot.status, twin, texts) or _working(robot.status, world.seat, texts)
+
+
+def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
+    if not status.enabled:
+        # The user sets the head upright between enabling and calibrating the hardware; a simulation stands upright.
+        next_step = MAKE_READY if twin == "sim" else Command.ENABLE.name
+        return Finding(
+            Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{twin}"), next_step
+        )
+    if not status.calibrated:
+        text, reason = texts("condition.not_calibrated"), texts("reason.not_calibrated")
+        return Finding(Condition.NOT_CALIBRATED, text, reason, Command.CALIBRATE.name)
+    return None
+
+
+def _working(status: Status, seat: str, texts: Texts) -> Finding:
+    if status.holder not in ("", seat):
+        key = "reason.driven_moving" if status.moving else "reason.driven"
+        text = texts("condition.driven", holder=status.holder)
+        return Finding(Condition.DRIVEN, text, texts(key, holder=status.holder))
+    if status.moving:
+        return Finding(Condition.MOVING, texts("condition.moving"))
+    return Finding(Condition.READY, texts("condition.ready"))
+
+
+def _absent(world: World, twin: str, texts: Texts) -> Finding:
+    starting = world.starting and twin == "sim"
+    if world.phase is LinkPhase.CONNECTING:
+        text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
+    else:
+        text = texts("condition.absent")
+        if world.phase is LinkPhase.NO_ROUTER:
+            reason = texts("reason.no_router", endpoint=world.endpoint)
+        else:
+            reason = texts(f"reason.absent_{twin}", robot=world.robot)
+    if starting:
+        reason = texts("reason.starting")
+    if twin == "sim":
+        return Finding(Condition.ABSENT, text, reason, "START")
+    return Finding(Condition.ABSENT, text, reason, "RETRY" if world.phase is LinkPhase.NO_ROUTER else "")
+
+
+def fault_of(status: Status) -> Fault:
+    """Return the fault of a robot; a board that is not connected is lost."""
+    if status.fault is Fault.NONE and not status.board.connected:
+        return Fault.BOARD_LOST
+    return status.fault
+
+
+def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
+    if fault not in FAULT_CONDITIONS:  # of a robot of another version
+        return Finding(Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), "")
+    text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
+    if fault is Fault.ASSEMBLY_LEFT:
+        reason = texts("reason.assembly_left")
+        next_step = Command.CALIBRATE.name if status.enabled and not status.calibrated else ""
+    else:
+        reason = sentences.render(Reason(fault.value), None, texts.code)
+        next_step = Command.RESET.name if fault is Fault.EMERGENCY else ""
+    return Finding(Condition.FAULT, text, reason, next_step)
+
+
+def next_step_button(next_step: str, twin: str, texts: Texts, *, starting: bool = False) -> ButtonView:
+    """Return the button of a next step."""
+    key = NEXT_STEPS[next_step]
+    off = next_step == "START" and starting
+    tooltip = texts("off.starting") if off else texts(f"next.{key}_tip")
+    return ButtonView(texts(f"next.{key}"), tooltip, next_step_intent(next_step, twin), enabled=not off)
+
+
+def next_step_intent(next_step: str, twin: str) -> Intent:
+    """Return the intent of a next step."""
+    if next_step == "START":
+        return intents.StartSimulation()
+    if next_step == "RETRY":
+        return intents.Retry()
+    if next_step == MAKE_READY:
+        return intents.MakeReady(twin)
+    return intents.RunCommand(Command[next_step], value=True, twin=twin)
+
+
+def details(status: Status, texts: Texts) -> str:
+    """Return board and cameras, a line each."""
+    board = status.board
+    lines = [
+        texts(
+            "pill.details",
+            name=board.name or texts("unknown"),
+            port=board.port or texts("unknown"),
+            firmware=board.firmware or texts("unknown"),
+        )
+    ]
+    for camera in status.cameras:
+        eye = texts(f"eye.{camera.eye}") if camera.eye in ("left", "right") else camera.eye
+        lines.append(camera.trouble or texts("pill.camera", eye=eye, source=camera.source, hz=camera.hz))
+    return "\n".join(lines if status.cameras else [*lines, texts("pill.no_cameras")])
+
+
+def driver(world: World, texts: Texts) -> str:
+    """Return a text that names the seat that drives one of the robots."""
+    here = [world.twin(twin).status for twin in ("hw", "sim") if on_line(world, twin)]
+    holders = [status.holder for status in here if status is not None and status.holder]
+    if not holders:
+        return texts("driver.free")
+    others = [holder for holder in holders if holder != world.seat]
+    return texts("driver.other", holder=others[0]) if others else texts("driver.you")

@@ -1,0 +1,84 @@
+"""Choices for the next window, in a file of the user."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Final
+
+import msgspec
+from msgspec import Meta
+
+from beatrix_zenoh.files import user_folder
+from gui.state.intents import Theme
+from gui.texts import DEFAULT_LANGUAGE, Texts
+
+FILE: Final = "window.json"
+
+
+class SavedPose(msgspec.Struct, frozen=True):
+    """Arm angles (deg) under a name."""
+
+    name: str
+    short: float
+    middle: float
+    long: float
+
+    @property
+    def arms(self) -> tuple[float, float, float]:
+        """Short, middle and long arm, deg."""
+        return self.short, self.middle, self.long
+
+
+class Saved(msgspec.Struct, frozen=True):
+    """Theme and language; increment in deg, speed in deg/s, lead in s; poses."""
+
+    theme: Theme = Theme.DARK
+    language: str = DEFAULT_LANGUAGE
+    increment: Annotated[float, Meta(gt=0, le=360)] = 5.0
+    speed: Annotated[float, Meta(gt=0, le=1000)] = 30.0
+    lead_s: Annotated[float, Meta(ge=0, le=3600)] = 2.0
+    poses: tuple[SavedPose, ...] = ()
+
+
+def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the file in the user's folder of this platform."""
+    return user_folder(platform, environment) / FILE
+
+
+def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
+    """Return the choices of another window (`theirs`), with the changes of this one since `before`."""
+    fields = ("theme", "language", "increment", "speed", "lead_s")
+    changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
+    added = [pose for pose in mine.poses if pose not in before.poses]
+    gone = {pose.name for pose in before.poses if pose not in mine.poses} | {pose.name for pose in added}
+    poses = (*(pose for pose in theirs.poses if pose.name not in gone), *added)
+    return msgspec.structs.replace(theirs, **changed, poses=poses)
+
+
+def load(file: Path) -> tuple[Saved, str]:
+    """Read the saved choices; the defaults if there are none.
+
+    A damaged file is renamed to end in `.bad`, and the second value is a sentence about it for the user.
+    """
+    try:
+        return msgspec.json.decode(file.read_bytes(), type=Saved), ""
+    except FileNotFoundError:
+        return Saved(), ""
+    except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+        kept = file.with_name(file.name + ".bad")
+        try:
+            file.replace(kept)
+        except OSError:
+            kept = file
+        return Saved(), Texts(DEFAULT_LANGUAGE)("saved.damaged", file=str(kept))
+
+
+def save(file: Path, saved: Saved) -> None:
+    """Write the choices, replacing the file; raises OSError."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    new = file.with_name(file.name + ".new")
+    new.write_bytes(msgspec.json.format(msgspec.json.encode(saved)))
+    new.replace(file)  # atomic: a window that is killed leaves the old file intact

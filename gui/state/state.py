@@ -1,0 +1,137 @@
+"""The decisions of the window: its view and the actions of intents. Each topic has a module of its own."""
+
+from __future__ import annotations
+
+from gui.state import (
+    arms,
+    banner,
+    choices,
+    commands,
+    eyes,
+    head,
+    history,
+    intents,
+    motions,
+    pills,
+    poses,
+    recording,
+    refusals,
+    sending,
+)
+from gui.state.actions import Action, Connect, Outcome, RunSimulation, Select, WatchCameras
+from gui.state.choices import choices_from
+from gui.state.intents import Intent
+from gui.state.memory import Memory
+from gui.state.saved import Saved
+from gui.state.views import HistoryRowView, View
+from gui.state.world import World
+
+DEFAULTS = Saved()
+
+
+class State:
+    """Choices and requests of the user; used in Qt's thread only."""
+
+    def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
+        """Begin with saved choices; `notice` is a sentence to show until the first request."""
+        self._memory = Memory(choices_from(saved), saved.poses, notice=notice)
+
+    @property
+    def saved(self) -> Saved:
+        """The choices for the next window."""
+        chosen = self._memory.choices
+        return Saved(
+            chosen.theme,
+            chosen.language,
+            chosen.increment,
+            chosen.speed,
+            chosen.lead_s,
+            self._memory.poses,
+        )
+
+    def begin(self) -> list[Action]:
+        """Return the actions at the start of the window, whose first tab shows pictures."""
+        return [WatchCameras(eyes.wanted(self._memory.choices))]
+
+    def view(self, world: World) -> View:
+        """Return the present view of the window."""
+        memory, texts = self._memory, self._memory.choices.texts
+        return View(
+            title=texts("title", robot=world.robot),
+            banner=banner.view(world, texts),
+            robots=tuple(sorted({*world.names, world.robot})),
+            robot=world.robot,
+            driver=pills.driver(world, texts),
+            pills=pills.pills(world, texts),
+            head=head.view(memory, world),
+            arms=arms.view(memory, world),
+            sending=sending.view(memory, world),
+            commands=commands.view(memory),
+            poses=poses.view(memory, world),
+            eyes=eyes.view(memory, world),
+            history=history.view(memory, world),
+            record=recording.view(memory, world),
+            last=history.last(memory, world),
+            stop=commands.stop_button(memory),
+            theme=memory.choices.theme,
+            language=memory.choices.language,
+            tab=memory.choices.tab,
+        )
+
+    def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
+        """Return history and last line, the part of the view that an outcome changes."""
+        return history.view(self._memory, world), history.last(self._memory, world)
+
+    def handle(self, intent: Intent, world: World) -> list[Action]:
+        """Return the actions of an intent; none if it changes the window only, or is refused with a reason in the view."""
+        memory = self._memory
+        if (chosen := choices.changed(memory.choices, intent)) is not None:
+            memory.choices = chosen
+            refusals.hide_answered(memory, intent)
+            return eyes.watch(chosen, intent)
+        match intent:
+            case intents.Stop():
+                actions = commands.stop(memory, world)
+            case intents.Jog():
+                actions = arms.jog(memory, world, intent)
+            case intents.SendHead():
+                actions = motions.send_head(memory, world, head.target(memory, world), head.PLACE)
+            case intents.RunCommand():
+                actions = commands.run(memory, world, intent)
+            case intents.MakeReady(twin=twin):
+                actions = commands.make_ready(memory, world, twin)
+            case intents.SendNow() | intents.Change() | intents.Abort():
+                actions = sending.handle(memory, world, intent)
+            case intents.TakeAlternative():
+                actions = refusals.take_alternative(memory, world)
+            case intents.Repeat(row=number):
+                actions = commands.repeat(memory, world, number)
+            case intents.Undo():
+                actions = poses.undo(memory, world)
+            case intents.ToggleRecording() | intents.OpenRecording():
+                actions = recording.handle(world, intent)
+            case _:
+                actions = self._about_window(intent, world)
+        return actions
+
+    def _about_window(self, intent: Intent, world: World) -> list[Action]:
+        match intent:
+            case intents.DismissRefusal():
+                self._memory.refusal = None
+            case intents.ChooseRobot(name=name):
+                self._memory.refusal = None
+                self._memory.undo = ()  # they are poses of the robot before
+                return [Select(name)]
+            case intents.StartSimulation():
+                return [] if world.starting else [RunSimulation()]
+            case intents.Retry():
+                return [Connect()]
+        return poses.handle(self._memory, world, intent)
+
+    def report(self, outcome: Outcome) -> None:
+        """Record the outcome of an action."""
+        row = self._memory.row(outcome.row)
+        if row is not None:
+            refusals.record(self._memory, row, outcome)
+            poses.note_accepted(self._memory, row, outcome)
+            self._memory.replace_row(row.after(outcome))

@@ -1,0 +1,102 @@
+"""Router and robots as the window knows them at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from beatrix_zenoh._generated.messages import LimitInfo
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.readings import Path as MotionPath
+
+
+class LinkPhase(StrEnum):
+    """Whether there is a session with the router."""
+
+    CONNECTING = "connecting"
+    NO_ROUTER = "no router"
+    """no router answers; the link tries again by itself"""
+    ON_LINE = "on line"
+
+
+class PlanPhase(StrEnum):
+    """Phase of a motion of both robots."""
+
+    TRYING = "trying"
+    """previewed on a copy of the simulation"""
+    LEADING = "leading"
+    """the simulation moves; the hardware motion was not sent yet"""
+    SENT = "sent"
+    """the hardware motion was sent, too"""
+
+
+@dataclass(frozen=True)
+class PlanProgress:
+    """A motion of both robots under way."""
+
+    phase: PlanPhase
+    verdict: str = ""
+    """the result of the preview, in a sentence"""
+    duration_s: float = 0.0
+    lead_s: float = 0.0
+    countdown_s: float = 0.0
+    """until the hardware is sent its motion"""
+    path: MotionPath | None = None
+    """the previewed path, degrees"""
+
+
+@dataclass(frozen=True)
+class RecordingProgress:
+    """A recording, running or finished."""
+
+    file: Path
+    running: bool
+    seconds: float
+    trouble: str = ""
+    """why it has ended by itself; empty: it has not"""
+    ending: bool = False
+    """the user has ended it, and the recorder completes the file"""
+
+
+@dataclass(frozen=True)
+class World:
+    """Everything the window shows, at one moment; degrees and seconds unless a name says otherwise."""
+
+    now_s: float
+    """monotonic clock"""
+    phase: LinkPhase
+    endpoint: str
+    """of the router, for example tcp/127.0.0.1:7447"""
+    seat: str
+    robot: str
+    """name of the robot that the window shows"""
+    sim: RobotState
+    hw: RobotState
+    names: tuple[str, ...] = ()
+    """robots on line, by name"""
+    trouble: str = ""
+    """why there is no session; empty if there is one"""
+    latency_s: Mapping[str, float | None] = field(default_factory=dict)
+    """by twin: round trip of the last query; None: it was not answered"""
+    plan: PlanProgress | None = None
+    recording: RecordingProgress | None = None
+    starting: bool = False
+    """whether this window is starting a simulation"""
+    own_simulation: bool = False
+    """whether a simulation of this window is running"""
+    child_trouble: str = ""
+    """why a simulation or viewer of this window did not start or has ended; empty: no failure"""
+    playing: str = ""
+    """title of the current play; empty: none"""
+    wall_s: float = 0.0
+    """wall clock at `now_s`, since 1970; 0: unknown"""
+    session: str = ""
+    """Zenoh session of this window, as events name it; empty: unknown"""
+    limits: LimitInfo | None = None
+    """as the robot reports them; None: unknown, so the defaults are shown"""
+
+    def twin(self, twin: str) -> RobotState:
+        """State of `sim` or `hw`."""
+        return self.sim if twin == "sim" else self.hw
