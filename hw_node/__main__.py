@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from beatrix_zenoh.cli.app import process
-from beatrix_zenoh.cli.hurry import nothing_to_undo
 
 
 def work() -> int:
-    """Import the rest, serve; the exit code."""
-    with nothing_to_undo():
-        from hw_node.app import main  # noqa: PLC0415 - takes a moment, in which Ctrl-C is quiet
+    """Import the rest and serve; returns the exit code."""
+    from hw_node.app import main  # noqa: PLC0415 - `process` handles Ctrl-C during this import
+
     return main()
 
 

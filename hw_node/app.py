@@ -7,50 +7,67 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh import robot_file as lab
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
-from beatrix_zenoh.cli.verb import alone
+from beatrix_zenoh.cli.options import Connect, Legacy, LogFile, OwnName, RobotFile
+from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
 from hw_node.body import build
+from hw_node.cameras import choices
 from hw_node.port import VIRTUAL
 
 
 def hw(
     port: Annotated[
-        str, typer.Option(metavar="PORT", help="Serial device, or `virtual:`; else the board on USB.")
+        str,
+        typer.Option(
+            metavar="PORT", help="Serial port of the board, or `virtual:`; default: the board on USB."
+        ),
     ] = "",
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="EYE=SOURCE",
+            help="Source of the left or right eye: a path under /dev/v4l/by-path (Linux), a camera's number (Windows, macOS), `pattern`, or `file:PATH`.",
+        ),
+    ] = None,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
+    log_file: LogFile = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
-    """Serve a robot, or a virtual board. Ends with Ctrl-C; finds the board again when it comes back."""
+    """Serve a real robot, or a virtual board. Ends with Ctrl-C; reconnects board and cameras after they were unplugged.
+
+    --camera selects the camera of each eye; the default is camera_left and camera_right in beatrix.toml. Without these the
+    eyes of a virtual board show a test picture.
+    """
     if port == VIRTUAL.rstrip(":"):
         raise WrongUsage(
-            Reason.BAD_VALUE, f"--port {port}: a board in software is written `{VIRTUAL}`, with a colon."
-        )
-    if not printable(port):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"--port {port!r}: a port whose name is no text cannot be told to anybody."
+            Reason.BAD_VALUE, f"--port {port}: write `{VIRTUAL}` with a colon for a virtual board."
         )
     settings = resolve(name, connect)
-    robot = lab.load(robot_file)
+    robot = values.load(robot_file)
+    words = camera or settings.cameras
+    cameras = choices(words) if words else None
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"--legacy {legacy} is the board's own port: choose a path that is not there yet, for example /tmp/beatrix.",
+            f"--legacy {legacy} is the board's own port: choose a path that does not exist yet, for example /tmp/beatrix.",
         )
-    raise typer.Exit(serve(lambda: build(port, settings.robot, robot), settings, robot=robot, legacy=legacy))
-
-
-def printable(text: str) -> bool:
-    """It can be sent as UTF-8: a file name on Linux may be any bytes."""
-    return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in text)
+    raise typer.Exit(
+        serve(
+            lambda: build(port, settings.robot, robot, cameras),
+            settings,
+            robot=robot,
+            legacy=legacy,
+            log_file=log_file,
+        )
+    )
 
 
 def main(words: list[str] | None = None) -> int:
     """Entry point of group `beatrix.processes`; returns the exit code."""
-    return alone(hw, "beatrix hw", words)
+    return run_command(hw, "beatrix hw", words)

@@ -1,71 +1,87 @@
-"""The body of a real robot: what the firmware counts is where the arms are."""
+"""A real robot: the firmware counts the positions of the arms."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
-from beatrix_zenoh.board.board import Port
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
-from beatrix_zenoh.drive import Gear
-from beatrix_zenoh.node import Pose, Preview
+from beatrix_zenoh.motion.gear import Gear
+from beatrix_zenoh.node import Component, Context, Pose
+from hw_node.cameras import PATTERN, Camera, CameraChoice, both
 from hw_node.port import VIRTUAL, SerialPort, find
 
 
 class Hardware:
-    """A board on a serial port: `device`, or the one found on USB if empty."""
+    """A robot with its board on the serial port `device`; empty: the board on USB."""
 
     twin = "hw"
 
-    def __init__(self, device: str = "", robot: RobotData = ROBOT) -> None:
-        self._device = device
+    def __init__(
+        self, device: str = "", robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] = ()
+    ) -> None:
+        self._device, self._cameras = device, cameras
         self._gear = Gear(robot.drive)
 
     def open_port(self) -> Port:
-        """Open the serial port; NoAnswer if there is no board now."""
-        return SerialPort(self._device or find(", or try `--port virtual:` for a board in software"))
+        """Open the serial port; raises NoAnswer if there is no board."""
+        return SerialPort(self._device or find(", or try `--port virtual:` for a virtual board"))
 
-    def pose(self, telemetry: Telemetry) -> Pose:
-        """Arms as the firmware counts: the robot has no angle sensors."""
-        return Pose(self._gear.to_rad(telemetry.position), self._gear.to_rad(telemetry.velocity))
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:
+        """Return the arm angles that the firmware has counted; the robot has no angle sensors."""
+        return Pose(
+            t_mono_ns=t_mono_ns,
+            position=self._gear.to_rad(telemetry.position),
+            velocity=self._gear.to_rad(telemetry.velocity),
+            steps=telemetry.position,
+        )
 
     def straighten(self) -> None:
-        """A person has set the head upright before."""
+        """Do nothing: a person has set the head upright."""
 
-    def preview(self, move: Move | MoveStraight) -> Preview | None:  # noqa: ARG002
-        """No copy of the real thing."""
-        return None
+    def components(self, context: Context) -> list[Component]:
+        """The cameras."""
+        return [Camera(context, choice.eye, choice.build()) for choice in self._cameras]
 
     def plant(self) -> PlantStatus | None:
-        """Real physics reports nothing."""
+        """None: only a simulation has a plant."""
         return None
 
     def fault(self) -> Fault:
-        """Only what the board itself tells."""
+        """NONE: the board reports its faults itself."""
         return Fault.NONE
 
     def close(self) -> None:
-        """Nothing besides the port, which the board frees."""
+        """Do nothing: the board closes the port."""
 
 
 class VirtualHardware(Hardware):
-    """The same firmware on a virtual board in real time: a robot without a robot."""
+    """The same firmware on a virtual board in real time; its eyes show a test picture."""
 
-    def __init__(self, name: str, robot: RobotData = ROBOT) -> None:
-        super().__init__(VIRTUAL, robot)
+    def __init__(
+        self, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
+    ) -> None:
+        super().__init__(VIRTUAL, robot, both(PATTERN) if cameras is None else cameras)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
         self._ticker = RealTimeTicker(self._board)
 
     def open_port(self) -> Port:
-        """The virtual board; always there."""
+        """The virtual board, which is always present."""
         return self._board
 
     def close(self) -> None:
-        """Stop its clock."""
+        """Stop the virtual board."""
         self._ticker.close()
         self._board.close()
 
 
-def build(device: str, name: str, robot: RobotData = ROBOT) -> Hardware:
-    """The body on `device`, or on a virtual board; no port is opened yet."""
-    return VirtualHardware(name, robot) if device == VIRTUAL else Hardware(device, robot)
+def build(
+    device: str, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
+) -> Hardware:
+    """Create the body for `device`, or for a virtual board, without opening a port. `cameras`: None for the default cameras."""
+    if device == VIRTUAL:
+        return VirtualHardware(name, robot, cameras)
+    return Hardware(device, robot, cameras or ())

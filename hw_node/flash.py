@@ -1,4 +1,4 @@
-"""`beatrix flash`: put the firmware onto an Arduino Mega, with nothing but this package."""
+"""`beatrix flash`: write the firmware to an Arduino Mega without further tools."""
 
 from __future__ import annotations
 
@@ -17,37 +17,35 @@ from rich.progress import TaskID
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.verb import alone, document, note, say
-from beatrix_zenoh.ending import SIGNALS
+from beatrix_zenoh.cli.output import note, print_json, say
+from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.shutdown import SIGNALS
 from hw_node import hexfile, stk500
 from hw_node.port import VIRTUAL, SerialPort, find
 from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
 
 HEX = "beatrix-mega2560.hex"
-NOTHING = "Nothing was written."
-FIRST = (
-    "The page through which every start goes was just being written, and is not verified: the board may do nothing, "
-    "start, or go wrong. Switch the motor power off and run `beatrix flash` again. Its boot loader is unharmed."
+UNTOUCHED = "Nothing was written."
+FIRST_PAGE = (
+    "The first page, where every start begins, was being written and is not verified: the firmware may start, fail or do "
+    "nothing. Switch the motor power off and run `beatrix flash` again. The boot loader is intact."
 )
-HALF = (
-    "The board now holds only half of a firmware, which it will not start: run `beatrix flash` again before you use it. "
-    "Its boot loader is unharmed."
-)
-WHOLE = "The firmware is on the board, written and verified: press its reset button to start it."
+HALF_WRITTEN = "The board contains an incomplete firmware and will not start it. Run `beatrix flash` again. The boot loader is intact."
+COMPLETE = "The firmware is written and verified. Press the reset button to start it."
 
 Progress = Callable[[str, int, int], None]
-"""What is being done, bytes done, bytes in all."""
-Phase = Callable[[str], None]
-"""Takes what is true of the board from now on."""
+"""Takes the name of the step, bytes done, bytes in all."""
+SetState = Callable[[str], None]
+"""Takes the sentence that describes the board from now on."""
 
 
-def program(wire: Wire, image: bytes, tell: Progress, now: Phase) -> None:
+def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) -> None:
     """Reset the board, write, verify, start.
 
-    The first page is an endless loop until all others are verified: a board that loses cable or power in between does
-    not start. One window cannot be closed: the few milliseconds, at the beginning and at the end, in which that page
-    itself is erased and written. It is blank then, and a start runs into the middle of the old firmware or the new one.
+    The first page contains an endless loop until all others are verified, so a board that loses cable or power in between
+    does not start. One gap remains: for a few milliseconds, at the beginning and at the end, that page itself is blank, and
+    a start would run into the middle of the old or the new firmware.
 
     Raises:
         NoAnswer: the boot loader fails.
@@ -58,27 +56,27 @@ def program(wire: Wire, image: bytes, tell: Progress, now: Phase) -> None:
     programmer.sign_on()
     size = len(image)
     pages = [(at, image[at : at + PAGE].ljust(PAGE, b"\xff")) for at in range(0, size, PAGE)]
-    tell("Writing", 0, size)
-    now(FIRST)
+    show_progress("Writing", 0, size)
+    now(FIRST_PAGE)
     programmer.write(0, PARKED)
     programmer.check(0, PARKED)
-    now(HALF)
+    now(HALF_WRITTEN)
     for at, page in pages[1:]:
         programmer.write(at, page)
-        tell("Writing", min(at + PAGE, size), size)
+        show_progress("Writing", min(at + PAGE, size), size)
     for at, page in pages[1:]:
         programmer.check(at, page)
-        tell("Verifying", min(at + PAGE, size), size)
-    now(FIRST)
+        show_progress("Verifying", min(at + PAGE, size), size)
+    now(FIRST_PAGE)
     programmer.write(*pages[0])
     programmer.check(*pages[0])
-    now(WHOLE)
+    now(COMPLETE)
     programmer.leave()
 
 
 @contextmanager
-def told_before_it_ends() -> Iterator[None]:
-    """A kill or a closed window ends it as Ctrl-C does: what is half written must be said."""
+def signals_as_interrupt() -> Iterator[None]:
+    """Turn SIGTERM and SIGHUP into KeyboardInterrupt, so that the state of the board is still printed."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -96,36 +94,36 @@ def told_before_it_ends() -> Iterator[None]:
 
 
 @contextmanager
-def phases() -> Iterator[Phase]:
-    """Whatever ends what is done in here says what is then true of the board.
+def report_board_state() -> Iterator[SetState]:
+    """Add the state of the board to every error and interrupt inside this block.
 
     Raises:
-        NoAnswer: also instead of OSError, as BOARD_LOST.
+        NoAnswer: BOARD_LOST, also instead of OSError.
     """
-    truth = NOTHING
+    state = UNTOUCHED
 
     def now(what: str) -> None:
-        nonlocal truth
-        truth = what
+        nonlocal state
+        state = what
 
     try:
         yield now
     except OSError as error:
         raise NoAnswer(
-            Reason.BOARD_LOST, f"The port failed ({error}): is the board plugged in? {truth}"
+            Reason.BOARD_LOST, f"The serial port failed ({error}). Check the cable. {state}"
         ) from error
     except NoAnswer as error:
-        raise NoAnswer(error.reason, f"{error} {truth}") from error
+        raise NoAnswer(error.reason, f"{error} {state}") from error
     except KeyboardInterrupt:
-        note(truth)
+        note(state)
         raise
 
 
 def firmware(path: Path | None) -> bytes:
-    """The image of a file, or of the firmware that came with this package.
+    """The image of a file, or by default of the firmware in this package.
 
     Raises:
-        WrongUsage: it is none.
+        WrongUsage: the file has no image for this board.
     """
     if path is not None:
         return hexfile.read(path)
@@ -135,40 +133,42 @@ def firmware(path: Path | None) -> bytes:
 
 def flash(
     *,
-    port: Annotated[str, typer.Option(metavar="PORT", help="Serial device; else the board on USB.")] = "",
+    port: Annotated[
+        str, typer.Option(metavar="PORT", help="Serial device; by default the board on USB.")
+    ] = "",
     file: Annotated[
         Path | None,
-        typer.Option("--hex", metavar="FILE", help="Another firmware than the one that came with this."),
+        typer.Option("--hex", metavar="FILE", help="Firmware file; by default the one in this package."),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Put the firmware onto the board. Takes some ten seconds; the head must be held, for the motors go off."""
-    with told_before_it_ends(), phases() as now:
+    """Write the firmware to the board, in about ten seconds. Hold the head: the motors switch off."""
+    with signals_as_interrupt(), report_board_state() as now:
         image = firmware(file)
         if port.startswith(VIRTUAL.rstrip(":")):
             raise WrongUsage(
                 Reason.BAD_VALUE,
-                f"--port {port} is a board in software, which has its firmware: name a serial port.",
+                f"--port {port} is a virtual board, which cannot be flashed. Name a serial port.",
             )
         device = port or find()
         wire = SerialPort(device, stk500.BAUD)
         try:
-            note(f"{device}: waiting for the boot loader. Hold the head: the motors go off.")
-            with progress() as tell:
-                program(wire, image, tell, now)
+            note(f"{device}: waiting for the boot loader. Hold the head: the motors switch off.")
+            with progress() as show_progress:
+                program(wire, image, show_progress, now)
         finally:
             wire.close()
     if as_json:
-        document({"result": True, "port": device, "bytes": len(image)})
+        print_json({"result": True, "port": device, "bytes": len(image)})
     else:
         say(
-            f"{device}: {len(image)} bytes written and verified. Home is not known: set the head upright, enable, calibrate."
+            f"{device}: {len(image)} bytes written and verified. Home is unknown: set the head upright, enable, calibrate."
         )
 
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """A bar on a terminal, else a line for each half; both on stderr."""
+    """Show progress on stderr: a bar on a terminal, otherwise a line for each step."""
     console = Console(stderr=True)
     if not console.is_terminal:
         begun: set[str] = set()
@@ -176,7 +176,7 @@ def progress() -> Iterator[Progress]:
         def line(what: str, _done: int, size: int) -> None:
             if what not in begun:
                 begun.add(what)
-                with suppress(OSError):  # a reader that has gone is no reason to leave a board half-written
+                with suppress(OSError):  # a closed stderr must not interrupt the writing
                     note(f"{what} {size} bytes.")
 
         yield line
@@ -198,4 +198,4 @@ def progress() -> Iterator[Progress]:
 
 def main(words: list[str] | None = None) -> int:
     """Entry point of group `beatrix.processes`; returns the exit code."""
-    return alone(flash, "beatrix flash", words)
+    return run_command(flash, "beatrix flash", words)

@@ -1,4 +1,4 @@
-"""Intel HEX: what a compiler makes for a programmer."""
+"""Reader for Intel HEX, the format of firmware images."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from beatrix_zenoh.errors import WrongUsage, quoted
 from hw_node.stk500 import FLASH
 
 BLANK = 0xFF
-"""What erased flash reads as."""
+"""Value of erased flash."""
 DATA, END, SEGMENT, START_SEGMENT, HIGH, START = range(6)
 LENGTHS = {END: 0, SEGMENT: 2, START_SEGMENT: 4, HIGH: 2, START: 4}
-"""Bytes in a record of this kind. Where to start (START_SEGMENT, START) is not asked on an AVR."""
+"""Bytes in a record of this kind. Start addresses (START_SEGMENT, START) have no use on an AVR."""
 SHORTEST = 5
 LONGEST_FILE = 4 << 20
 """Bytes: more than the whole flash, one byte a line."""
@@ -35,19 +35,17 @@ def read(path: Path) -> bytes:
     """The image from address 0 on, gaps blank: 1 to FLASH bytes.
 
     Raises:
-        WrongUsage: BAD_VALUE; no file, or no image for this board, naming the line that is wrong.
+        WrongUsage: BAD_VALUE; no file, or no image for this board. The message names the wrong line.
     """
     found = sorted(piece for piece in pieces(path) if piece.data)
     if not found:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} holds no data.")
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} contains no data.")
     if found[0].at:
-        raise wrong(
-            path, found[0].line, f"begins at {found[0].at:#x}; the board starts at 0, with nothing there"
-        )
+        raise wrong(path, found[0].line, f"is the lowest, at {found[0].at:#x}; the image must begin at 0")
     for before, after in pairwise(found):
         if before.at + len(before.data) > after.at:
             first, again = sorted((before.line, after.line))
-            raise wrong(path, again, f"writes once more what line {first} has written")
+            raise wrong(path, again, f"overlaps line {first}")
     image = bytearray()
     for at, data, _ in found:
         image += bytes([BLANK]) * (at - len(image)) + data
@@ -55,7 +53,7 @@ def read(path: Path) -> bytes:
 
 
 def pieces(path: Path) -> list[Piece]:
-    """The data of all lines, anywhere in the flash; raises as `read`."""
+    """The data of all lines, in file order; raises the errors of `read`."""
     found = []
     base = number = 0
     ended = False
@@ -66,21 +64,19 @@ def pieces(path: Path) -> list[Piece]:
             raise wrong(path, number, "comes after the end record")
         kind, at, data = record(path, number, line)
         if kind == DATA and base + at + len(data) > FLASH:
-            raise wrong(path, number, f"lies at {base + at:#x}; the board has room up to {FLASH:#x}")
+            raise wrong(path, number, f"ends at {base + at + len(data):#x}; the flash ends at {FLASH:#x}")
         if kind == DATA:
             found.append(Piece(base + at, data, number))
         elif kind in (SEGMENT, HIGH):
             base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
         ended = kind == END
     if not ended:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} was cut off after line {number}: its end record is missing."
-        )
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} has no end record after line {number}: it is incomplete.")
     return found
 
 
 def content(path: Path) -> bytes:
-    """The whole file, without the mark some editors put before it; raises as `read`."""
+    """The whole file without a byte order mark; raises the errors of `read`."""
     try:
         held = files.content(
             path, LONGEST_FILE, called=f"{path}", form="Intel HEX", nothing="no firmware for this board is"
@@ -91,7 +87,7 @@ def content(path: Path) -> bytes:
 
 
 def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
-    """Kind, address and data of one line; raises as `read`."""
+    """Kind, address and data of one line; raises the errors of `read`."""
     try:
         record = unhexlify(line.removeprefix(b":"))
     except ValueError:
@@ -102,13 +98,13 @@ def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
         or len(record) != SHORTEST + record[0]
         or sum(record) & 0xFF
     ):
-        raise wrong(path, number, f"is no record of Intel HEX: {quoted(line.decode(errors='replace'))}")
+        raise wrong(path, number, f"is not a record of Intel HEX: {quoted(line.decode(errors='replace'))}")
     kind, data = record[3], record[4:-1]
     if kind != DATA and LENGTHS.get(kind) != len(data):
-        raise wrong(path, number, f"is no record that Intel HEX knows: kind {kind} with {len(data)} bytes")
+        raise wrong(path, number, f"has an unknown kind of record: kind {kind} with {len(data)} bytes")
     return kind, int.from_bytes(record[1:3], "big"), data
 
 
 def wrong(path: Path, number: int, why: str) -> WrongUsage:
-    """What to raise about a line."""
+    """The error for a line."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}, line {number} {why}.")

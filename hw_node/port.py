@@ -1,4 +1,4 @@
-"""The serial port of a board: found, opened once, kept for its life. The only importer of pyserial."""
+"""Serial port of a board. The only importer of pyserial."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from serial.tools import list_ports
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import BAUD
-from beatrix_zenoh.board.greeting import BOOT_S
+from beatrix_zenoh.board.handshake import BOOT_S
 from beatrix_zenoh.errors import NoAnswer
 
 try:
@@ -24,17 +24,17 @@ except ImportError:  # Windows
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
 VIRTUAL = "virtual:"
-"""Where other ports are devices: a board in software."""
+"""Port name of the virtual board."""
 NO_PORT = (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR, errno.ENXIO, errno.ENODEV, errno.ELOOP)
-"""What the system says to who opens as a port what is none."""
+"""Errno values for a device that is not a serial port."""
 NO_LINE = (errno.ENOTTY, errno.EINVAL)
-"""What Linux and macOS say to who pulls a line of a terminal that has none."""
+"""Errno values for a terminal without modem control lines."""
 WRITE_S = 0.5
 RESET_S = 0.05
 
 
 class SerialPort:
-    """Bytes to and from a serial device; the port protocol of `beatrix_zenoh.board`."""
+    """A serial device; implements the port protocol of `beatrix_zenoh.board`."""
 
     boot_s: Final = BOOT_S
 
@@ -42,7 +42,7 @@ class SerialPort:
         """Open `device` for this process alone.
 
         Raises:
-            NoAnswer: BOARD_LOST, saying why and what to do.
+            NoAnswer: BOARD_LOST, with the reason and what to do.
         """
         self.name = device
         try:
@@ -54,15 +54,15 @@ class SerialPort:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
-        """Pull the reset line, as Arduino's own tools do; what was said before is forgotten. OSError as `read`.
+        """Reset the board with DTR and RTS, as Arduino's tools do, and discard received bytes. OSError as `read`.
 
         Raises:
-            NoAnswer: BOARD_LOST, this device has no such line.
+            NoAnswer: BOARD_LOST, the device has no reset line.
         """
         try:
             with as_os_error():
-                for pulled in (False, True):
-                    self._serial.dtr = self._serial.rts = pulled
+                for active in (False, True):
+                    self._serial.dtr = self._serial.rts = active
                     time.sleep(RESET_S)
                 self._serial.reset_input_buffer()
         except OSError as error:
@@ -70,18 +70,25 @@ class SerialPort:
                 raise
             raise NoAnswer(
                 Reason.BOARD_LOST,
-                f"{self.name} has no reset line, so it is no Arduino's USB port: name that with --port.",
+                f"{self.name} has no reset line, so it is not the USB port of an Arduino. Name that port with --port.",
             ) from error
 
-    def write(self, data: bytes) -> None:
-        """Send all of it; OSError if the device has gone or takes nothing for half a second."""
+    def write(self, data: bytes) -> bytes:
+        """Send all bytes; return b"", since replies come later.
+
+        Raises OSError if the device is gone or accepts no bytes for half a second.
+        """
         with as_os_error():
             self._serial.write(data)
+        return b""
+
+    def wake(self) -> None:
+        """Nothing to do: a real board runs by itself."""
 
     def read(self, timeout_s: float) -> bytes:
-        """What has come, waiting up to `timeout_s` for the first byte; OSError if the device has gone."""
+        """Received bytes, after waiting up to `timeout_s` for the first one; OSError if the device is gone."""
         with as_os_error():
-            if self._serial.timeout != timeout_s:  # setting it sets up the whole port again
+            if self._serial.timeout != timeout_s:  # setting it configures the whole port again
                 self._serial.timeout = timeout_s
             first: bytes = self._serial.read(1)
             return first + self._serial.read(self._serial.in_waiting) if first else b""
@@ -93,36 +100,36 @@ class SerialPort:
 
 @contextmanager
 def as_os_error() -> Iterator[None]:
-    """A port that goes just now can fail in words of its own, which pyserial lets through."""
+    """Turn the exceptions of a port that disappears, which pyserial does not wrap, into OSError."""
     try:
         yield
     except TerminalError as error:
         raise OSError(*error.args) from error
     except TypeError as error:
-        raise OSError("another thread has closed it just now") from error
+        raise OSError("another thread has closed it") from error
     except serial.SerialTimeoutException as error:
-        raise OSError("it takes nothing") from error
+        raise OSError("it accepts no bytes") from error
 
 
 def why_not(error: Exception) -> str:
-    """Why a port cannot be opened, and what to do: pyserial's own words are the system's, twice."""
+    """Return the end of a sentence: why the port cannot be opened, and what to do."""
     number = getattr(error, "errno", None)
     if number == errno.ENOENT:
         return "is not there: plug the board in, or name its port with --port"
     if number == errno.EACCES:
         return "may not be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
     if number in (errno.EAGAIN, errno.EBUSY):
-        return "is used by another program: end that first, another `beatrix hw` for example"
+        return "is used by another program, for example another `beatrix hw`: end that first"
     if number in NO_PORT or "configure port" in str(error):
-        return "is no serial port: name another with --port"
+        return "is not a serial port: name another with --port"
     return f"cannot be opened ({error})"
 
 
 def find(otherwise: str = "") -> str:
-    """The one board on USB; `otherwise` says what else there is to try.
+    """The only board on USB; `otherwise` ends the message if there is none.
 
     Raises:
-        NoAnswer: BOARD_LOST, if there is none, or more than one to choose from.
+        NoAnswer: BOARD_LOST, if there is none or more than one.
     """
     ports = list(list_ports.comports())
     boards = [port.device for port in ports if (port.vid, port.pid) in MEGA_USB_IDS]
@@ -130,7 +137,7 @@ def find(otherwise: str = "") -> str:
         return boards[0]
     if boards:
         raise NoAnswer(
-            Reason.BOARD_LOST, f"Several boards are plugged in: choose one with --port: {', '.join(boards)}."
+            Reason.BOARD_LOST, f"Several boards are on USB. Choose one with --port: {', '.join(boards)}."
         )
     others = ", ".join(port.device for port in ports) or "none"
     raise NoAnswer(

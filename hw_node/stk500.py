@@ -1,7 +1,7 @@
-"""STK500 version 2, as the boot loader of the Arduino Mega 2560 speaks it (Atmel AVR068, "STK500 Communication Protocol").
+"""STK500 version 2, the protocol of the Arduino Mega's boot loader (Atmel AVR068, "STK500 Communication Protocol").
 
-A message: 0x1B, sequence number, size (2 bytes, high first), 0x0E, body, XOR of all before. Every command is
-answered with its own number and a status.
+A message: 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply to a command
+has the same number, and a status.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BAUD: Final = 115_200
 PAGE: Final = 256
 """Bytes erased and written at once."""
 FLASH: Final = 0x3E000
-"""Bytes for the firmware; above is the boot loader."""
+"""Bytes for the firmware; the boot loader is above."""
 SIGNATURE: Final = b"\x1e\x98\x01"
 """ATmega2560."""
 LOADER: Final = b"AVRISP_2"
@@ -34,34 +34,34 @@ SIGN_ON, LOAD_ADDRESS, ENTER, LEAVE, ERASE, PROGRAM, READ, SPI = (
 )
 STATUS_OK: Final = 0
 PARKED: Final = b"\xff\xcf".ljust(PAGE, b"\xff")
-"""A first page that is but an endless loop, `rjmp .-2`: pins stay as reset left them."""
+"""A first page with an endless loop, `rjmp .-2`: the pins keep their reset state."""
 START, TOKEN = 0x1B, 0x0E
 OVERHEAD: Final = 6
 FAR: Final = 1 << 31
-"""In an address: it may lie beyond 64 Ki words."""
-HELLO_S: Final = 0.25
-HELLO_TRIES: Final = 12
-ANSWER_S: Final = 1.0
+"""Flag in an address that may be beyond 64 Ki words."""
+SIGN_ON_S: Final = 0.25
+SIGN_ON_TRIES: Final = 12
+REPLY_S: Final = 1.0
 TRIES: Final = 5
 
 
 class Wire(Protocol):
-    """A serial port, and the clock of whoever is at its other end."""
+    """A serial port with a reset line."""
 
     def write(self, data: bytes) -> object:
         """Send all of it."""
 
     def read(self, timeout_s: float) -> bytes:
-        """What has come, waiting up to `timeout_s` for the first byte."""
+        """Received bytes, after waiting up to `timeout_s` for the first one."""
 
     def reset_board(self) -> None:
-        """Pull the reset line; the boot loader starts."""
+        """Reset the board; the boot loader starts."""
 
 
 class Programmer:
     """Writes and reads the flash of a board that has just been reset.
 
-    Raises NoAnswer (BOARD_LOST, TIMED_OUT) from every method if the boot loader does not answer as it should.
+    Every method raises NoAnswer (BOARD_LOST, TIMED_OUT) if the boot loader does not answer correctly.
     """
 
     def __init__(self, wire: Wire) -> None:
@@ -69,19 +69,19 @@ class Programmer:
         self._sequence = 0
 
     def sign_on(self) -> None:
-        """Find the boot loader, which listens for a second after a reset, and the chip it is on."""
-        for _ in range(HELLO_TRIES):
-            answer = self._try(bytes([SIGN_ON]), HELLO_S)
-            if answer is not None and answer.endswith(LOADER):
+        """Connect to the boot loader, which waits for a second after a reset, and check the chip."""
+        for _ in range(SIGN_ON_TRIES):
+            reply = self._try(bytes([SIGN_ON]), SIGN_ON_S)
+            if reply is not None and reply.endswith(LOADER):
                 break
         else:
             raise NoAnswer(
                 Reason.TIMED_OUT,
-                "The board's boot loader does not answer: is it an Arduino Mega 2560, and the right port? Press its reset "
-                "button just when you start, if it does not reset by itself.",
+                "The boot loader does not answer. Check that the board is an Arduino Mega 2560 and the port is right. If the "
+                "board does not reset by itself, press its reset button when you start.",
             )
-        self._ask(bytes([ENTER, 200, 100, 25, 32, 0, 0x53, 3, 0xAC, 0x53, 0, 0]))
-        found = bytes(self._ask(bytes([SPI, 4, 4, 0, 0x30, 0, index, 0]))[5] for index in range(3))
+        self._command(bytes([ENTER, 200, 100, 25, 32, 0, 0x53, 3, 0xAC, 0x53, 0, 0]))
+        found = bytes(self._command(bytes([SPI, 4, 4, 0, 0x30, 0, index, 0]))[5] for index in range(3))
         if found != SIGNATURE:
             raise NoAnswer(
                 Reason.BOARD_LOST,
@@ -89,15 +89,15 @@ class Programmer:
             )
 
     def write(self, at: int, page: bytes) -> None:
-        """Write one page of PAGE bytes. The boot loader erases it first: for some milliseconds it is blank."""
+        """Write one page of PAGE bytes. The boot loader erases it first, so it is blank for some milliseconds."""
         self._at(at, bytes([PROGRAM, PAGE >> 8, PAGE & 0xFF, 0xC1, 10, 0x40, 0x4C, 0x20, 0, 0]) + page)
 
     def check(self, at: int, page: bytes) -> None:
         """Read one page back and compare it."""
-        # More than once: two errors on the wire can leave the XOR as it was.
+        # Repeated, because the XOR does not detect every transmission error.
         if not any(self._read(at) == page for _ in range(TRIES)):
             raise NoAnswer(
-                Reason.BOARD_LOST, f"The board reads back something else at {at:#x} than was written."
+                Reason.BOARD_LOST, f"The board reads back other bytes at {at:#x} than were written."
             )
 
     def _read(self, at: int) -> bytes:
@@ -105,61 +105,61 @@ class Programmer:
 
     def leave(self) -> None:
         """Start the firmware."""
-        self._ask(bytes([LEAVE, 1, 1]))
+        self._command(bytes([LEAVE, 1, 1]))
 
     def _at(self, at: int, body: bytes) -> bytes:
-        """Ask about this address; both again if an answer is lost, for the boot loader has moved on."""
+        """Send a command for this address. If a reply is lost, send both again: the boot loader has advanced its address."""
         for _ in range(TRIES):
             if at == 0 and body[0] == PROGRAM:
-                # With every page it writes, the boot loader erases the next one, wherever it writes; begin anew.
-                self._answer(bytes([ERASE, 0, 0, 0, 0, 0, 0]))
-            self._ask(bytes([LOAD_ADDRESS]) + (FAR | at // 2).to_bytes(4, "big"))
-            answer = self._try(body, ANSWER_S)
-            if answer is not None and answer[1] == STATUS_OK:
-                return answer
-        raise gone()
+                # After each write, the boot loader erases the following page of its own counter: reset that counter.
+                self._reply(bytes([ERASE, 0, 0, 0, 0, 0, 0]))
+            self._command(bytes([LOAD_ADDRESS]) + (FAR | at // 2).to_bytes(4, "big"))
+            reply = self._try(body, REPLY_S)
+            if reply is not None and reply[1] == STATUS_OK:
+                return reply
+        raise lost()
 
-    def _ask(self, body: bytes) -> bytes:
-        answer = self._answer(body)
-        if answer[1] != STATUS_OK:
-            raise NoAnswer(Reason.BOARD_LOST, f"The board's boot loader refused command {body[0]:#04x}.")
-        return answer
+    def _command(self, body: bytes) -> bytes:
+        reply = self._reply(body)
+        if reply[1] != STATUS_OK:
+            raise NoAnswer(Reason.BOARD_LOST, f"The boot loader rejected command {body[0]:#04x}.")
+        return reply
 
-    def _answer(self, body: bytes) -> bytes:
-        """Whatever it says of it: it calls the erase command failed, and obeys."""
+    def _reply(self, body: bytes) -> bytes:
+        """Reply with any status: the boot loader reports the erase command as failed, but executes it."""
         for _ in range(TRIES):
-            answer = self._try(body, ANSWER_S)
-            if answer is not None:
-                return answer
-        raise gone()
+            reply = self._try(body, REPLY_S)
+            if reply is not None:
+                return reply
+        raise lost()
 
     def _try(self, body: bytes, timeout_s: float) -> bytes | None:
-        """The body of the answer, None if it did not come, whole and good, in time."""
+        """The body of the reply, None if no correct one arrives in time."""
         self._sequence = (self._sequence + 1) % 256
         message = bytes([START, self._sequence]) + len(body).to_bytes(2, "big") + bytes([TOKEN]) + body
         self._wire.write(message + bytes([reduce(xor, message)]))
-        heard = b""
+        received = b""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
             data = self._wire.read(max(0.0, deadline - time.monotonic()))
             if not data:
                 return None
-            heard += data
-            answer = find(heard, self._sequence)
-            if answer is not None:
-                return answer if answer[0] == body[0] and len(answer) > 1 else None
+            received += data
+            reply = find(received, self._sequence)
+            if reply is not None:
+                return reply if reply[0] == body[0] and len(reply) > 1 else None
         return None
 
 
-def gone() -> NoAnswer:
-    """What to tell when it falls silent."""
-    return NoAnswer(Reason.BOARD_LOST, "The board's boot loader does not answer any more.")
+def lost() -> NoAnswer:
+    """The error for a boot loader that stops replying."""
+    return NoAnswer(Reason.BOARD_LOST, "The boot loader does not answer any more.")
 
 
-def find(heard: bytes, sequence: int) -> bytes | None:
-    """The body of a whole message with this number among what was heard; None if there is none yet."""
-    for begin in range(len(heard)):
-        message = heard[begin:]
+def find(received: bytes, sequence: int) -> bytes | None:
+    """The body of a complete message with this number in the received bytes; None if there is none."""
+    for begin in range(len(received)):
+        message = received[begin:]
         if message[:2] != bytes([START, sequence]) or len(message) < OVERHEAD or message[4] != TOKEN:
             continue
         end = OVERHEAD - 1 + int.from_bytes(message[2:4], "big")

@@ -1,18 +1,18 @@
-"""The simulated robot: the node of `beatrix_zenoh` around a virtual board and a MuJoCo neck.
+"""The simulated robot: the node of `beatrix_zenoh` with a virtual board and a MuJoCo model of the neck.
 
-Importing this package imports MuJoCo without its OpenGL part: with MUJOCO_GL=egl or osmesa and no such
-library installed, `import mujoco` itself would fail, and physics needs none. `picture` opens OpenGL itself.
+Importing this package imports MuJoCo without its OpenGL part: with MUJOCO_GL=egl or osmesa and without that
+library, `import mujoco` would fail, although physics does not need it. The module `gl` loads OpenGL itself.
 """
 
 from __future__ import annotations
 
 import os
 
-_wish = os.environ.get("MUJOCO_GL")
+_preferred = os.environ.get("MUJOCO_GL")
 os.environ["MUJOCO_GL"] = "off"
 try:
     import mujoco as mujoco
 finally:
     del os.environ["MUJOCO_GL"]
-    if _wish is not None:
-        os.environ["MUJOCO_GL"] = _wish
+    if _preferred is not None:
+        os.environ["MUJOCO_GL"] = _preferred

@@ -6,30 +6,57 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh import robot_file as lab
-from beatrix_zenoh.cli.options import Connect, Legacy, OwnName, RobotFile
-from beatrix_zenoh.cli.verb import alone
+from beatrix_zenoh.cli.options import Connect, Legacy, LogFile, OwnName, RobotFile, finite
+from beatrix_zenoh.cli.run import run_command
+from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
-from sim_node.body import Simulation
+from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
+from sim_node.target import TargetPath
+from sim_node.viewer import Viewer
 
 
 def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
+    eyes_hz: Annotated[
+        float,
+        typer.Option(
+            metavar="HZ",
+            min=0.0,
+            max=EYES_HZ_MAX,
+            callback=finite,
+            help="Pictures a second of each eye, drawn only while a program subscribes; 0: no eyes.",
+        ),
+    ] = EYES_HZ,
+    target: Annotated[
+        TargetPath, typer.Option(help="Movement of the person in front of the eyes.")
+    ] = TargetPath.STILL,
+    view: Annotated[
+        bool, typer.Option("--view", help="Also show robot and room in a window; needs a display.")
+    ] = False,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
+    log_file: LogFile = None,
     name: OwnName = None,
     connect: Connect = None,
 ) -> None:
     """Simulate a robot. Ends with Ctrl-C."""
     settings = resolve(name, connect)
-    robot = lab.load(robot_file)
+    robot = values.load(robot_file)
+    viewer = Viewer(robot) if view else None
     raise typer.Exit(
-        serve(lambda: Simulation(settings.robot, robot), settings, robot=robot, ready=ready, legacy=legacy)
+        serve(
+            lambda: Simulation(settings.robot, robot, eyes_hz=eyes_hz, target=target, viewer=viewer),
+            settings,
+            robot=robot,
+            ready=ready,
+            legacy=legacy,
+            log_file=log_file,
+        )
     )
 
 
 def main(words: list[str] | None = None) -> int:
     """Entry point of group `beatrix.processes`; returns the exit code."""
-    return alone(sim, "beatrix sim", words)
+    return run_command(sim, "beatrix sim", words)

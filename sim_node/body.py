@@ -1,4 +1,4 @@
-"""The body of a simulation: the firmware on a virtual board, its steps driving the plant, in real time."""
+"""A simulated robot: the firmware on a virtual board, whose steps drive the plant, in real time."""
 
 from __future__ import annotations
 
@@ -9,104 +9,159 @@ from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Fault, PlantStatus
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
-from beatrix_zenoh.board.board import Port
+from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
-from beatrix_zenoh.node import Pose, Preview
-from sim_node.clock import Pace
+from beatrix_zenoh.node import Component, Context, Pose, Preview, PreviewHandler
+from sim_node.clock import StepClock
+from sim_node.eyes import Eyes
 from sim_node.model import TIMESTEP_MS
+from sim_node.painter import SceneState
 from sim_node.plant import Plant
-from sim_node.preview import run_ahead
+from sim_node.preview import simulate_motion
+from sim_node.target import Target, TargetHandler, TargetPath
+from sim_node.viewer import Viewer, ViewerFeed
 
-ALARM_EVERY = 5
-"""Turns between two looks at the assembly while arms move: every 30 ms."""
+ASSEMBLY_CHECK_TURNS = 5
+"""Turns of the thread between two checks of the assembly while arms move: every 30 ms."""
 RESTING_STEPS = 4
-"""In 8 ms a motion that begins makes less than a microstep."""
+"""Physics steps at once while the arms rest: a motion makes less than a microstep in its first 8 ms."""
 FAULT_SHOWN_S = 5.0
+EYES_HZ = 15.0
+EYES_HZ_MAX = 30.0
 
 
 class Simulation:
-    """A robot in physics only; one thread of its own owns plant and time."""
+    """A simulated robot; one thread owns the plant and its time."""
 
     twin = "sim"
 
-    def __init__(self, name: str, robot: RobotData = ROBOT) -> None:
+    def __init__(
+        self,
+        name: str,
+        robot: RobotData = ROBOT,
+        *,
+        eyes_hz: float = EYES_HZ,
+        target: TargetPath = TargetPath.STILL,
+        viewer: Viewer | None = None,
+    ) -> None:
+        """Start physics.
+
+        Args:
+            name: of the robot.
+            robot: its values.
+            eyes_hz: pictures a second of each eye while a client subscribes; 0: no eyes.
+            target: movement of the person in front of the eyes.
+            viewer: a window that shows the robot; closed with the simulation.
+        """
+        self._robot, self._eyes_hz, self._viewer = robot, eyes_hz, viewer
+        self._target = Target(target, time.monotonic())
         self._plant = Plant(robot)
         self._firmware = Firmware(boot=1, name=name)
         self._board = VirtualBoard(self._firmware)
-        self._pace = Pace(TIMESTEP_MS / 1000, time.monotonic())
-        self._pose = Pose(self._plant.arms(), self._plant.velocities())
+        self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
         self._left_s = float("-inf")
-        self._pulses, self._resting = self._firmware.pulses(), True
+        self._pulses, self._steps, self._resting = self._firmware.pulses(), self._firmware.steps(), True
         self._lock = threading.Lock()
         self._closed = threading.Event()
         self._thread = threads.start(self._run, "physics")
 
     def open_port(self) -> Port:
-        """The virtual board; always there."""
+        """The virtual board, which is always present."""
         return self._board
 
     def _run(self) -> None:
-        turn, spoken = 0, False
-        spoken_to = self._board.spoken_to
+        turn, written = 0, False
         while not self._closed.is_set():
-            # What was said a moment ago may begin to move the arms with the next step only.
-            resting = self._resting and not spoken
-            spoken = spoken_to.wait(self._pace.wait_s(time.monotonic(), resting=resting))
-            spoken_to.clear()
+            # A frame that was just written moves the arms from the next step on.
+            resting = self._resting and not written
+            written = self._board.woken.wait(self._clock.wait_s(time.monotonic(), resting=resting))
+            self._board.woken.clear()
             turn += 1
             with self._lock:
-                self._advance(self._pace.due(time.monotonic(), host_is_late=self._board.host_is_late))
-                if (turn % ALARM_EVERY == 0 or self._resting) and self._plant.home_assembly_left():
-                    self._plant.re_place()
+                self._catch_up()
+                if (turn % ASSEMBLY_CHECK_TURNS == 0 or self._resting) and self._plant.home_assembly_left():
+                    self._plant.reassemble()
                     self._left_s = time.monotonic()
-                self._pose = Pose(self._plant.arms(), self._plant.velocities())
+
+    def _catch_up(self) -> None:
+        """Make the steps that are due."""
+        self._advance(self._clock.due(time.monotonic(), host_is_late=self._board.host_is_late))
 
     def _advance(self, steps: int) -> None:
-        """Board and plant in turn; with arms that rest the board some steps at once, which halves what idling costs."""
+        """Advance board and plant in turn; while the arms rest the board makes several steps at once, which halves the load."""
         while steps > 0:
             together = min(steps, RESTING_STEPS if self._resting else 1)
             with self._board.lock:
                 self._board.advance(together * TIMESTEP_MS)
-                pulses, drivers_on = self._firmware.outputs()
+                pulses, drivers_on = self._firmware.pulses(), self._firmware.drivers_on()
+                self._steps = self._firmware.steps()
             for _ in range(together):
                 self._plant.step(pulses, drivers_on=drivers_on)
             self._resting, self._pulses = pulses == self._pulses, pulses
             steps -= together
 
-    def pose(self, telemetry: Telemetry) -> Pose:  # noqa: ARG002
-        """Arms measured in the plant."""
-        return self._pose
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:  # noqa: ARG002
+        """Arms and head measured in the plant now: its own thread may have made its last step 20 ms ago."""
+        with self._lock:
+            self._catch_up()
+            return Pose(
+                t_mono_ns=round(self._clock.reached_s * 1e9),  # the time at which the last step was due
+                position=self._plant.arms(),
+                velocity=self._plant.velocities(),
+                steps=self._steps,
+                head=self._plant.head(),
+            )
 
     def straighten(self) -> None:
-        """Set the head upright, as a person would before calibrating."""
+        """Set the head upright, as a person does before calibrating."""
         with self._lock:
             self._plant.straighten()
 
-    def preview(self, move: Move | MoveStraight) -> Preview | None:
-        """Run a copy of firmware and plant ahead of time."""
+    def components(self, context: Context) -> list[Component]:
+        """The components that only a simulation has: previews, the person, rendered eyes, and the viewer."""
+        parts: list[Component] = [
+            PreviewHandler(context, self.preview),
+            TargetHandler(context, self._target, time.monotonic),
+        ]
+        if self._eyes_hz > 0:
+            parts.append(
+                Eyes(context, self._robot, self._eyes_hz, self.scene_state, lambda: self._clock.late)
+            )
+        if self._viewer is not None:
+            parts.append(ViewerFeed(self._viewer, self.scene_state))
+        return parts
+
+    def scene_state(self) -> SceneState:
+        """The scene at the last step of the physics."""
+        with self._lock:
+            reached_s, posture = self._clock.reached_s, self._plant.posture()
+        return SceneState(round(reached_s * 1e9), posture, self._target.place(reached_s))
+
+    def preview(self, move: Move | MoveStraight) -> Preview:
+        """Carry out the motion on a copy of firmware and plant."""
         with self._lock, self._board.lock:
             memory, plant = self._firmware.snapshot(), self._plant.copy()
         copy = Firmware(boot=1, name="preview")
         copy.restore(memory)
-        return run_ahead(plant, copy, move)
+        return simulate_motion(plant, copy, move)
 
     def plant(self) -> PlantStatus | None:
-        """Pace and mishaps."""
+        """Return the real-time factor and the numbers of late steps, slipped motor steps and reassemblies of the neck."""
         return PlantStatus(
-            real_time_factor=self._pace.real_time_factor(time.monotonic()),
-            late_steps=self._pace.late,
+            real_time_factor=self._clock.real_time_factor(time.monotonic()),
+            late_steps=self._clock.late,
             slipped_steps=sum(map(abs, self._plant.slipped())),
             re_placed=self._plant.re_placed,
         )
 
     def fault(self) -> Fault:
-        """ASSEMBLY_LEFT for a while after the neck had to be put back."""
+        """ASSEMBLY_LEFT for some seconds after the neck was reassembled."""
         recent = time.monotonic() - self._left_s < FAULT_SHOWN_S
         return Fault.ASSEMBLY_LEFT if recent else Fault.NONE
 
     def close(self) -> None:
-        """Stop time."""
+        """Stop the simulation."""
         self._closed.set()
-        self._board.spoken_to.set()
+        self._board.woken.set()
         self._thread.join(timeout=2.0)
         self._board.close()

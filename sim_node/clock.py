@@ -1,25 +1,25 @@
-"""Simulated time kept to wall time: absolute deadlines, late steps caught up and counted, stalls left out."""
+"""Simulated time in step with wall time: absolute deadlines; late steps are made up and counted, stalls skipped."""
 
 from __future__ import annotations
 
 from collections import deque
 
 PERIOD_S = 0.006
-"""How often the simulation runs; each time it makes the steps that are due."""
+"""Period of the simulation's thread, which makes the steps that are due."""
 RESTING_S = 0.020
-"""The same with arms at rest and nobody speaking to the board."""
+"""The same while the arms rest and no frame for the board has come."""
 LATE_S = 0.010
 SLICE_S = 0.1
-"""At most this much is made at once, so that the board hears its heartbeat in between."""
-BREATH_S = 0.001
-"""Left to the other threads between two slices."""
+"""Longest simulated time at once, so that the board receives its heartbeat in between."""
+PAUSE_S = 0.001
+"""Time for other threads between two slices."""
 STALL_S = 0.3
-"""Who was held up for longer goes on from now: to the robot nothing happened, least of all a lost heartbeat."""
+"""After a longer delay simulated time continues from now: the robot notices neither the delay nor a lost heartbeat."""
 WINDOW_S = 5.0
 
 
-class Pace:
-    """Says how many steps are due; all times in seconds of one monotonic clock."""
+class StepClock:
+    """Computes how many steps are due; all times in seconds of one monotonic clock."""
 
     def __init__(self, step_s: float, now_s: float) -> None:
         self._step_s = step_s
@@ -31,7 +31,7 @@ class Pace:
         """Steps made more than LATE_S late."""
 
     def due(self, now_s: float, *, host_is_late: bool = False) -> int:
-        """Steps to make now; none while the board waits for its host."""
+        """Number of steps to make now; 0 while the board waits for a late host."""
         behind_s = now_s - self._due_s
         if behind_s > STALL_S or host_is_late:
             self._due_s = now_s
@@ -48,15 +48,20 @@ class Pace:
                 self._marks.popleft()
         return steps
 
+    @property
+    def reached_s(self) -> float:
+        """The time up to which steps have been made."""
+        return self._due_s
+
     def wait_s(self, now_s: float, *, resting: bool) -> float:
-        """Seconds until there is something to do."""
+        """Seconds until steps are due."""
         self._period_s = RESTING_S if resting else PERIOD_S
-        return max(BREATH_S, self._due_s + self._period_s - now_s)
+        return max(PAUSE_S, self._due_s + self._period_s - now_s)
 
     def real_time_factor(self, now_s: float) -> float:
         """Simulated seconds per second over the last seconds."""
         then_s, simulated_s = self._marks[0]
-        # Up to the last turn: between two turns no time has been lost yet, unless the next is overdue.
+        # Up to the last turn of the thread: no time is lost between two turns, unless the next one is overdue.
         overdue = now_s - self._turned_s > STALL_S
         elapsed_s = (now_s if overdue else self._turned_s) - then_s
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s

@@ -1,4 +1,4 @@
-"""Drawing with OpenGL, off screen, where the machine has it."""
+"""Off-screen drawing with OpenGL, if this computer has it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,11 @@ from typing import Final
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
-from beatrix_zenoh._generated.robot import RobotData
-from sim_node.model import Vector, build
-
-Image = npt.NDArray[np.uint8]
-"""Rows from the top, shape (height, width, 3): red, green, blue."""
+from sim_node.painter import Image, PosedModel
+from sim_node.person import Place
+from sim_node.piped_process import environment
+from sim_node.shapes import Vector
 
 _BACKENDS: Final = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("glfw",)}
 _OFF: Final = {"off", "disable", "disabled", "false", "0"}
@@ -34,27 +32,24 @@ os._exit(0)
 
 @cache
 def backend() -> str | None:
-    """Name of the OpenGL backend that works here, None if none does; MUJOCO_GL is tried first, or says `off`.
+    """Name of an OpenGL backend that works here, or None; the one of MUJOCO_GL is tried first, `off` means none.
 
-    Tried in a process of its own, once: a broken driver hangs or crashes, and a library once loaded stays.
+    Each is tried once, in a subprocess: a broken driver hangs or crashes, and a loaded library cannot be unloaded.
     """
-    wish = os.environ.get("MUJOCO_GL", "").lower().strip()
-    if wish in _OFF:
+    preferred = os.environ.get("MUJOCO_GL", "").lower().strip()
+    if preferred in _OFF:
         return None
     known = _BACKENDS.get(sys.platform, ())
-    names = sorted(known, key=lambda name: name != wish)
+    names = sorted(known, key=lambda name: name != preferred)
     return next((name for name in names if _works(name)), None)
 
 
 def _works(name: str) -> bool:
     command = [sys.executable, "-c", _PROBE, name]
-    # A child finds what this process finds, however its path was made.
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    environment.pop("PYOPENGL_PLATFORM", None)
     try:
         probe = subprocess.run(
             command,
-            env=environment,
+            env=environment(),
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=_PROBE_S,
@@ -66,14 +61,17 @@ def _works(name: str) -> bool:
 
 
 class GlPainter:
-    """Draws the robot from one of its model's cameras; to be made, used and closed in one thread."""
+    """Draws with OpenGL; a `Painter`."""
 
     def __init__(
-        self, robot: RobotData, width: int, height: int, *, name: str, shadows: bool, samples: int
+        self, spec: mujoco.MjSpec, width: int, height: int, *, name: str, shadows: bool, samples: int
     ) -> None:
-        """Images of `width` x `height` pixels with backend `name`; shadows and samples a pixel cost time."""
-        self._model = model = build(robot)
-        self._data = mujoco.MjData(model)
+        """Draw images of `width` x `height` pixels with backend `name`; shadows, and samples of a pixel, cost time."""
+        # Mesa's software driver would use all cores, and physics needs one.
+        os.environ.setdefault("LP_NUM_THREADS", "0")
+        model = spec.compile()
+        self.source = name
+        self._posed = PosedModel(model)
         self._context = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
         self._context.make_current()
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
@@ -82,29 +80,34 @@ class GlPainter:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._render)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 100)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
+        # Drawing a sky that walls hide would take a third of the time of a frame.
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = any(
+            texture.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX for texture in spec.textures
+        )
         self._option = mujoco.MjvOption()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._size = mujoco.MjrRect(0, 0, width, height)
 
-    def paint(self, posture: Vector, camera: str) -> Image:
-        """What a named camera sees of the robot in this posture, as `Plant.posture`."""
-        self._data.qpos[:] = posture
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
+    def pose(self, posture: Vector, target: Place | None = None) -> None:
+        """As `PosedModel.pose`."""
+        self._posed.pose(posture, target)
+
+    def paint(self, camera: str) -> Image:
+        """The picture from the camera of this name."""
+        model, data = self._posed.model, self._posed.data
         self._context.make_current()
-        self._camera.fixedcamid = self._model.camera(camera).id
+        self._camera.fixedcamid = model.camera(camera).id
+        model.geom_group[:] = self._posed.groups_seen_from(camera)
         everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(
-            self._model, self._data, self._option, None, self._camera, everything, self._scene
-        )
+        mujoco.mjv_updateScene(model, data, self._option, None, self._camera, everything, self._scene)
         mujoco.mjr_render(self._size, self._scene, self._render)
         image = np.empty((self._size.height, self._size.width, 3), dtype=np.uint8)
         mujoco.mjr_readPixels(image, None, self._size, self._render)
         return image[::-1]
 
     def close(self) -> None:
-        """Give the context back."""
+        """Free the context."""
         self._context.make_current()
         self._render.free()
         self._context.free()

@@ -1,7 +1,7 @@
 """The neck as a MuJoCo model, built from the robot's data.
 
-Every body's frame lies in the neck centre and is unrotated at home, so that joint axes are plain vectors and
-home is qpos0. Frames: x forward, y left, z up. Three chains base -> arm -> rod are closed on the head, which
+Every body's frame has its origin in the neck centre and is unrotated at home, so that joint axes are plain vectors
+and home is qpos0. Frames: x forward, y left, z up. Three chains base -> arm -> rod are closed on the head, which
 turns on a ball joint, by one `connect` each: 9 degrees of freedom, 6 of them taken by the loops.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh._generated.robot import ROBOT, Drive, Geometry, RobotData
-from sim_node.looks import (
+from sim_node.visuals import (
     ARMS,
     COLLISION,
     EYE_FORWARD,
@@ -23,7 +23,7 @@ from sim_node.looks import (
     POST_RADIUS,
     RING_HEIGHT,
     RING_RADIUS,
-    dress,
+    add_visuals,
     ring_height,
 )
 
@@ -32,7 +32,7 @@ Vector = npt.NDArray[np.float64]
 TIMESTEP_MS: Final = 2
 """Length of a physics step (ms)."""
 FOLD_MARGIN: Final = math.radians(80.0)
-"""A rod meets its stop this far (rad) from the middle of its range; at 90 deg arm and rod lie in one plane and the loop could snap."""
+"""Angle of a rod's stops from the middle of its range (rad); at 90 deg arm and rod are in one plane, and the loop could snap."""
 
 LINK_RADIUS: Final = 0.006
 
@@ -93,7 +93,7 @@ def chains(geometry: Geometry) -> tuple[Chain, Chain, Chain]:
 
 
 def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """The editable model; `to_xml()` of it is plain MJCF."""
+    """The editable model; its `to_xml()` returns MJCF."""
     spec = mujoco.MjSpec()
     spec.modelname = "beatrix"
     spec.compiler.degree = False
@@ -107,7 +107,7 @@ def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
         loop.name1, loop.name2 = f"rod_{name}", f"mount_{name}"
         loop.solref, loop.solimp = _SOLREF, _SOLIMP
         _add_motor(spec, robot.drive, name)
-    dress(spec, robot)
+    add_visuals(spec, robot)
     return spec
 
 
@@ -119,12 +119,12 @@ def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
 def _set_options(spec: mujoco.MjSpec) -> None:
     option = spec.option
     option.timestep = TIMESTEP_MS / 1000
-    # Solves loops and drives implicitly together: the other integrators buzz or lag with drives this stiff.
+    # Solves loops and drives implicitly together: with drives this stiff the other integrators oscillate or lag.
     option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.tolerance = 1e-10
-    # A reset behind our back would put the neck home while the drive stands elsewhere.
+    # An automatic reset would set the neck home, but not the drive.
     option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
 
@@ -135,7 +135,7 @@ def _add_head(spec: mujoco.MjSpec, robot: RobotData) -> mujoco.MjsBody:
     skull = _add_solid(head, "skull", mujoco.mjtGeom.mjGEOM_ELLIPSOID, [0.075, 0.07, 0.08], size.mass)
     skull.pos = [0.0, 0.0, size.centre_height]
     for side, name in ((1, "eye_left"), (-1, "eye_right")):
-        # Just in front of the lenses, so that no eye sees its own housing.
+        # In front of the lenses, so that no eye sees its own housing.
         head.add_camera(
             name=name,
             pos=[EYE_FORWARD, side * size.eye_baseline / 2, size.centre_height + EYE_UP],
@@ -157,8 +157,8 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
         arm, "ring", mujoco.mjtGeom.mjGEOM_CYLINDER, [RING_RADIUS, RING_HEIGHT / 2, 0.0], size.arm_mass / 2
     ).pos = [0.0, 0.0, ring]
     elbow = chain.elbow * size.arm_length
-    foot = _direction(chain.azimuth, POST_RADIUS, ring)
-    _add_link(arm, foot, elbow * 1.2, size.arm_mass / 2)
+    base = _direction(chain.azimuth, POST_RADIUS, ring)
+    _add_link(arm, base, elbow * 1.2, size.arm_mass / 2)
 
     rod = arm.add_body(name=f"rod_{name}")
     joint = rod.add_joint(name=f"rod_{name}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=chain.elbow)

@@ -1,4 +1,4 @@
-"""A picture of the simulated robot, with whatever the machine can draw with."""
+"""A picture of the simulated robot, drawn with OpenGL or by ray casting."""
 
 from __future__ import annotations
 
@@ -7,36 +7,40 @@ import zlib
 from pathlib import Path
 from typing import Final
 
+import mujoco
 import numpy as np
 
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.drive import Arms
+from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
-from sim_node.gl import GlPainter, Image
+from sim_node.gl import GlPainter
+from sim_node.model import build_spec
+from sim_node.painter import Image, Painter
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
 
 CAMERA: Final = "observer"
 _SAMPLES: Final = 4
 _OVERSAMPLING: Final = 2
-"""Softens what samples of a pixel do not: edges of shadows, and edges cast by rays."""
+"""Smooths the edges that several samples of a pixel do not: those of shadows and of ray casting."""
 
 
-def picture(
-    arms: Arms, width: int = 1280, height: int = 960, robot: RobotData = ROBOT, camera: str = CAMERA
-) -> Image:
-    """The robot with its arms at these angles (rad); raises BeatrixError if no head fits them."""
-    plant = Plant(robot)
+def picture(arms: Arms, width: int, height: int) -> Image:
+    """Draw the robot with these arm angles (rad); raises BeatrixError if the head cannot be assembled with them."""
+    plant = Plant()
     plant.place(arms)
-    size = _OVERSAMPLING * width, _OVERSAMPLING * height
-    name = gl.backend()
-    if name is None:
-        return _shrunk(RayPainter(robot, *size).paint(plant.posture(), camera))
-    painter = GlPainter(robot, *size, name=name, shadows=True, samples=_SAMPLES)
+    painter = _painter(build_spec(), _OVERSAMPLING * width, _OVERSAMPLING * height)
     try:
-        return _shrunk(painter.paint(plant.posture(), camera))
+        painter.pose(plant.posture())
+        return _shrunk(painter.paint(CAMERA))
     finally:
         painter.close()
+
+
+def _painter(spec: mujoco.MjSpec, width: int, height: int) -> Painter:
+    name = gl.backend()
+    if name is None:
+        return RayPainter(spec, width, height)
+    return GlPainter(spec, width, height, name=name, shadows=True, samples=_SAMPLES)
 
 
 def write_picture(path: Path, arms: Arms, width: int = 1280, height: int = 960) -> None:
@@ -59,7 +63,7 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
 
 
 def _shrunk(image: Image) -> Image:
-    """Mean of blocks of pixels: soft edges."""
+    """Reduce the size: the mean of blocks of pixels."""
     height, width, _ = image.shape
     n = _OVERSAMPLING
     blocks = image.reshape(height // n, n, width // n, n, 3)

@@ -1,6 +1,6 @@
 """The neck in MuJoCo with its stepper drive: pulses in, measured arms and head out.
 
-No clock and no thread in here: whoever owns a plant owns its time.
+It has neither clock nor thread; its owner controls the time.
 """
 
 from __future__ import annotations
@@ -14,49 +14,38 @@ from typing import Final
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from msgspec import Struct
 
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.rotation import Rotation, ypr_of
-from sim_node.drive import Counts, DriveState, StepperDrive
-from sim_node.looks import ARMS
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import Rotation, ypr_of
+from sim_node.drive import Counts, StepperDrive
 from sim_node.model import build, chains
+from sim_node.visuals import ARMS
 
 _log = logging.getLogger(__name__)
 
 _UPRIGHT: Final[Arms] = (0.0, 0.0, 0.0)
-_MOMENT: Final = int(mujoco.mjtState.mjSTATE_INTEGRATION)
-"""What makes the next step come out the same to the last bit."""
 _ALL_MOTORS: Final = 1 << 0
 """Actuators without a group of their own are in group 0."""
-
-
-class PlantState(Struct, frozen=True):
-    """A moment of a plant."""
-
-    physics: npt.NDArray[np.float64]
-    drive: DriveState
-    re_placed: int
 
 
 class Plant:
     """The simulated neck; starts upright with motors off. Angles in rad from home, lengths in m."""
 
     def __init__(self, robot: RobotData = ROBOT, model: mujoco.MjModel | None = None) -> None:
-        """A neck of this robot; `model` is an already compiled model of it that nobody else steps."""
-        # MuJoCo writes its warnings to a file in the working directory unless somebody takes them.
+        """Create the neck of this robot; `model` is a compiled model of it that no other plant uses."""
+        # Without a handler MuJoCo writes warnings to a file in the working directory.
         mujoco.set_mju_user_warning(_log.warning)
         self._robot = robot
         self._neck = Neck(robot.geometry)
         self._drive = StepperDrive(robot.drive)
         self.re_placed = 0
-        """How often the neck was put back into its home assembly."""
+        """Number of times that the neck was reassembled."""
         self.model = build(robot) if model is None else model
         self.data = mujoco.MjData(self.model)
-        # Views made once: making one costs as much as reading it.
+        # Views are created once: creating one takes as long as reading it.
         arms = [self.model.joint(f"arm_{name}") for name in ARMS]
         rods = [self.model.joint(f"rod_{name}") for name in ARMS]
         self._arms = self.data.qpos[_stride([int(joint.qposadr[0]) for joint in arms])]
@@ -70,17 +59,17 @@ class Plant:
 
     def step(self, pulses: Counts, *, drivers_on: bool) -> None:
         """One physics step of TIMESTEP_MS, towards `pulses`: microsteps of each motor since the board's start."""
-        if self._drive.turn(pulses, self._arms.tolist(), on=drivers_on):
-            self._obey_drive()
+        if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
+            self._apply_drive()
         mujoco.mj_step(self.model, self.data)
 
     def arms(self) -> Arms:
-        """Where the arms are (rad), measured at the joints."""
+        """Arm angles (rad), measured at the joints."""
         x, y, z = self._arms.tolist()
         return x, y, z
 
     def velocities(self) -> Arms:
-        """How fast the arms turn (rad/s), measured at the joints."""
+        """Arm velocities (rad/s), measured at the joints."""
         x, y, z = self._velocities.tolist()
         return x, y, z
 
@@ -119,24 +108,24 @@ class Plant:
         return float(np.linalg.norm(sites[self._rod_ends] - sites[self._mounts], axis=1).max())
 
     def set_points(self) -> Arms:
-        """Where the motors pull the arms to (rad): the counted steps less what slipped."""
+        """Angles that the motors pull the arms to (rad): the counted steps minus the slip."""
         return self._drive.set_points
 
     def slipped(self) -> Counts:
-        """Full steps by which each motor's counter has left its rotor since the neck was straightened."""
+        """Full steps that each motor has slipped since the neck was straightened."""
         return self._drive.slipped
 
     def home_assembly_left(self) -> bool:
-        """Whether the loop has snapped into another assembly, or the physics has lost its numbers."""
+        """Return whether the loop has snapped into another assembly, or the state contains NaN."""
         return not self._neck.in_home_assembly(self.arms(), self.rotation())
 
     def straighten(self) -> None:
-        """Set the head upright and forget what slipped: what a person does before calibrating."""
-        self._drive.put_home()
+        """Set the head upright and reset the slip, as a person does before calibrating."""
+        self._drive.set_home()
         self.place(_UPRIGHT)
 
     def place(self, arms: Arms) -> None:
-        """Set everything at rest at these arm angles (rad); raises BeatrixError if no head fits them."""
+        """Set all bodies at rest at these arm angles (rad); raises BeatrixError if the head cannot be assembled with them."""
         time = self.data.time
         mujoco.mj_resetData(self.model, self.data)
         self.data.time = time
@@ -147,11 +136,11 @@ class Plant:
             for chain, arm in zip(chains(self._robot.geometry), arms, strict=True)
         ]
         mujoco.mju_mat2Quat(self._quaternion, rotation.ravel())
-        self._obey_drive()
+        self._apply_drive()
         mujoco.mj_kinematics(self.model, self.data)
 
-    def re_place(self) -> None:
-        """Take the neck apart and put it together at its set points, or upright if no head fits those."""
+    def reassemble(self) -> None:
+        """Reassemble the neck at its set points, or upright if the head cannot be assembled with those."""
         self.re_placed += 1
         try:
             self._neck.rotation(self._drive.set_points)
@@ -160,33 +149,20 @@ class Plant:
         else:
             self.place(self._drive.set_points)
 
-    def save(self) -> PlantState:
-        """The present moment."""
-        physics = np.empty(mujoco.mj_stateSize(self.model, _MOMENT))
-        mujoco.mj_getState(self.model, self.data, physics, _MOMENT)
-        return PlantState(physics=physics, drive=self._drive.save(), re_placed=self.re_placed)
-
-    def load(self, state: PlantState) -> None:
-        """Return to a saved moment of this or another plant of the same robot."""
-        self.re_placed = state.re_placed
-        self._drive.load(state.drive)
-        self._obey_drive()
-        mujoco.mj_setState(self.model, self.data, state.physics, _MOMENT)
-        mujoco.mj_kinematics(self.model, self.data)
-
     def copy(self) -> Plant:
-        """A plant of its own at the same moment, to run ahead with."""
-        # The model too: switching motors writes into it.
-        twin = Plant(self._robot, copy.copy(self.model))
-        twin.load(self.save())
-        return twin
+        """An independent plant in the same state."""
+        # The model is copied, too: switching the motors writes into it.
+        plant = Plant(self._robot, copy.copy(self.model))
+        plant._drive, plant.re_placed = copy.deepcopy(self._drive), self.re_placed
+        mujoco.mj_copyData(plant.data, plant.model, self.data)
+        return plant
 
-    def _obey_drive(self) -> None:
+    def _apply_drive(self) -> None:
         self.data.ctrl[:] = self._drive.set_points
         self.model.opt.disableactuator = 0 if self._drive.on else _ALL_MOTORS
 
 
 def _stride(addresses: Sequence[int]) -> slice:
-    """The slice that takes three equally spaced numbers: a view, where a list of indices would copy."""
+    """A slice for three equally spaced addresses: indexing with it makes a view, with a list a copy."""
     first, second, third = addresses
     return slice(first, third + 1, second - first)

@@ -1,9 +1,8 @@
-"""Trying a motion on a copy: the very firmware and the same physics, ahead of time."""
+"""Preview of a motion: the same firmware and physics, on copies, faster than real time."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh._generated.messages import Reason
@@ -23,53 +22,48 @@ from beatrix_zenoh._generated.serial import (
 )
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.drive import Arms
-from beatrix_zenoh.errors import Interrupted, Refused
-from beatrix_zenoh.node.body import PREVIEW_MAX_S, Preview
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
 
 LONGEST_MS: Final = round(PREVIEW_MAX_S * 1000)
-"""Longest motion that is tried (simulated ms), should the firmware take longer than was computed."""
+"""Longest preview (simulated ms), if the firmware takes longer than was computed."""
 SAMPLES_MAX: Final = 300
-"""Then every second sample is dropped and the rest go on at half the rate."""
+"""Largest number of samples; then every second one is dropped, and the sample rate is halved."""
 _SAMPLE_MS: Final = 20
 _CHUNK_MS: Final = 20
-"""Between two looks at what the firmware says and whether anybody still waits."""
+"""Simulated time between two readings of the firmware's output."""
 _SETTLE_MS: Final = 1000
-"""Longest wait for the arms after the firmware's last step."""
+"""Longest wait until the arms rest after the firmware's last step."""
 _AT_REST: Final = math.radians(0.2)
-"""Arms slower than this (rad/s) rest."""
+"""Arms below this velocity (rad/s) are at rest."""
 _SEQ_MOVE: Final = 1
 _SEQ_PING: Final = 2
 
 
-def run_ahead(
-    plant: Plant, firmware: Firmware, move: Move | MoveStraight, cancelled: Callable[[], bool] = lambda: False
-) -> Preview:
-    """Carry out a motion until the arms rest, as fast as the machine can, and say how it went.
+def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> Preview:
+    """Carry out a motion until the arms rest, as fast as this computer can, and return its course.
 
-    `plant` and `firmware` are copies made for this: they end where the motion ends. Raises Refused if the
-    firmware refuses the motion, would stop it on its way, or needs more than LONGEST_MS; Interrupted
-    if `cancelled` says so.
+    `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it before
+    its end, or needs more than LONGEST_MS.
     """
-    run = _Run(plant, firmware)
+    run = _MotionSimulation(plant, firmware)
     run.send(move.kind, _SEQ_MOVE, move.pack())
     while not run.at_rest():
-        if cancelled():
-            raise Interrupted(Reason.STOPPED, "The preview was cancelled; nothing has moved.")
         if run.now_ms >= LONGEST_MS:
             raise Refused(
                 Reason.TIMED_OUT,
-                f"This motion takes longer than the {LONGEST_MS / 1000:.0f} s a preview looks ahead: "
-                "ask for a higher speed or a shorter way.",
+                f"This motion takes longer than {LONGEST_MS / 1000:.0f} s, the longest preview: "
+                "use a higher speed or a shorter motion.",
             )
         run.advance()
     return run.result()
 
 
-class _Run:
-    """One motion on its way, in simulated time."""
+class _MotionSimulation:
+    """The simulation of one motion."""
 
     def __init__(self, plant: Plant, firmware: Firmware) -> None:
         self.now_ms = 0
@@ -82,16 +76,16 @@ class _Run:
         self._gap_min = plant.gap()
         self._period_ms = _SAMPLE_MS
         self._samples: list[tuple[int, Arms, Arms]] = [(0, plant.arms(), plant.head())]
-        # What the original has sent before the copy was made is not about this motion.
+        # Discard the output from before the copy was made.
         firmware.transmit()
 
     def send(self, kind: FrameType, seq: int, payload: bytes = b"") -> None:
-        """Give a frame to the firmware and read its answer."""
+        """Send a frame to the firmware and read its answer."""
         self._firmware.receive(encode(kind, seq, payload))
-        self._listen()
+        self._read_frames()
 
     def advance(self) -> None:
-        """Let a chunk of time pass."""
+        """Advance simulated time by one chunk."""
         if self.now_ms >= self._next_ping_ms:
             self.send(FrameType.PING, _SEQ_PING)
             self._next_ping_ms += HEARTBEAT_PERIOD
@@ -99,8 +93,7 @@ class _Run:
         tilt_max, gap_min = self._tilt_max, self._gap_min
         for _ in range(_CHUNK_MS // TIMESTEP_MS):
             firmware.tick(TIMESTEP_MS)
-            pulses, drivers_on = firmware.outputs()
-            plant.step(pulses, drivers_on=drivers_on)
+            plant.step(firmware.pulses(), drivers_on=firmware.drivers_on())
             tilt_max = max(tilt_max, plant.tilt())
             gap_min = min(gap_min, plant.gap())
         self._tilt_max, self._gap_min = tilt_max, gap_min
@@ -109,12 +102,13 @@ class _Run:
             self._sample()
         if plant.home_assembly_left():
             raise Refused(
-                Reason.FAULT, "On this way the neck would snap out of its home assembly: choose another."
+                Reason.FAULT,
+                "During this motion the neck would snap out of its home assembly: choose another motion.",
             )
-        self._listen()
+        self._read_frames()
 
     def at_rest(self) -> bool:
-        """Whether the firmware makes no more steps and the arms have come to rest."""
+        """Return whether the firmware makes no more steps and the arms are at rest."""
         telemetry = self._telemetry
         if telemetry is None or telemetry.state & State.MOVING:
             return False
@@ -124,7 +118,7 @@ class _Run:
         return waited or max(map(abs, self._plant.velocities())) < _AT_REST
 
     def result(self) -> Preview:
-        """How it went; the last sample is the end. Raises Refused if the firmware stopped it."""
+        """The course of the motion up to its end; raises Refused if the firmware stopped it."""
         outcome = Outcome.DONE if self._telemetry is None else Outcome(self._telemetry.outcome)
         if outcome is not Outcome.DONE:
             raise Refused(
@@ -147,7 +141,7 @@ class _Run:
             self._period_ms *= 2
         self._samples.append((self.now_ms, self._plant.arms(), self._plant.head()))
 
-    def _listen(self) -> None:
+    def _read_frames(self) -> None:
         for frame in self._decoder.feed(self._firmware.transmit()):
             if frame.type == FrameType.TELEMETRY:
                 self._telemetry = Telemetry.unpack(frame.payload)

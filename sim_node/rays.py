@@ -1,4 +1,4 @@
-"""Drawing without OpenGL: one ray a pixel, cast by MuJoCo itself, shaded by the angle to the light."""
+"""Drawing without OpenGL: MuJoCo casts a ray for each pixel, the angle to the light gives the shade."""
 
 from __future__ import annotations
 
@@ -9,88 +9,119 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.robot import RobotData
-from sim_node.gl import Image
-from sim_node.looks import SKY, TILE, TILES, VISUAL
-from sim_node.model import Vector, build_spec
+from sim_node.painter import Image, PosedModel
+from sim_node.person import Place
+from sim_node.shapes import Vector
+from sim_node.visuals import COLLISION, SKY, TILE, TILES, VISUAL
 
 _FAR: Final = 8.0
-"""The floor fades into the sky up to here (m)."""
-_AMBIENT: Final = 0.42
-_LIGHT: Final = 0.62
-_FILL: Final = 0.16
-_TO_LIGHT: Final = np.array((0.42, -0.45, 0.79))
-_TO_FILL: Final = np.array((0.58, -0.72, 0.36))
+"""Distance at which the floor has the colour of the sky (m)."""
 
 
 class RayPainter:
-    """Draws the robot from one of its model's cameras, without shadows."""
+    """Draws without OpenGL and without shadows; a `Painter`."""
 
-    def __init__(self, robot: RobotData, width: int, height: int) -> None:
-        """Images of `width` x `height` pixels."""
-        self._model = model = _all_in_reach(robot)
-        self._data = mujoco.MjData(model)
-        self._shape = height, width
+    source: Final = "rays"
+
+    def __init__(self, spec: mujoco.MjSpec, width: int, height: int, *, cell: int = 1) -> None:
+        """Draw images of `width` x `height` pixels with a ray for each square of `cell` x `cell` pixels."""
+        model = _compile_for_rays(spec)
+        self._posed = PosedModel(model)
+        self._shape, self._cell = (height // cell, width // cell), cell
         self._group = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
         self._group[VISUAL] = 1
-        self._floor = model.geom("floor").id
+        self._floor = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, "floor")
         colours = np.where(model.geom_matid[:, None] >= 0, model.mat_rgba[model.geom_matid], model.geom_rgba)
         self._colours: Vector = colours[:, :3].astype(np.float64)
 
-    def paint(self, posture: Vector, camera: str) -> Image:
-        """What a named camera sees of the robot in this posture, as `Plant.posture`."""
-        self._data.qpos[:] = posture
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
-        eye = self._data.camera(camera).xpos.copy()
+    def pose(self, posture: Vector, target: Place | None = None) -> None:
+        """As `PosedModel.pose`."""
+        self._posed.pose(posture, target)
+
+    def paint(self, camera: str) -> Image:
+        """The picture from the camera of this name."""
+        eye = self._posed.data.camera(camera).xpos.copy()
         rays = self._rays(camera)
+        self._hide_outside_view(camera)
         geoms, distances, normals = self._cast(eye, rays)
-        return self._shade(eye + rays * distances[:, None], geoms, distances, normals)
+        image = self._shade(eye, rays, geoms, distances, normals)
+        return image.repeat(self._cell, axis=0).repeat(self._cell, axis=1)
+
+    def close(self) -> None:
+        """Do nothing: there are no resources to free."""
+
+    def _hide_outside_view(self, camera: str) -> None:
+        """Hide the geoms outside the cone around the picture, which halves the time of the rays."""
+        model, data = self._posed.model, self._posed.data
+        height, width = self._shape
+        half = math.tan(math.radians(float(model.camera(camera).fovy[0])) / 2)
+        cone = math.atan(half * math.hypot(1.0, width / height))
+        away = data.geom_xpos - data.camera(camera).xpos
+        distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+        ahead = -data.camera(camera).xmat.reshape(3, 3)[:, 2]
+        angle = np.arccos(np.clip(away @ ahead / distance, -1.0, 1.0))
+        radius = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)  # a plane is infinite
+        seen = angle - np.arcsin(np.minimum(radius / distance, 1.0)) < cone
+        model.geom_group[:] = np.where(seen, self._posed.groups_seen_from(camera), COLLISION)
 
     def _cast(self, eye: Vector, rays: Vector) -> tuple[npt.NDArray[np.int32], Vector, Vector]:
-        """Geom (-1: none), distance (m) and normal that each ray meets."""
+        """Geom (-1: none), distance (m) and normal at the hit of each ray."""
         count = len(rays)
         geoms, distances = np.empty(count, dtype=np.int32), np.empty(count)
         normals = np.zeros(3 * count)
         group, everything = self._group, mujoco.mjMAXVAL
         mujoco.mj_multiRay(
-            *(self._model, self._data, eye, rays.ravel(), group, 1, -1),
+            *(self._posed.model, self._posed.data, eye, rays.ravel(), group, 1, -1),
             *(geoms, distances, normals, count, everything),
         )
         return geoms, distances, normals.reshape(-1, 3)
 
     def _shade(
-        self, points: Vector, geoms: npt.NDArray[np.int32], distances: Vector, normals: Vector
+        self,
+        eye: Vector,
+        rays: Vector,
+        geoms: npt.NDArray[np.int32],
+        distances: Vector,
+        normals: Vector,
     ) -> Image:
         hit = geoms >= 0
-        paint = self._colours[geoms[hit]]
-        floor = geoms[hit] == self._floor
-        tiles = np.floor(points[hit][floor, :2] / TILE).sum(axis=1).astype(np.int64) % 2
-        paint[floor] = np.array(TILES)[tiles]
-        light = _AMBIENT + _LIGHT * np.clip(normals[hit] @ _TO_LIGHT, 0, 1)
-        light += _FILL * np.clip(normals[hit] @ _TO_FILL, 0, 1)
-        haze = np.where(floor, np.clip(distances[hit] / _FAR, 0, 1), 0)[:, None]
-        colours = np.tile(np.array(SKY), (len(geoms), 1))
-        colours[hit] = paint * light[:, None] * (1 - haze) + np.array(SKY) * haze
+        colours = self._colours[geoms] * self._light(rays, normals)
+        floor = geoms == self._floor
+        if floor.any():
+            points = eye + rays[floor] * distances[floor, None]
+            tiles = np.floor(points[:, :2] / TILE).sum(axis=1).astype(np.int64) % 2
+            colours[floor] *= np.array(TILES)[tiles] / self._colours[self._floor]
+            haze = np.clip(distances[floor] / _FAR, 0, 1)[:, None]
+            colours[floor] = colours[floor] * (1 - haze) + np.array(SKY) * haze
+        colours[~hit] = SKY
         image: Image = (np.clip(colours, 0, 1) * 255).astype(np.uint8).reshape(*self._shape, 3)
         return image
+
+    def _light(self, rays: Vector, normals: Vector) -> Vector:
+        """Brightness at the hit of each ray in the lights of the model, shape (rays, 3)."""
+        model = self._posed.model
+        head = model.vis.headlight
+        light = np.maximum(-(rays * normals).sum(axis=1), 0)[:, None] * head.diffuse + head.ambient
+        for direction, diffuse in zip(model.light_dir, model.light_diffuse, strict=True):
+            light += np.maximum(normals @ -direction, 0)[:, None] * diffuse
+        bright: Vector = np.minimum(light, 1.0)
+        return bright
 
     def _rays(self, camera: str) -> Vector:
         """Unit directions through the centres of the pixels, shape (pixels, 3)."""
         height, width = self._shape
-        half = math.tan(math.radians(float(self._model.camera(camera).fovy[0])) / 2)
+        half = math.tan(math.radians(float(self._posed.model.camera(camera).fovy[0])) / 2)
         across = (2 * (np.arange(width) + 0.5) - width) / height * half
         up = (height - 2 * (np.arange(height) + 0.5)) / height * half
         x, y = np.meshgrid(across, up)
         rays = np.stack((x, y, np.full_like(x, -1.0)), axis=-1).reshape(-1, 3)
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        turned: Vector = rays @ self._data.camera(camera).xmat.reshape(3, 3).T
+        turned: Vector = rays @ self._posed.data.camera(camera).xmat.reshape(3, 3).T
         return turned
 
 
-def _all_in_reach(robot: RobotData) -> mujoco.MjModel:
-    """A model for looking at only: rays pass by all that lies outside the box around what can touch."""
-    spec = build_spec(robot)
+def _compile_for_rays(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """Compile the model with contact for all geoms: MuJoCo's rays miss geoms outside the bounding box of contacts."""
     for geom in spec.geoms:
         geom.contype = 1
     return spec.compile()

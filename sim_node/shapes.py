@@ -1,4 +1,4 @@
-"""Triangle meshes of printed parts, as plain arrays."""
+"""Triangle meshes of printed parts, as arrays."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Shape(NamedTuple):
 
 
 def superellipsoid(size: Sequence[float], roundness: float, across: int = 40, up: int = 24) -> Shape:
-    """A ball with half axes `size` (m); roundness 1 is an ellipsoid, towards 0 it becomes a box."""
+    """A superellipsoid with half axes `size` (m); roundness 1 is an ellipsoid, towards 0 it becomes a box."""
     azimuth = np.linspace(0.0, math.tau, across, endpoint=False)
     height = np.linspace(-math.pi / 2, math.pi / 2, up + 2)[1:-1]
     rings = [
@@ -55,7 +55,7 @@ def skin(rings: Vector) -> Shape:
 
 
 def twisted_rod(start: Vector, end: Vector, radius: float, width: float, thickness: float) -> Shape:
-    """A flat bar along the great circle from direction `start` to `end`, turning a quarter on its way (m)."""
+    """A flat bar along the great circle from direction `start` to `end`, twisted by 90 deg (m)."""
     angle = math.acos(float(np.clip(start @ end, -1.0, 1.0)))
     side = np.cross(start, end) / math.sin(angle)
     rings = []

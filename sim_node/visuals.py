@@ -1,14 +1,13 @@
-"""What the simulated robot looks like: shapes without mass or contact, lights and the observer's camera.
+"""The appearance of the simulated robot: shapes without mass or contact, lights and the observer's camera.
 
-Own shapes, made to be read at a glance: the short arm is red, the middle one green, the long one blue, the
-twisted rods are yellow; the face points along x.
+The short arm is red, the middle one green, the long one blue, the twisted rods are yellow; the face points along x.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import mujoco
@@ -21,31 +20,33 @@ Point = Sequence[float] | Vector
 
 ARMS: Final = ("short", "middle", "long")
 VISUAL: Final = 2
-"""Geom group of everything that is seen."""
+"""Geom group of all visible geoms."""
 COLLISION: Final = 3
-"""Geom group of everything that has mass; hidden."""
+"""Geom group of all geoms with mass; hidden."""
 RING_RADIUS: Final = 0.046
-"""Of the ring gears (m)."""
+"""Radius of the ring gears (m)."""
 RING_HEIGHT: Final = 0.013
 POST_RADIUS: Final = 0.054
 """Distance of the arms' uprights from the axis (m)."""
 EYE_FORWARD: Final = 0.107
-"""Of the cameras, from the neck centre (m)."""
+"""Distance of the cameras from the neck centre (m)."""
 EYE_UP: Final = 0.018
-"""Of the cameras, above the head's centre of mass (m)."""
+"""Height of the cameras above the head's centre of mass (m)."""
 
 SKY: Final = (0.93, 0.95, 0.97)
 TILES: Final = ((0.88, 0.885, 0.875), (0.845, 0.855, 0.85))
 TILE: Final = 0.1
 """Side of the floor's tiles (m)."""
 
-_FLOOR: Final = -0.206
+FLOOR: Final = -0.206
+"""Height of the surface under the robot (m)."""
 _SPHERE: Final = mujoco.mjtGeom.mjGEOM_SPHERE
 _CAPSULE: Final = mujoco.mjtGeom.mjGEOM_CAPSULE
 _ELLIPSOID: Final = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 _CYLINDER: Final = mujoco.mjtGeom.mjGEOM_CYLINDER
 _BOX: Final = mujoco.mjtGeom.mjGEOM_BOX
 
+_GLOSSY: Final = {"visor", "white", "iris", "black"}
 _COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "shell": (0.93, 0.92, 0.89),
     "visor": (0.13, 0.16, 0.20),
@@ -69,13 +70,14 @@ def ring_height(index: int) -> float:
     return -0.068 - 0.019 * index
 
 
-class Wardrobe:
-    """Hangs visual geoms on the bodies of a model; materials and meshes are made as needed."""
+class VisualGeoms:
+    """Adds visual geoms to the bodies of a model."""
 
-    def __init__(self, spec: mujoco.MjSpec) -> None:
+    def __init__(self, spec: mujoco.MjSpec, colours: Mapping[str, tuple[float, float, float]]) -> None:
+        """Add a material for each of these colours: red, green, blue from 0 to 1."""
         self._spec = spec
-        for name, colour in _COLOURS.items():
-            glossy = name in {"visor", "white", "iris", "black"}
+        for name, colour in colours.items():
+            glossy = name in _GLOSSY
             spec.add_material(
                 name=name,
                 rgba=[*colour, 1.0],
@@ -83,7 +85,7 @@ class Wardrobe:
                 shininess=0.9 if glossy else 0.4,
             )
 
-    def put(
+    def primitive(
         self,
         body: str,
         material: str,
@@ -92,7 +94,7 @@ class Wardrobe:
         pos: Point = (0.0, 0.0, 0.0),
         axis: Point = (0.0, 0.0, 1.0),
     ) -> None:
-        """A primitive (m) at `pos` of a body, its z axis along `axis`."""
+        """Add a primitive (m) to a body at `pos`, with its z axis along `axis`."""
         self._geom(body, material, type=shape, size=[*size, 0.0, 0.0][:3], pos=list(pos), zaxis=list(axis))
 
     def bar(
@@ -103,12 +105,12 @@ class Wardrobe:
         *points: Point,
         shape: mujoco.mjtGeom = _CAPSULE,
     ) -> None:
-        """A round bar of this radius (m) through points."""
+        """Add a round bar of this radius (m) through points."""
         for start, end in itertools.pairwise(points):
             self._geom(body, material, type=shape, size=[radius, 0.0, 0.0], fromto=[*start, *end])
 
     def mesh(self, body: str, material: str, name: str, shape: Shape, pos: Point = (0.0, 0.0, 0.0)) -> None:
-        """A shape of our own, once defined under its name and then used again."""
+        """Add a mesh; a shape of the same name is defined once."""
         if not any(mesh.name == name for mesh in self._spec.meshes):
             self._spec.add_mesh(
                 name=name,
@@ -128,19 +130,19 @@ def _vector(x: float, y: float, z: float) -> Vector:
     return np.array((x, y, z))
 
 
-def dress(spec: mujoco.MjSpec, robot: RobotData) -> None:
-    """Adds everything that is seen to a model whose bodies are there."""
-    wardrobe = Wardrobe(spec)
-    _stage(spec)
-    _base(wardrobe, robot)
+def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
+    """Add the visible geoms, lights and cameras to a model that has its bodies."""
+    visuals = VisualGeoms(spec, _COLOURS)
+    _surroundings(spec)
+    _base(visuals, robot)
     for index, name in enumerate(ARMS):
-        _chain(spec, wardrobe, robot, index, name)
-    _neck(spec, wardrobe)
-    _skull(wardrobe, robot.head.centre_height)
-    _face(wardrobe, robot)
+        _chain(spec, visuals, robot, index, name)
+    _neck(spec, visuals)
+    _skull(visuals, robot.head.centre_height)
+    _face(visuals, robot)
 
 
-def _stage(spec: mujoco.MjSpec) -> None:
+def _surroundings(spec: mujoco.MjSpec) -> None:
     world = spec.worldbody
     spec.add_texture(
         name="sky",
@@ -166,7 +168,7 @@ def _stage(spec: mujoco.MjSpec) -> None:
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[0, 0, 0.1],
-        pos=[0, 0, _FLOOR],
+        pos=[0, 0, FLOOR],
         material="floor",
         group=VISUAL,
     )
@@ -175,7 +177,7 @@ def _stage(spec: mujoco.MjSpec) -> None:
     world.add_light(type=sun, pos=[0.6, -0.5, 1.2], dir=[-0.5, 0.55, -1.1], diffuse=[0.60, 0.59, 0.56])
     fill = world.add_light(type=sun, pos=[1.0, -1.2, 0.6], dir=[-0.8, 1.0, -0.5], diffuse=[0.20, 0.21, 0.23])
     fill.castshadow = False
-    _observer(world)
+    add_camera(world, "observer", (0.80, -0.56, 0.20), (0.0, 0.0, 0.012), 28.0)
     visual = spec.visual
     visual.headlight.ambient = [0.30, 0.30, 0.32]
     visual.headlight.diffuse = [0.20, 0.20, 0.20]
@@ -188,46 +190,49 @@ def _stage(spec: mujoco.MjSpec) -> None:
     spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.0], 1.0
 
 
-def _observer(world: mujoco.MjsBody) -> None:
-    place, target = np.array((0.80, -0.56, 0.20)), np.array((0.0, 0.0, 0.012))
-    ahead = (target - place) / np.linalg.norm(target - place)
+def add_camera(world: mujoco.MjsBody, name: str, place: Point, target: Point, fovy: float) -> None:
+    """Add an upright camera at `place` with `target` in its middle (m); `fovy` is the vertical angle of view (deg)."""
+    ahead = np.asarray(target) - np.asarray(place)
+    ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
-    world.add_camera(name="observer", pos=place, xyaxes=[*right, *np.cross(right, ahead)], fovy=28.0)
+    world.add_camera(name=name, pos=place, xyaxes=[*right, *np.cross(right, ahead)], fovy=fovy)
 
 
-def _base(wardrobe: Wardrobe, robot: RobotData) -> None:
-    wardrobe.put("world", "base", _CYLINDER, (0.085, 0.006), (0, 0, _FLOOR + 0.006))
-    wardrobe.put("world", "trim", _CYLINDER, (0.088, 0.003), (0, 0, _FLOOR + 0.003))
-    wardrobe.put("world", "base", _CYLINDER, (0.062, 0.003), (0, 0, -0.124))
-    wardrobe.bar("world", "metal", 0.007, (0, 0, -0.124), (0, 0, -0.058))
+def _base(visuals: VisualGeoms, robot: RobotData) -> None:
+    visuals.primitive("world", "base", _CYLINDER, (0.085, 0.006), (0, 0, FLOOR + 0.006))
+    visuals.primitive("world", "trim", _CYLINDER, (0.088, 0.003), (0, 0, FLOOR + 0.003))
+    visuals.primitive("world", "base", _CYLINDER, (0.062, 0.003), (0, 0, -0.124))
+    visuals.bar("world", "metal", 0.007, (0, 0, -0.124), (0, 0, -0.058))
     module = RING_RADIUS * 0.88 * 2 / robot.drive.gear_ring
     for index in range(3):
         azimuth = math.radians(robot.geometry.arm0_azimuth + 60.0 + 120.0 * index)
         away = np.array((math.cos(azimuth), math.sin(azimuth), 0.0))
         at = away * module * (robot.drive.gear_ring - robot.drive.gear_pinion) / 2
-        wardrobe.put("world", "motor", _BOX, (0.021, 0.021, 0.017), at + _vector(0, 0, -0.150), (0, 0, 1))
-        wardrobe.put("world", "metal", _BOX, (0.0212, 0.0212, 0.005), at + _vector(0, 0, -0.132), (0, 0, 1))
-        height = ring_height(index)
-        wardrobe.bar("world", "metal", 0.0025, at + _vector(0, 0, -0.13), at + _vector(0, 0, height))
-        pinion = module * robot.drive.gear_pinion / 2
-        wardrobe.put("world", "metal", _CYLINDER, (pinion, RING_HEIGHT / 2), at + _vector(0, 0, height))
-        post = away * -0.075
-        wardrobe.bar(
-            "world", "trim", 0.005, post + _vector(0, 0, _FLOOR), post * 0.75 + _vector(0, 0, -0.124)
+        visuals.primitive(
+            "world", "motor", _BOX, (0.021, 0.021, 0.017), at + _vector(0, 0, -0.150), (0, 0, 1)
         )
+        visuals.primitive(
+            "world", "metal", _BOX, (0.0212, 0.0212, 0.005), at + _vector(0, 0, -0.132), (0, 0, 1)
+        )
+        height = ring_height(index)
+        visuals.bar("world", "metal", 0.0025, at + _vector(0, 0, -0.13), at + _vector(0, 0, height))
+        pinion = module * robot.drive.gear_pinion / 2
+        visuals.primitive("world", "metal", _CYLINDER, (pinion, RING_HEIGHT / 2), at + _vector(0, 0, height))
+        post = away * -0.075
+        visuals.bar("world", "trim", 0.005, post + _vector(0, 0, FLOOR), post * 0.75 + _vector(0, 0, -0.124))
 
 
-def _chain(spec: mujoco.MjSpec, wardrobe: Wardrobe, robot: RobotData, index: int, name: str) -> None:
+def _chain(spec: mujoco.MjSpec, visuals: VisualGeoms, robot: RobotData, index: int, name: str) -> None:
     elbow = np.array(spec.joint(f"rod_{name}").axis)
     mount = np.array(spec.site(f"rod_{name}").pos)
     out = np.array((elbow[0], elbow[1], 0.0)) / np.hypot(elbow[0], elbow[1])
     height = np.array((0.0, 0.0, ring_height(index)))
     reach = robot.head.arm_length
     gear = internal_gear(RING_RADIUS, RING_RADIUS * 0.88, RING_HEIGHT, robot.drive.gear_ring)
-    wardrobe.mesh(f"arm_{name}", name, "ring", gear, height)
+    visuals.mesh(f"arm_{name}", name, "ring", gear, height)
     post = out * POST_RADIUS
-    wardrobe.bar(
+    visuals.bar(
         f"arm_{name}",
         name,
         0.0052,
@@ -236,55 +241,55 @@ def _chain(spec: mujoco.MjSpec, wardrobe: Wardrobe, robot: RobotData, index: int
         elbow * reach * 1.27,
         elbow * reach * 1.1,
     )
-    wardrobe.bar(f"arm_{name}", "metal", 0.0032, elbow * reach * 0.93, elbow * reach * 1.27, shape=_CYLINDER)
+    visuals.bar(f"arm_{name}", "metal", 0.0032, elbow * reach * 0.93, elbow * reach * 1.27, shape=_CYLINDER)
     rod = twisted_rod(elbow, mount / np.linalg.norm(mount), reach, 0.014, 0.0065)
-    wardrobe.mesh(f"rod_{name}", "rod", f"rod_{name}", rod)
+    visuals.mesh(f"rod_{name}", "rod", f"rod_{name}", rod)
     for axis, length in ((elbow, reach), (mount / np.linalg.norm(mount), robot.head.mount_radius)):
-        wardrobe.put(f"rod_{name}", "rod", _CYLINDER, (0.0085, 0.0036), axis * length, axis)
+        visuals.primitive(f"rod_{name}", "rod", _CYLINDER, (0.0085, 0.0036), axis * length, axis)
 
 
-def _neck(spec: mujoco.MjSpec, wardrobe: Wardrobe) -> None:
-    """Hub and three spokes that carry the skull on the rods' ends."""
+def _neck(spec: mujoco.MjSpec, visuals: VisualGeoms) -> None:
+    """Hub and three spokes between the rods' ends and the skull."""
     top = np.array((0.0, 0.0, 0.040))
     for name in ARMS:
         mount = np.array(spec.site(f"mount_{name}").pos)
         axis = mount / np.linalg.norm(mount)
-        wardrobe.bar("head", "metal", 0.0032, axis * 0.044, mount * 1.08, shape=_CYLINDER)
-        wardrobe.bar("head", "trim", 0.0065, axis * 0.046, axis * 0.040 + _vector(0, 0, 0.012), top)
-    wardrobe.put("head", "trim", _CYLINDER, (0.030, 0.006), top + _vector(0, 0, 0.004))
+        visuals.bar("head", "metal", 0.0032, axis * 0.044, mount * 1.08, shape=_CYLINDER)
+        visuals.bar("head", "trim", 0.0065, axis * 0.046, axis * 0.040 + _vector(0, 0, 0.012), top)
+    visuals.primitive("head", "trim", _CYLINDER, (0.030, 0.006), top + _vector(0, 0, 0.004))
 
 
-def _skull(wardrobe: Wardrobe, height: float) -> None:
+def _skull(visuals: VisualGeoms, height: float) -> None:
     cranium = superellipsoid((0.082, 0.074, 0.078), 0.82)
-    wardrobe.mesh("head", "shell", "cranium", cranium, (0.0, 0.0, height + 0.016))
+    visuals.mesh("head", "shell", "cranium", cranium, (0.0, 0.0, height + 0.016))
     jaw = superellipsoid((0.052, 0.050, 0.034), 0.75)
-    wardrobe.mesh("head", "shell", "jaw", jaw, (0.024, 0.0, height - 0.052))
+    visuals.mesh("head", "shell", "jaw", jaw, (0.024, 0.0, height - 0.052))
     for side in (1, -1):
         ear = np.array((-0.006, side * 0.072, height + 0.012))
-        wardrobe.put("head", "trim", _CYLINDER, (0.023, 0.006), ear, (0, 1, 0))
-        wardrobe.put("head", "rod", _CYLINDER, (0.016, 0.008), ear, (0, 1, 0))
-        wardrobe.put("head", "trim", _CYLINDER, (0.007, 0.0095), ear, (0, 1, 0))
-        wardrobe.put(
+        visuals.primitive("head", "trim", _CYLINDER, (0.023, 0.006), ear, (0, 1, 0))
+        visuals.primitive("head", "rod", _CYLINDER, (0.016, 0.008), ear, (0, 1, 0))
+        visuals.primitive("head", "trim", _CYLINDER, (0.007, 0.0095), ear, (0, 1, 0))
+        visuals.primitive(
             "head", "cheek", _ELLIPSOID, (0.003, 0.011, 0.008), (0.068, side * 0.040, height - 0.030)
         )
 
 
-def _face(wardrobe: Wardrobe, robot: RobotData) -> None:
+def _face(visuals: VisualGeoms, robot: RobotData) -> None:
     height = robot.head.centre_height
     visor = superellipsoid((0.036, 0.063, 0.033), 0.6)
-    wardrobe.mesh("head", "visor", "visor", visor, (0.054, 0.0, height + EYE_UP))
+    visuals.mesh("head", "visor", "visor", visor, (0.054, 0.0, height + EYE_UP))
     for side in (1, -1):
         eye = np.array((0.081, side * robot.head.eye_baseline / 2, height + EYE_UP))
-        wardrobe.put("head", "white", _SPHERE, (0.0215,), eye)
-        wardrobe.put("head", "iris", _ELLIPSOID, (0.006, 0.0135, 0.0135), eye + _vector(0.0178, 0, 0))
-        wardrobe.put("head", "black", _ELLIPSOID, (0.004, 0.0075, 0.0075), eye + _vector(0.0215, 0, 0))
-        wardrobe.put("head", "white", _SPHERE, (0.0024,), eye + _vector(0.0232, 0.004, 0.0045))
+        visuals.primitive("head", "white", _SPHERE, (0.0215,), eye)
+        visuals.primitive("head", "iris", _ELLIPSOID, (0.006, 0.0135, 0.0135), eye + _vector(0.0178, 0, 0))
+        visuals.primitive("head", "black", _ELLIPSOID, (0.004, 0.0075, 0.0075), eye + _vector(0.0215, 0, 0))
+        visuals.primitive("head", "white", _SPHERE, (0.0024,), eye + _vector(0.0232, 0.004, 0.0045))
         arch = [
             (0.013 - 12.0 * y * y, y, 0.029 - 22.0 * y * y) for y in np.linspace(-0.014, 0.014, 7).tolist()
         ]
-        wardrobe.bar("head", "visor", 0.0024, *(eye + _vector(*point) for point in arch))
+        visuals.bar("head", "visor", 0.0024, *(eye + _vector(*point) for point in arch))
     smile = [
         (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y)
         for y in np.linspace(-0.024, 0.024, 9).tolist()
     ]
-    wardrobe.bar("head", "visor", 0.0024, *smile)
+    visuals.bar("head", "visor", 0.0024, *smile)

@@ -1,0 +1,124 @@
+"""The camera of each eye: the values of `--camera`."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import WrongUsage, quoted
+from hw_node.cameras.files import Files
+from hw_node.cameras.pattern import Pattern
+from hw_node.cameras.source import FrameSource
+
+PATTERN, FILE = "pattern", "file:"
+OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a film)"
+LIBRARIES: Final = {"linuxpy": "linuxpy", "cv2": "opencv-python-headless"}
+"""Modules that read USB cameras, and the packages that contain them."""
+
+
+@dataclass(frozen=True)
+class CameraChoice:
+    """The source of one eye."""
+
+    eye: str
+    source: str
+    """`pattern`, `file:PATH`, or a USB camera: its path on Linux, elsewhere its number"""
+
+    def build(self) -> FrameSource:
+        """Create the source without opening it."""
+        if self.source == PATTERN:
+            return Pattern(self.eye)
+        if self.source.startswith(FILE):
+            return Files(Path(self.source.removeprefix(FILE)))
+        # Each library is an extra for one operating system.
+        if on_linux():
+            from hw_node.cameras import v4l2  # noqa: PLC0415
+
+            return v4l2.UsbCamera(Path(self.source))
+        from hw_node.cameras import opencv  # noqa: PLC0415
+
+        return opencv.UsbCamera(int(self.source), opencv.library())
+
+
+def on_linux() -> bool:
+    """Return whether USB cameras have paths and linuxpy reads them; on other systems they have numbers and OpenCV reads them."""
+    return sys.platform.startswith("linux")
+
+
+def examples() -> str:
+    """Examples of --camera on this system."""
+    return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
+
+
+def both(source: str) -> list[CameraChoice]:
+    """The same source for both eyes."""
+    return [CameraChoice(eye, source) for eye in names.EYES]
+
+
+def choices(words: Sequence[str]) -> list[CameraChoice]:
+    """Read `EYE=SOURCE` words.
+
+    Raises:
+        WrongUsage: BAD_VALUE, with what is wrong and what is allowed.
+    """
+    found: dict[str, CameraChoice] = {}
+    for word in words:
+        eye, equals, source = word.partition("=")
+        if eye not in names.EYES or not equals or not source:
+            raise wrong(word, f"give an eye, left or right, and its source: {examples()}")
+        if eye in found:
+            raise wrong(word, f"the {eye} eye has a camera already. Give each eye once")
+        found[eye] = CameraChoice(eye, source)
+        check(word, found[eye], [one for one in found.values() if one.eye != eye])
+    return list(found.values())
+
+
+def check(word: str, choice: CameraChoice, others: Sequence[CameraChoice]) -> None:
+    """Raise WrongUsage for a source that can never work; a camera that is missing now may be plugged in later."""
+    source = choice.source
+    if source == PATTERN:
+        return
+    if source.startswith(FILE):
+        trouble = Files(Path(source.removeprefix(FILE))).trouble()
+        if trouble:
+            raise wrong(word, trouble.rstrip("."))
+        return
+    check_usb(word, source)
+    if any(same(other.source, source) for other in others):
+        how = "`ls /dev/v4l/by-path` lists all cameras" if on_linux() else "Their numbers begin at 0"
+        raise wrong(word, f"the other eye has this camera already. {how}")
+
+
+def check_usb(word: str, source: str) -> None:
+    """Raise WrongUsage for a name that is invalid on this system, or without the library for USB cameras."""
+    if on_linux() and not source.startswith("/"):
+        raise wrong(word, f"{quoted(source)} is not a path that begins with /. Choose {examples()}")
+    if not on_linux() and not (source.isascii() and source.isdigit()):
+        raise wrong(
+            word,
+            f"{quoted(source)} is not a number, and USB cameras have numbers on this system. Choose {examples()}",
+        )
+    module = "linuxpy" if on_linux() else "cv2"
+    if importlib.util.find_spec(module) is None:
+        raise wrong(
+            word,
+            f'USB cameras need {LIBRARIES[module]}: pip install ".[cameras]" in the folder of BEATRIX',
+        )
+
+
+def same(one: str, other: str) -> bool:
+    """Return whether two texts name the same USB camera: paths or numbers that may be written differently."""
+    if on_linux():
+        return Path(one).resolve() == Path(other).resolve()
+    return one.isdigit() and int(one) == int(other)
+
+
+def wrong(word: str, what: str) -> WrongUsage:
+    """The error for an invalid value of --camera."""
+    return WrongUsage(Reason.BAD_VALUE, f"camera {word}: {what}.")

@@ -1,0 +1,202 @@
+"""USB cameras on Windows and macOS, by their number. Only this module imports OpenCV."""
+
+from __future__ import annotations
+
+import os
+import queue
+import sys
+import threading
+import time
+from typing import Final, Protocol, cast
+
+import numpy as np
+import simplejpeg
+from numpy.typing import NDArray
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.node import Frame
+from hw_node.cameras.source import HEIGHT, HZ, WIDTH
+
+Pixels = NDArray[np.uint8]
+"""Height x width x 3: blue, green, red."""
+
+QUALITY: Final = 80
+KEPT: Final = 2
+"""Length of the queue of pictures; older ones are dropped."""
+OPEN_S: Final = 10.0
+"""Longest wait for a camera to open: drivers of Windows need several seconds."""
+END_S: Final = 1.0
+PAUSE_S: Final = 0.05
+"""Pause between attempts to read the first picture, if the driver fails at once instead of waiting."""
+
+
+class Capture(Protocol):
+    """The part of `cv2.VideoCapture` that is used here. Every call may block, and cannot be interrupted."""
+
+    def isOpened(self) -> bool: ...  # noqa: N802 - OpenCV's name
+    def set(self, property_id: int, value: float, /) -> bool: ...
+    def grab(self) -> bool: ...
+    def retrieve(self) -> tuple[bool, Pixels | None]: ...
+    def release(self) -> None: ...
+
+
+class OpenCv(Protocol):
+    """The part of the module `cv2` that is used here."""
+
+    CAP_ANY: int
+    CAP_DSHOW: int
+    CAP_AVFOUNDATION: int
+    CAP_PROP_FOURCC: int
+    CAP_PROP_FRAME_WIDTH: int
+    CAP_PROP_FRAME_HEIGHT: int
+    CAP_PROP_FPS: int
+
+    def VideoCapture(self, index: int, backend: int, /) -> Capture: ...  # noqa: N802 - OpenCV's name
+
+
+def library() -> OpenCv:
+    """Import OpenCV without log output, which it would print every second while a camera is missing."""
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+    import cv2  # noqa: PLC0415 - it reads the log level during its import
+
+    return cast("OpenCv", cv2)
+
+
+class UsbCamera:
+    """A USB camera by its number: OpenCV decodes its pictures, and this class encodes them as JPEG."""
+
+    name: Final = "opencv"
+
+    def __init__(self, number: int, opencv: OpenCv) -> None:
+        self._number, self._opencv = number, opencv
+        self._reader: Reader | None = None
+
+    def trouble(self) -> str:
+        """Empty: OpenCV cannot check for a camera without opening it."""
+        return ""
+
+    def open(self) -> None:
+        """Start a thread that takes pictures; `next` raises its errors."""
+        if self._reader is not None and self._reader.alive:
+            raise self._stuck()
+        self._reader = Reader(self._number, self._opencv)
+        if not self._reader.begun.wait(OPEN_S):
+            raise self._stuck()
+
+    def next(self, timeout_s: float) -> Frame | None:
+        """The next picture, with the time of its arrival at this computer: OpenCV gives no time of exposure."""
+        if self._reader is None:
+            return None
+        try:
+            taken = self._reader.pictures.get(timeout=timeout_s)
+        except queue.Empty:
+            return None
+        if isinstance(taken, Exception):
+            raise taken
+        pixels, t_mono_ns = taken
+        jpeg = simplejpeg.encode_jpeg(pixels, quality=QUALITY, colorspace="BGR", colorsubsampling="420")
+        height, width = pixels.shape[:2]
+        return Frame(jpeg, width, height, t_mono_ns, self.name)
+
+    def close(self) -> None:
+        """Release the camera; if its driver blocks, it is released when the driver returns, and not opened before."""
+        if self._reader is not None and self._reader.end():
+            self._reader = None
+
+    def _stuck(self) -> NoAnswer:
+        return NoAnswer(
+            Reason.TIMED_OUT,
+            f"Camera {self._number} blocks its driver: unplug it, and plug it in again. If that does not help, restart `beatrix hw`.",
+        )
+
+
+class Reader:
+    """A camera and its thread, which opens, reads and releases it: Windows requires one thread for these."""
+
+    def __init__(self, number: int, opencv: OpenCv) -> None:
+        self._number, self._opencv = number, opencv
+        self.pictures: queue.Queue[tuple[Pixels, int] | Exception] = queue.Queue(KEPT)
+        """Pictures with their time (monotonic, ns); an exception is the last item."""
+        self.begun = threading.Event()
+        """Set when the camera has been opened, or has failed."""
+        self._ended = threading.Event()
+        self._thread = threads.start(self._run, f"opencv-{number}")
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread still uses the camera."""
+        return self._thread.is_alive()
+
+    def end(self) -> bool:
+        """End the thread; returns False if a call of OpenCV blocks it."""
+        self._ended.set()
+        self._thread.join(END_S)
+        return not self.alive
+
+    def _run(self) -> None:
+        try:
+            capture = self._opencv.VideoCapture(self._number, backend(self._opencv))
+            try:
+                self._begin(capture)
+                self._read(capture)
+            finally:
+                capture.release()
+        except Exception as error:  # noqa: BLE001 - `next` raises it in the thread that calls it
+            self._put(error)
+        finally:
+            self.begun.set()
+
+    def _begin(self, capture: Capture) -> None:
+        """Request motion JPEG, because a USB bus has no bandwidth for two cameras otherwise; a driver may ignore it."""
+        if not capture.isOpened():
+            raise NoAnswer(Reason.FAULT, missing(self._number))
+        cv = self._opencv
+        capture.set(cv.CAP_PROP_FOURCC, int.from_bytes(b"MJPG", "little"))
+        capture.set(cv.CAP_PROP_FRAME_WIDTH, WIDTH)
+        capture.set(cv.CAP_PROP_FRAME_HEIGHT, HEIGHT)
+        capture.set(cv.CAP_PROP_FPS, HZ)
+        self.begun.set()
+
+    def _read(self, capture: Capture) -> None:
+        """Read until `end` is called; raises NoAnswer if a camera stops delivering pictures."""
+        delivered = False
+        while not self._ended.is_set():
+            grabbed, t_mono_ns = capture.grab(), time.monotonic_ns()
+            decoded, pixels = capture.retrieve() if grabbed else (False, None)
+            if decoded and pixels is not None:
+                delivered = True
+                self._put((pixels, t_mono_ns))
+            elif delivered:
+                raise NoAnswer(Reason.FAULT, missing(self._number))
+            else:  # some cameras need seconds for their first picture
+                self._ended.wait(PAUSE_S)
+
+    def _put(self, one: tuple[Pixels, int] | Exception) -> None:
+        while True:
+            try:
+                return self.pictures.put_nowait(one)
+            except queue.Full:
+                self._drop()
+
+    def _drop(self) -> None:
+        try:
+            self.pictures.get_nowait()
+        except queue.Empty:
+            return  # `next` has taken the picture
+
+
+def backend(opencv: OpenCv) -> int:
+    """The backend of this system that opens cameras fast and reports when they are unplugged."""
+    found = {"win32": opencv.CAP_DSHOW, "darwin": opencv.CAP_AVFOUNDATION}
+    return found.get(sys.platform, opencv.CAP_ANY)
+
+
+def missing(number: int) -> str:
+    """The message for a camera that cannot be opened or read: OpenCV gives no reason."""
+    permission = {
+        "darwin": "macOS does not allow this terminal to use it (System Settings, Privacy & Security, Camera)",
+        "win32": "Windows does not allow programs to use it (Settings, Privacy & security, Camera)",
+    }.get(sys.platform, "this user may not use it")
+    return f"Camera {number} cannot be read: it is not plugged in, another program uses it, or {permission}. The node retries every second."

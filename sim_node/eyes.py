@@ -1,0 +1,181 @@
+"""The cameras of the simulation: two eyes in the head, and a view from outside; drawn while a client subscribes.
+
+Physics has priority. A separate process draws at low priority from a copy of the state, and less often if drawing would
+take too much time or if physics steps are late.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from beatrix_zenoh import names, threads
+from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, StatusFields
+from sim_node import gl
+from sim_node.painter import SceneState
+from sim_node.rate import FrameRate
+from sim_node.rays import RayPainter
+from sim_node.renderer import HEIGHT, WIDTH, Renderer
+
+IDLE_S: Final = 10.0
+"""Time after the last subscriber until the drawing process ends."""
+RETRY_S: Final = 5.0
+"""Time between two attempts to start the process."""
+COARSE: Final = (
+    "This computer has no OpenGL for the simulated eyes: their pictures are coarse and slow. On Debian and Ubuntu: "
+    "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri; then restart the simulation."
+)
+UNSTEADY: Final = (
+    "OpenGL has failed repeatedly: the pictures of the simulated eyes are coarse and slow until the simulation is "
+    "restarted. MUJOCO_GL=egl or osmesa selects the driver."
+)
+OUTSIDE_EVERY: Final = 3
+"""If there is no time for all cameras, the outside view is drawn with every third picture of the eyes."""
+NO_RENDERER: Final = (
+    "The process that draws the pictures cannot be started, has crashed, or hangs; it is restarted."
+)
+GL_FAILURES: Final = 3
+"""After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
+SOON_S: Final = 60.0
+"""Failures further apart are not counted together; a start that hangs fails sooner."""
+_log = logging.getLogger(__name__)
+
+
+class Eyes(Component):
+    """Publishes the pictures of the cameras; a thread requests and receives them."""
+
+    def __init__(
+        self,
+        context: Context,
+        robot: RobotData,
+        hz: float,
+        scene_state: Callable[[], SceneState],
+        late_steps: Callable[[], int],
+    ) -> None:
+        """Create the eyes; the drawing process starts with the first subscriber.
+
+        Args:
+            context: the node's.
+            robot: values of the robot that is drawn.
+            hz: pictures a second of each camera, if this computer has the time.
+            scene_state: returns the present scene.
+            late_steps: returns the number of late physics steps so far.
+        """
+        self._robot, self._scene_state, self._late_steps = robot, scene_state, late_steps
+        self._rate = FrameRate(hz)
+        self._wake, self._closed = threading.Event(), threading.Event()
+        self._publishers = {view: CameraPublisher(context, view, "", self._wake.set) for view in names.VIEWS}
+        self._rounds = 0
+        self._lock = threading.Lock()
+        self._renderer: Renderer | None = None
+        self._gl_failures, self._gl_failed_s = 0, float("-inf")
+        self._thread: threading.Thread | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        for publisher in self._publishers.values():
+            publisher.start(sessions)
+        self._report("")
+        self._thread = threads.start(self._run, "eyes")
+
+    def contribute(self, status: StatusFields) -> None:
+        """Add both eyes and a warning about coarse pictures; the outside view is not a camera of the robot."""
+        for eye in names.EYES:
+            self._publishers[eye].contribute(status)
+        views = [publisher.status() for publisher in self._publishers.values()]
+        if any(view.streaming and view.source == RayPainter.source for view in views):
+            status.warnings.append(UNSTEADY if self._gl_failures >= GL_FAILURES else COARSE)
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            self._wake.clear()
+            subscribed = [view for view, publisher in self._publishers.items() if publisher.subscribed]
+            if not subscribed:
+                self._rate.reset()
+                if not self._wake.wait(None if self._renderer is None else IDLE_S):
+                    self._end_renderer()
+            elif not self._closed.wait(self._rate.wait_s(time.monotonic())):
+                self._draw(self._select(subscribed))
+        self._end_renderer()
+
+    def _select(self, subscribed: list[str]) -> list[str]:
+        """The views to draw now: all, or only the eyes if the outside view would slow them."""
+        self._rounds += 1
+        if self._rate.slowed and self._rounds % OUTSIDE_EVERY:
+            return [view for view in subscribed if view in names.EYES] or subscribed
+        return subscribed
+
+    def _draw(self, views: list[str]) -> None:
+        """Draw and publish the present scene from these views."""
+        try:
+            renderer = self._renderer or self._start_renderer()
+            begin_s, late_before = time.monotonic(), self._late_steps()
+            state = self._scene_state()
+            for view, jpeg in renderer.draw(state, views):
+                frame = Frame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source)
+                self._publishers[view].publish(frame)
+        except OSError as error:
+            self._fail(error)
+        else:
+            self._report("")
+            self._rate.drawn(begin_s, time.monotonic(), late=self._late_steps() > late_before)
+
+    def _start_renderer(self) -> Renderer:
+        """Start a drawing process; raises OSError if it cannot be started."""
+        renderer = Renderer(self._robot, self._source())
+        with self._lock:
+            self._renderer = renderer
+            if self._closed.is_set():  # `close` has not closed it
+                renderer.close()
+        renderer.open()
+        return renderer
+
+    def _source(self) -> str:
+        """The method of drawing: OpenGL if it works, else ray casting."""
+        steady = self._gl_failures < GL_FAILURES
+        return (gl.backend() if steady else None) or RayPainter.source
+
+    def _fail(self, error: OSError) -> None:
+        """End a process that has ended by itself or hangs, and report it; it is restarted, for ray casting after a pause."""
+        self._end_renderer()
+        if self._closed.is_set():
+            return
+        self._report(NO_RENDERER)
+        if self._source() == RayPainter.source:
+            self._closed.wait(RETRY_S)
+        else:
+            self._count_gl_failure(error)
+
+    def _count_gl_failure(self, error: OSError) -> None:
+        now_s = time.monotonic()
+        soon = now_s - self._gl_failed_s < SOON_S
+        self._gl_failures, self._gl_failed_s = self._gl_failures + 1 if soon else 1, now_s
+        if self._gl_failures < GL_FAILURES:
+            then = "it is restarted"
+        else:
+            then = "it fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
+        _log.warning("Drawing with OpenGL has failed (%s): %s.", error, then)
+
+    def _report(self, trouble: str) -> None:
+        for eye in names.EYES:
+            self._publishers[eye].report(trouble)
+
+    def _end_renderer(self) -> None:
+        with self._lock:
+            if self._renderer is not None:
+                self._renderer.close()
+            self._renderer = None
+
+    def close(self) -> None:
+        """End the thread and the process, even if it hangs."""
+        self._closed.set()
+        self._wake.set()
+        with self._lock:
+            if self._renderer is not None:
+                self._renderer.close()
+        if self._thread is not None:
+            self._thread.join(timeout=5.0)

@@ -1,0 +1,110 @@
+"""Subprocesses of a simulation: programs of this package that communicate through pipes.
+
+Drawing is in subprocesses, because OpenGL drivers crash and hang, and because creating a context holds Python's global
+lock for 0.1 s, which would delay a STOP.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import subprocess
+import sys
+import time
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated.robot import RobotData
+
+NICE: Final = 5
+"""Added to the niceness of a drawing process (POSIX): on a busy computer physics has priority."""
+OPENING_S: Final = 30.0
+"""Longest time until a process prints its first line."""
+ENDING_S: Final = 2.0
+"""Longest wait for a process that was killed; one that hangs in a kernel driver does not end."""
+_CHUNK: Final = 65536
+
+
+def environment() -> dict[str, str]:
+    """Environment of a subprocess; it has the import path of this process."""
+    found = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    found.pop("PYOPENGL_PLATFORM", None)
+    return found
+
+
+class PipedProcess:
+    """A running program of this package. One thread writes and reads, any thread may close it."""
+
+    def __init__(self, module: str, robot: RobotData, *words: str) -> None:
+        """Start `python -m module ROBOT *words`, with the robot as JSON; `first_line` waits until it is ready."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", module, msgspec.json.encode(robot).decode(), *words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=environment(),
+        )
+        assert self._process.stdin is not None
+        self._in = self._process.stdin
+        self._chunks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self._received = b""
+        threads.start(self._read_output, "pipe")
+
+    def _read_output(self) -> None:
+        """Queue the output, and an empty chunk at its end; only this thread waits for output without a time limit."""
+        assert self._process.stdout is not None
+        with self._process.stdout as out:
+            while chunk := os.read(out.fileno(), _CHUNK):
+                self._chunks.put(chunk)
+        self._chunks.put(b"")
+
+    def first_line(self) -> str:
+        """The first line of its output; empty if it ends without one, or takes too long."""
+        deadline_s = time.monotonic() + OPENING_S
+        try:
+            while b"\n" not in self._received:
+                self._receive(deadline_s)
+        except OSError:
+            return ""
+        line, _, self._received = self._received.partition(b"\n")
+        return line.decode().strip()
+
+    def write(self, data: bytes) -> None:
+        """Write to its standard input; raises OSError if it has ended. Blocks while it hangs, until `close`."""
+        try:
+            self._in.write(data)
+            self._in.flush()
+        except ValueError as error:
+            raise BrokenPipeError("the process was closed") from error
+
+    def read(self, count: int, limit_s: float) -> bytes:
+        """Read `count` bytes of its standard output; raises OSError if it ends, is closed, or takes longer than `limit_s`."""
+        deadline_s = time.monotonic() + limit_s
+        while len(self._received) < count:
+            self._receive(deadline_s)
+        data, self._received = self._received[:count], self._received[count:]
+        return data
+
+    def _receive(self, deadline_s: float) -> None:
+        try:
+            chunk = self._chunks.get(timeout=max(0.0, deadline_s - time.monotonic()))
+        except queue.Empty as error:
+            raise TimeoutError("the process hangs") from error
+        if not chunk:
+            self._chunks.put(b"")  # for the next call
+            raise BrokenPipeError("the process has ended")
+        self._received += chunk
+
+    def close(self) -> None:
+        """Kill it, and end a call of `read` that waits; may be called twice."""
+        self._process.kill()
+        self._chunks.put(b"")
+        try:
+            self._process.wait(ENDING_S)
+        except subprocess.TimeoutExpired:
+            return
+        with contextlib.suppress(OSError):  # of data that was not written yet
+            self._in.close()

@@ -1,0 +1,133 @@
+"""The place of the person in the scene: on a predefined path, or set by a client."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from enum import StrEnum
+from typing import Final
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Detail, Reason, TargetQuery, TargetReply
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.node import Component, Context
+from sim_node.person import HOME, Place
+
+BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
+"""Allowed place of the person's eyes (m): inside the room."""
+NEAREST: Final = 0.35
+"""Smallest distance (m) of the person's eyes from the neck's axis; closer, person and robot would overlap."""
+PERIOD_S: Final = 12.0
+"""Period of a path."""
+_SWAY: Final = math.radians(40.0)
+_CIRCLE: Final = 0.28
+
+
+class TargetPath(StrEnum):
+    """Movement of the person until a client sets the place."""
+
+    STILL = "still"
+    SWAY = "sway"
+    CIRCLE = "circle"
+
+
+def on_path(path: TargetPath, t_s: float) -> Place:
+    """Place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
+    x, z = HOME[0], HOME[2]
+    turn = math.tau * t_s / PERIOD_S
+    match path:
+        case TargetPath.SWAY:
+            yaw = _SWAY * math.sin(turn)
+            return x * math.cos(yaw), x * math.sin(yaw), z
+        case TargetPath.CIRCLE:
+            return x, _CIRCLE * math.sin(turn), z + _CIRCLE * (1 - math.cos(turn)) / 2
+        case TargetPath.STILL:
+            return HOME
+
+
+def check(place: Place) -> None:
+    """Raise Refused (BAD_VALUE) for a place outside the room or inside the robot."""
+    for (field, (low, high)), value in zip(BOUNDS.items(), place, strict=True):
+        if not low <= value <= high:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"The person cannot be at {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
+                Detail(field=field, value=value, low=low, high=high, unit="m"),
+            )
+    away = math.hypot(place[0], place[1])
+    if away < NEAREST:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The person would be {away:.2f} m from the neck's axis; at least {NEAREST:.2f} m is allowed. "
+            "Choose x and y further away.",
+            Detail(field="x", value=away, low=NEAREST, unit="m"),
+        )
+
+
+class Target:
+    """The person's place; any thread may read and set it."""
+
+    def __init__(self, path: TargetPath, start_s: float) -> None:
+        self._path, self._start_s = path, start_s
+        self._set: Place | None = None
+
+    def place(self, t_s: float) -> Place:
+        """Place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
+        chosen = self._set
+        return on_path(self._path, t_s - self._start_s) if chosen is None else chosen
+
+    def move(self, place: Place) -> None:
+        """Set the place of the person's eyes (m), which ends the path; raises the errors of `check`."""
+        check(place)
+        self._set = place
+
+
+class TargetHandler(Component):
+    """Answers queries that set or read the place of the person, on its own thread."""
+
+    def __init__(self, context: Context, target: Target, clock_s: Callable[[], float]) -> None:
+        self._key = keys.target(context.name)
+        self._target, self._clock_s = target, clock_s
+        self._worker: ThreadPoolExecutor | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        self._worker = ThreadPoolExecutor(1, "beatrix-target")
+        self._worker.submit(lambda: None).result()
+        sessions.serve(self._key, self._query)
+
+    def _query(self, incoming: Incoming) -> None:
+        """Called on a Zenoh thread."""
+        try:
+            if self._worker is not None:
+                self._worker.submit(self._answer, incoming)
+        except RuntimeError:  # the worker is shut down: answer here
+            self._answer(incoming)
+
+    def _answer(self, incoming: Incoming) -> None:
+        answer = reply(self._target, incoming.raw, self._clock_s())
+        incoming.reply(self._key, *incoming.raw.answer(answer))
+        incoming.finish()
+
+    def close(self) -> None:
+        """Answer the queries that wait, then end."""
+        if self._worker is not None:
+            self._worker.shutdown()
+
+
+def reply(target: Target, raw: RawQuery, now_s: float) -> TargetReply:
+    """Set the place if the query contains one, and return the place at `now_s` (the target's clock)."""
+    refusal: BeatrixError | None = None
+    if raw.payload or raw.parameters:
+        try:
+            query = query_forms.read(raw, TargetQuery)
+            target.move((query.x, query.y, query.z))
+        except BeatrixError as error:
+            refusal = error
+    x, y, z = target.place(now_s)
+    if refusal is None:
+        return TargetReply(result=True, reason=Reason.OK, message="", x=x, y=y, z=z)
+    reason, text = refusal.reason, refusal.message
+    return TargetReply(result=False, reason=reason, message=text, x=x, y=y, z=z, detail=refusal.detail)
