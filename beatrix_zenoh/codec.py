@@ -1,65 +1,77 @@
-"""Messages to bytes and back: the only place that knows msgpack and JSON."""
+"""Encoding and decoding of messages as msgpack and JSON."""
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
-from typing import TypeVar
+from enum import StrEnum
+from typing import Final, TypeVar
 
 import msgpack
 import msgspec
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh._generated.messages import Detail, Reason
+from beatrix_zenoh.errors import QUOTED, Refused
 
 MSGPACK = "application/msgpack"
 JSON = "application/json"
 UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""What decoders raise at bytes that are no message; the last at thousands of brackets."""
+"""Errors of decoders for bytes that are not a message; RecursionError for thousands of brackets."""
 LONGEST = 200
-"""Characters of a decoder's complaint that are passed on; it may quote what was sent."""
+"""Characters of a decoder's error in a refusal; the error may quote the request."""
 FLOAT32_MAX = 3.4028234663852886e38
+_AT: Final = re.compile(r" - at `\$\.?([^`]*)`\s*$")
+"""The path of a field at the end of a decoder's error."""
+_FIELD: Final = re.compile(r"(?:unknown|missing required) field `([^`]*)`")
 
 M = TypeVar("M", bound=msgspec.Struct)
 
 
 def fits(number: float) -> bool:
-    """A message can hold it: finite, and not too large for single precision."""
+    """Return whether a number is finite and within single precision."""
     return abs(number) <= FLOAT32_MAX
 
 
 def encode(message: msgspec.Struct) -> bytes:
-    """Bytes of a message in msgpack, floats in single precision."""
+    """Encode as msgpack, floats in single precision."""
     data: bytes = msgpack.packb(msgspec.to_builtins(message), use_single_float=True)
     return data
 
 
 def encode_json(message: msgspec.Struct) -> bytes:
-    """One line of UTF-8 JSON."""
+    """Encode as one line of UTF-8 JSON."""
     return msgspec.json.encode(message)
 
 
 def decode(data: bytes, kind: type[M]) -> M:
-    """Read msgpack.
+    """Decode msgpack.
 
     Raises:
-        Refused: BAD_VALUE, naming the field and what is allowed.
+        Refused: BAD_VALUE, with the field and the allowed fields or values, also in its detail.
     """
     try:
-        return _finite(msgspec.msgpack.decode(data, type=kind))
+        message = _finite(msgspec.msgpack.decode(data, type=kind))
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
+    if is_request(kind):
+        _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
+    return message
 
 
 def decode_json(data: bytes, kind: type[M]) -> M:
-    """Read JSON text; raises as `decode`."""
+    """Decode JSON text; raises the errors of `decode`."""
     try:
-        return _finite(msgspec.json.decode(data, type=kind))
+        message = _finite(msgspec.json.decode(data, type=kind))
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
+    if is_request(kind):
+        _check_names(json.loads(data, object_pairs_hook=tuple), kind)
+    return message
 
 
 def from_words(fields: dict[str, object], kind: type[M]) -> M:
-    """Build a message from text values ("0.5", "true"); raises as `decode`."""
+    """Build a message from text values ("0.5", "true") and numbers; raises the errors of `decode`."""
     try:
         return _finite(msgspec.convert(fields, type=kind, strict=False))
     except msgspec.ValidationError as error:
@@ -67,21 +79,23 @@ def from_words(fields: dict[str, object], kind: type[M]) -> M:
 
 
 def number(data: bytes) -> float:
-    """A single finite number, as text or msgpack (the old per-arm topics); raises as `decode`."""
+    """Decode one finite number, as text or msgpack (the per-arm topics of 2023); raises the errors of `decode`."""
     try:
         value = float(data.decode())
     except (ValueError, UnicodeDecodeError):
         try:
             value = float(msgspec.msgpack.decode(data, type=float))
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
-            raise Refused(Reason.BAD_VALUE, f"Expected one number in rad, got {data[:40]!r}.") from error
+            text = f"Expected one number in rad, got {data[:40]!r}."
+            raise Refused(Reason.BAD_VALUE, text, Detail(field="target")) from error
     if not fits(value):
-        raise Refused(Reason.BAD_VALUE, f"Expected a finite number in rad, got {value}.")
+        text = f"Expected a finite number in rad, got {value}."
+        raise Refused(Reason.BAD_VALUE, text, Detail(field="target"))
     return value
 
 
 def field_names(data: bytes, *, json: bool) -> frozenset[str]:
-    """Top-level field names of an encoded map, empty if it is none: tells two messages apart."""
+    """Return the top-level field names of an encoded map; empty if it is not a map."""
     try:
         value = msgspec.json.decode(data) if json else msgspec.msgpack.decode(data)
     except UNREADABLE:
@@ -89,14 +103,36 @@ def field_names(data: bytes, *, json: bool) -> frozenset[str]:
     return frozenset(map(str, value)) if isinstance(value, dict) else frozenset()
 
 
+def is_request(kind: type[msgspec.Struct]) -> bool:
+    """Return whether a message is a request, which may contain only known fields, and each of them once."""
+    return kind.__struct_config__.forbid_unknown_fields
+
+
 def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
-    """The refusal of a request that cannot be read, listing what the message holds."""
+    """Return the refusal of a message that cannot be decoded; `what`: the decoder's error."""
     text = what[:LONGEST].replace(" - at `$.", " - at `").replace(" - at `$`", "")
-    return Refused(Reason.BAD_VALUE, f"{kind.__name__}: {text}. It holds: {outline(kind)}.")
+    at, name = _AT.search(what), _FIELD.search(what)
+    path = ".".join(filter(None, (at and at[1], name and name[1])))
+    fields = msgspec.structs.fields(kind)
+    known = [field.encode_name for field in fields] if name is not None and "." not in path else []
+    allowed = f"It holds: {outline(kind)}."
+    values = next((_values(field.type) for field in fields if field.encode_name == path), [])
+    if values and name is None:
+        known, allowed = values, f"Known: {', '.join(values)}."
+    return Refused(
+        Reason.BAD_VALUE,
+        f"{kind.__name__}: {text}. {allowed}",
+        Detail(field=path[:QUOTED], known=known),
+    )
+
+
+def _values(kind: object) -> list[str]:
+    """Values of an enumeration; empty for other types."""
+    return [member.value for member in kind] if isinstance(kind, type) and issubclass(kind, StrEnum) else []
 
 
 def outline(kind: type[msgspec.Struct]) -> str:
-    """Fields of a message in words, optional ones in brackets: `position {x, y, z}, [speed …]`."""
+    """List the fields of a message, optional ones in brackets: `position {x, y, z}, [speed …]`."""
     parts = []
     for field in msgspec.structs.fields(kind):
         inner = _struct_of(field.type)
@@ -132,3 +168,29 @@ def _floats(value: object, path: str) -> Iterator[tuple[str, float]]:
     elif isinstance(value, list):
         for index, item in enumerate(value):
             yield from _floats(item, f"{path}[{index}]")
+
+
+def _check_names(value: object, kind: type[msgspec.Struct]) -> None:
+    """Raise Refused if a map of a decoded message, a tuple of pairs here, names a field twice."""
+    path = _repeated(value, "")
+    if path is not None:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{kind.__name__}: the field `{path}` is given twice. Give it once.",
+            Detail(field=path[:QUOTED]),
+        )
+
+
+def _repeated(value: object, path: str) -> str | None:
+    """Return the path of the first repeated field, None if there is none."""
+    if not isinstance(value, tuple):
+        return None
+    seen = set()
+    for name, inner in value:
+        field = f"{path}.{name}" if path else str(name)
+        if name in seen:
+            return field
+        seen.add(name)
+        if (found := _repeated(inner, field)) is not None:
+            return found
+    return None

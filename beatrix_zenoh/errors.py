@@ -1,56 +1,63 @@
-"""One family of errors: a reason from the contract's table and a sentence that says what to do."""
+"""Errors of this package: a reason from the contract's table, a sentence for the user, and the same as data."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import sentences
+from beatrix_zenoh._generated.messages import Detail, Reason
 
 QUOTED = 60
-"""Characters of what was sent that a refusal repeats."""
+"""Characters of a request that an error message repeats."""
 
 
 class BeatrixError(Exception):
-    """Root of all errors of this package.
+    """Base class of all errors of this package.
 
-    `reason` is the entry of the contract's table, `message` the sentence for people; the same
-    sentence appears in SDK, command line, window and replies.
+    `reason` is the entry of the contract's table, `detail` its data if any (rad, as on the wire), and `message` the
+    sentence for the user, which SDK, command line, window and replies share. `beatrix_zenoh.suggestion(error)` returns
+    the alternative in degrees.
     """
 
-    def __init__(self, reason: Reason, message: str) -> None:
+    def __init__(self, reason: Reason, message: str, detail: Detail | None = None) -> None:
         super().__init__(message)
         self.reason = reason
         self.message = message
+        self.detail = detail
 
 
 class Refused(BeatrixError):
-    """The robot, or a check on its behalf, said no; nothing has moved."""
+    """A request that the robot, or a check before sending, has refused; nothing has moved."""
+
+    def __init__(self, reason: Reason, message: str = "", detail: Detail | None = None) -> None:
+        """Make the sentence from reason and detail if no message is given."""
+        super().__init__(reason, message or sentences.render(reason, detail), detail)
 
 
 class WrongUsage(Refused):
-    """A name, an endpoint or a file that can mean nothing, whoever is asked; nobody was."""
+    """An invalid argument, endpoint or file, rejected locally without sending a request."""
 
 
 class Interrupted(BeatrixError):
-    """A motion was accepted and ended somewhere else than asked: stopped, replaced, lost."""
+    """A motion that was accepted and did not reach its goal: stopped, replaced or lost."""
 
 
 class NoAnswer(BeatrixError):
-    """Nobody answered: no router, no robot of this name, or no reply in time."""
+    """No answer: no router, no robot of this name, or no reply in time."""
 
 
 @contextmanager
 def naming(robot: str) -> Iterator[None]:
-    """Where several robots are asked, what one of them refuses begins with its name."""
+    """Prefix the message of an error with the name of its robot."""
     try:
         yield
     except BeatrixError as error:
         if error.message.startswith(robot):
             raise
-        raise type(error)(error.reason, f"{robot}: {error.message}") from error
+        raise type(error)(error.reason, f"{robot}: {error.message}", error.detail) from error
 
 
 def quoted(text: str) -> str:
-    """What was sent, in quotes and not longer than a sentence bears."""
+    """Return a text in quotes, at most QUOTED characters of it."""
     return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")

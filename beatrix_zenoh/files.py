@@ -1,24 +1,83 @@
-"""Files that people name, read whole: devices, pipes and what never ends are none."""
+"""Files: whole files whose path the user has given, with a limit of their length, and files that only their owner may read."""
 
 from __future__ import annotations
 
+import contextlib
+import json
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+"""Keys that TOML takes without quotes."""
+
 
 def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -> bytes:
-    """All of a file of at most `longest` bytes; a refusal names it as `called`, its `form` and what is never longer.
+    """Return the bytes of a file of at most `longest` bytes.
+
+    `called`: the file in an error message; `form`: its format; `nothing`: a sentence about files of that format.
 
     Raises:
-        OSError: it cannot be read.
-        WrongUsage: BAD_VALUE, it is no regular file, or longer.
+        OSError: the file cannot be read.
+        WrongUsage: BAD_VALUE, it is not a regular file (a device or a pipe), or it is longer.
     """
     if path.exists() and not path.is_file():
-        raise WrongUsage(Reason.BAD_VALUE, f"{called} is no regular file: name one in {form}.")
+        raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: name one in {form}.")
     with path.open("rb") as file:
         held = file.read(longest + 1)
     if len(held) > longest:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} is longer than {longest} bytes: {nothing}.")
     return held
+
+
+def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the folder of user settings on this platform: $XDG_CONFIG_HOME, %APPDATA% or ~/Library/Application Support."""
+    if platform == "win32":
+        home = environment.get("APPDATA") or str(Path.home() / "AppData/Roaming")
+    elif platform == "darwin":
+        home = str(Path.home() / "Library/Application Support")
+    else:
+        home = environment.get("XDG_CONFIG_HOME") or str(Path.home() / ".config")
+    return Path(home) / "beatrix"
+
+
+def write_private(path: Path, text: str) -> None:
+    """Write a file of mode 0600; a reader sees the old content or the new, never a part."""
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")  # of mode 0600
+    try:
+        with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor
+            file.write(text)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+@contextlib.contextmanager
+def private_file(text: str) -> Iterator[Path]:
+    """A temporary file of mode 0600 for libraries that read secrets from files only."""
+    descriptor, name = tempfile.mkstemp(prefix="beatrix-")
+    try:
+        with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor
+            file.write(text)
+        yield Path(name)
+    finally:
+        Path(name).unlink()
+
+
+def toml_text(table: Mapping[str, object]) -> str:
+    """The table as TOML: texts, numbers, booleans and lists of texts on a line each, then the tables of these."""
+    lines, tables = [], []
+    for key, value in table.items():
+        name = key if BARE.fullmatch(key) else json.dumps(key)
+        if isinstance(value, Mapping):
+            tables.append(f"\n[{name}]\n{toml_text(value)}")
+        else:
+            lines.append(f"{name} = {json.dumps(value, ensure_ascii=False)}\n")
+    return "".join(lines + tables)

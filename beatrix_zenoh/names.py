@@ -1,4 +1,4 @@
-"""Names of robots and seats: the words that stand in key expressions."""
+"""Names of robots and seats in key expressions."""
 
 from __future__ import annotations
 
@@ -11,47 +11,59 @@ from beatrix_zenoh.errors import WrongUsage, quoted
 
 PATTERN = re.compile(r"[a-z0-9-]{1,32}")
 TWINS = ("sim", "hw")
+EYES = ("left", "right")
+OUTSIDE = "outside"
+"""View of the simulated head from outside; of simulations only."""
+VIEWS = (*EYES, OUTSIDE)
+"""Names of all cameras."""
+TEACHER = "teacher"
+"""The seat that outranks all others."""
 OLD_PROGRAMS, ARM_TOPICS = "legacy", "arm-topics"
-"""Seats under which a node lets those drive who have no seat of their own."""
+"""Seats of programs of 2023 and of the per-arm topics, which have no seat of their own."""
 
 
 def check_name(text: str, what: str = "robot") -> str:
-    """Return `text` if it may stand in a key.
+    """Return `text` if it is a valid name.
 
     Raises:
-        WrongUsage: BAD_VALUE, with the nearest name that would be accepted.
+        WrongUsage: BAD_VALUE, with a similar valid name.
     """
-    text = str(text)  # a program may count its robots
+    text = str(text)  # programs may pass a number
     if PATTERN.fullmatch(text):
         return text
     raise WrongUsage(
         Reason.BAD_VALUE,
-        f"{quoted(text)} is no {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
+        f"{quoted(text)} is not a {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
     )
 
 
 def check_seat(text: str) -> str:
-    """Return `text` if somebody may drive under it; raises as `check_name`."""
+    """Return `text` if it is a valid seat of a client; raises the errors of `check_name`."""
     if text in (OLD_PROGRAMS, ARM_TOPICS):
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is the seat of programs that have none of their own: choose another."
+            Reason.BAD_VALUE, f"The seat {text!r} is reserved for programs without a seat: choose another."
         )
     return check_name(text, "seat")
 
 
+def view_title(eye: str) -> str:
+    """Return the name of a camera in a sentence: `left eye`, `outside view`."""
+    return f"{eye} view" if eye == OUTSIDE else f"{eye} eye"
+
+
 def tidy(text: str) -> str:
-    """The nearest allowed name."""
+    """Return a similar valid name."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or "beatrix"
 
 
 def default_seat() -> str:
-    """The seat of somebody who did not say: the user's name."""
+    """Return the default seat: the name of the user."""
     try:
         return tidy(getpass.getuser())
-    except (OSError, KeyError, ImportError):  # no such user, as in some containers
-        return "somebody"
+    except (OSError, KeyError, ImportError):  # the user has no name, as in some containers
+        return "user"
 
 
 def default_robot() -> str:
-    """The name of a simulation that was not given one: user-host, so that no two are alike."""
+    """Return the default name of a simulation: user-host, which differs between computers."""
     return tidy(f"{default_seat()}-{socket.gethostname().partition('.')[0]}")

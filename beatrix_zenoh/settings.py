@@ -1,4 +1,4 @@
-"""Which robot, which router, which seat: argument, environment, beatrix.toml, default, in this order."""
+"""Settings of a client or a node, from argument, environment, beatrix.toml, account or default, in this order."""
 
 from __future__ import annotations
 
@@ -8,62 +8,96 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from beatrix_zenoh import names
+from beatrix_zenoh import account, names
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.errors import WrongUsage
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 FILE = "beatrix.toml"
-FIELDS = ("robot", "connect", "who")
+CAMERAS = {eye: f"camera_{eye}" for eye in names.EYES}
+FIELDS = ("robot", "connect", "who", "account", *CAMERAS.values())
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Robot name, router endpoint and seat of a client or a node."""
+    """Robot name, router endpoint and seat; cameras of a robot."""
 
     robot: str
     connect: str
     who: str
+    cameras: tuple[str, ...] = ()
+    """`EYE=SOURCE`, as `beatrix hw --camera` takes them"""
+    account: Account | None = None
+    """what proves to the router of a class whose program this is"""
 
 
 def resolve(robot: str | None = None, connect: str | None = None, who: str | None = None) -> Settings:
-    """Fill in what was not given from BEATRIX_ROBOT, BEATRIX_CONNECT, BEATRIX_WHO, then ./beatrix.toml.
+    """Take missing arguments from the environment (BEATRIX_ROBOT and so on, see FIELDS), then from ./beatrix.toml.
 
     Raises:
-        WrongUsage: BAD_VALUE, for a name that cannot stand in a key or a file that cannot be read.
+        WrongUsage: BAD_VALUE, an invalid name or a file that cannot be read.
     """
-    settings, wrong = usable(robot, connect, who)
-    if wrong:
-        raise wrong[0]
+    settings, errors = resolve_valid(robot, connect, who)
+    if errors:
+        raise errors[0]
     return settings
 
 
-def usable(
+def resolve_valid(
     robot: str | None = None, connect: str | None = None, who: str | None = None
 ) -> tuple[Settings, list[WrongUsage]]:
-    """As `resolve`, for STOP, in whose way no setting may stand: what can mean nothing counts as not given, and why."""
+    """As `resolve`, but replace invalid settings by defaults and return their errors: no setting may prevent STOP."""
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
-    wrong: list[WrongUsage] = []
+    errors: list[WrongUsage] = []
     stored: dict[str, str] = {}
     try:
         stored = _stored()
     except WrongUsage as error:
-        wrong.append(error)
+        errors.append(error)
+
+    try:
+        endpoint = connect or environment["connect"] or stored.get("connect")
+        own = _account(environment["account"], stored.get("account"), endpoint)
+    except WrongUsage as error:
+        own = None
+        errors.append(error)
 
     def value(field: str, check: Callable[[str], str], default: str) -> str:
         try:
-            return check(given[field] or environment[field] or stored.get(field) or default)
+            return check(given.get(field) or environment[field] or stored.get(field) or default)
         except WrongUsage as error:
-            wrong.append(error)
+            errors.append(error)
             return default
 
+    cameras = {eye: value(field, str, "") for eye, field in CAMERAS.items()}
     settings = Settings(
-        robot=value("robot", names.check_name, names.default_robot()),
-        connect=value("connect", str, DEFAULT_ENDPOINT),
-        who=value("who", names.check_seat, names.default_seat()),
+        robot=value("robot", names.check_name, (own and own.robot) or names.default_robot()),
+        connect=value("connect", str, own.connect if own else DEFAULT_ENDPOINT),
+        who=value(
+            "who", own.check_seat if own else names.check_seat, own.name if own else names.default_seat()
+        ),
+        cameras=tuple(f"{eye}={source}" for eye, source in cameras.items() if source),
+        account=own,
     )
-    return settings, wrong
+    return settings, errors
+
+
+def _account(environment: str | None, stored: str | None, endpoint: str | None) -> Account | None:
+    """Return the account in the named file, else the one that `beatrix join` has stored, unless the router is another one.
+
+    BEATRIX_ACCOUNT= (empty) means none.
+    """
+    if environment is not None:
+        return account.load(Path(environment)) if environment else None
+    if stored:
+        return account.load(Path(stored))
+    path = account.joined()
+    joined = account.load(path) if path.is_file() else None
+    # Another router, for example that of `beatrix demo`, does not belong to the class.
+    ours = joined is not None and endpoint in {None, joined.connect, *joined.connect.split(",")}
+    return joined if ours else None
 
 
 def _stored() -> dict[str, str]:
@@ -78,6 +112,6 @@ def _stored() -> dict[str, str]:
     if unknown or not all(isinstance(value, str) for value in table.values()):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{path.resolve()}: allowed are {', '.join(FIELDS)}, each a text; it holds {', '.join(table)}.",
+            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each a text.",
         )
     return {field: str(value) for field, value in table.items()}

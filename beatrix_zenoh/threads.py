@@ -1,4 +1,4 @@
-"""How this package starts a thread."""
+"""Start of the package's threads."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 
 def start(work: Callable[[], None], name: str) -> threading.Thread:
-    """Start a daemon thread `beatrix-<name>`; returns when `work` has begun.
+    """Start a daemon thread `beatrix-<name>`; return when `work` has begun.
 
-    Waiting costs a fraction of a millisecond and keeps starts apart: on CPython 3.11 two threads that start together
-    under a debugger or coverage can fail with "Cannot install a trace function while another …".
+    The wait takes a fraction of a millisecond. Without it, on CPython 3.11 two threads that start together under a
+    debugger or coverage can fail with "Cannot install a trace function while another …".
     """
     begun = threading.Event()
 

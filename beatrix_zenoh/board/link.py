@@ -1,4 +1,4 @@
-"""Framing of the serial link, without any input or output: bytes in, frames out, and back."""
+"""Framing of the serial link: frames to bytes and back. No I/O."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _SHORTEST: Final = 2 + _CRC_SIZE
 
 
 class Frame(NamedTuple):
-    """What stood between two delimiters, its CRC checked and removed."""
+    """A decoded frame whose CRC was correct."""
 
     type: int
-    """0 to 255; FrameType where it is known"""
+    """0 to 255; a FrameType if known"""
     seq: int
-    """0 to 255; a reply carries its request's"""
+    """0 to 255; a reply has the seq of its request"""
     payload: bytes
     """at most MAX_PAYLOAD bytes"""
 
@@ -46,8 +46,8 @@ def crc16(data: bytes | bytearray) -> int:
 def encode(type: int, seq: int, payload: bytes) -> bytes:  # noqa: A002 - the contract's word
     """Bytes of one frame with its delimiters: 0x00, COBS(type, seq, payload, CRC), 0x00.
 
-    The leading delimiter ends whatever noise the line has brought before. `type` and `seq` are
-    0 to 255. Raises ValueError if the payload is longer than MAX_PAYLOAD bytes.
+    The leading delimiter separates the frame from earlier noise. `type` and `seq` are 0 to 255.
+    Raises ValueError if the payload is longer than MAX_PAYLOAD bytes.
     """
     if len(payload) > MAX_PAYLOAD:
         raise ValueError(f"payload of {len(payload)} bytes: a frame holds at most {MAX_PAYLOAD}")
@@ -59,18 +59,15 @@ def encode(type: int, seq: int, payload: bytes) -> bytes:  # noqa: A002 - the co
 
 
 class Decoder:
-    """Collects bytes in chunks of any size and gives back the frames that are whole and correct.
-
-    Garbage is dropped and counted in `rejected`, never raised.
-    """
+    """Decoder of a byte stream in chunks of any size; it drops invalid blocks and counts them in `rejected`."""
 
     def __init__(self) -> None:
         self.rejected = 0
-        """Blocks between delimiters that were no frame: wrong CRC, length or stuffing."""
+        """Invalid blocks: wrong CRC, length or stuffing."""
         self._block = bytearray()
 
     def feed(self, data: bytes) -> list[Frame]:
-        """Frames completed by `data`, in order of their arrival."""
+        """Return the frames completed by `data`, in order of arrival."""
         frames = []
         *ended, rest = data.split(b"\0")
         for part in ended:
@@ -86,7 +83,7 @@ class Decoder:
         return frames
 
     def _keep(self, part: bytes) -> None:
-        """Add to the block, one byte more than is allowed at most: enough to know that it is too long."""
+        """Add to the block, up to one byte more than allowed, which is enough to see that it is too long."""
         self._block += part[: MAX_ENCODED + 1 - len(self._block)]
 
 

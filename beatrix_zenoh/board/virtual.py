@@ -1,4 +1,4 @@
-"""The firmware itself without a board: WebAssembly, virtual time, and a port that behaves like a serial one."""
+"""The virtual board: the firmware as WebAssembly in virtual time, behind a port like a serial one."""
 
 from __future__ import annotations
 
@@ -18,26 +18,31 @@ if TYPE_CHECKING:
     from wasmtime import Engine, Module
 
 _NAME_SIZE: Final = 32
-_REPORT: Final = struct.Struct("<6q6iII")
-"""Report of firmware/virtual/board.cpp: start, end, steps, pulses, drivers on, bytes to transmit."""
-_TICKS_AT_ONCE: Final = 1000
-"""Milliseconds a call; the firmware's transmit buffer holds the telemetry of three times that."""
+_REPORT: Final = struct.Struct("<6q6iIII")
+"""Report of firmware/virtual/board.cpp: start, end, steps, pulses, drivers on, bytes to transmit, input pending."""
+_LENGTH: Final = struct.Struct("<I")
+_LENGTH_AT: Final = _REPORT.size - 2 * _LENGTH.size
+_TRANSMIT_SIZE: Final = 16384
+"""Bytes of the transmit buffer, the same number as in firmware/virtual/board.cpp."""
+_TICKS_PER_CALL: Final = 1000
+"""Milliseconds per call; the firmware's transmit buffer holds the telemetry of three times that."""
 _CATCH_UP_MS: Final = 100
-"""Milliseconds made up for at once: well under the firmware's heartbeat timeout."""
+"""Longest time to advance in one step when late: well under the firmware's heartbeat timeout."""
 _STALL_MS: Final = 300
-"""Held up for longer, the board's time has stood still like that of its host: no heartbeat is missed."""
+"""After a longer stall of the process the board skips that time, so that the firmware misses no heartbeat."""
 _UNREAD_MS: Final = 100
-"""With a slice and the heartbeat's period on top still under the heartbeat timeout."""
-_BREATH_S: Final = 0.001
+"""Plus one step and a heartbeat period, this is less than the heartbeat timeout."""
+_PERIOD_MS: Final = 5
+_YIELD_S: Final = 0.001
 _UNREAD_MAX: Final = 65536
-"""Bytes kept for a reader; what is older is lost, as on a serial port nobody reads."""
+"""Bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
 
 
 @cache
 def _compiled() -> tuple[Engine, Module]:
-    """Compile the firmware; once a process, since modules are immutable and shared between instances."""
+    """Compile the firmware, once per process: modules are immutable and shared between instances."""
     try:
-        import wasmtime  # noqa: PLC0415 - the library works without; only a virtual board needs it
+        import wasmtime  # noqa: PLC0415 - an optional dependency, of virtual boards only
     except ImportError as error:
         raise BeatrixError(
             Reason.BOARD_LOST,
@@ -49,13 +54,13 @@ def _compiled() -> tuple[Engine, Module]:
     return engine, wasmtime.Module(engine, code)
 
 
-atexit.register(_compiled.cache_clear)  # wasmtime cannot free what outlives its own module
+atexit.register(_compiled.cache_clear)  # wasmtime cannot free objects that outlive its Python module
 
 
 class Firmware:
-    """One board in virtual time: nothing happens between calls. Not thread-safe.
+    """One board in virtual time, which passes only in `tick`. Not thread-safe.
 
-    `boot` is the boot number it reports, `name` the robot name in its memory (empty: none yet).
+    `boot` is the boot number it reports, `name` the robot name in its memory (empty: none).
     Raises BeatrixError if wasmtime is missing.
     """
 
@@ -71,8 +76,10 @@ class Firmware:
         self._receive_size: int = self._call("receive_size")
         self._transmit_at: int = self._call("transmit_buffer")
         report_at: int = self._call("report_buffer")
-        # A view made once, for a simulation reads it 500 times a second. The memory never moves: the firmware has no heap.
-        self._report_view = self._memory.get_buffer_ptr(self._store, _REPORT.size, report_at)
+        # Create the views once: each call through wasmtime takes some 10 us. The memory never moves: there is no heap.
+        self._report_view = self._view(report_at, _REPORT.size)
+        self._receive_view = self._view(self._receive_at, self._receive_size)
+        self._transmit_view = self._view(self._transmit_at, _TRANSMIT_SIZE)
         self._memory.write(
             self._store, name.encode("ascii").ljust(_NAME_SIZE, b"\0"), self._call("name_buffer")
         )
@@ -80,16 +87,16 @@ class Firmware:
         self._sent = bytearray()
 
     def receive(self, data: bytes) -> None:
-        """Give bytes to the serial port; frames are processed, and answered, before this returns."""
+        """Pass bytes to the serial port; the firmware processes and answers them before this returns."""
         rest = bytes(data)
-        while rest:
+        while rest or self._report()[14]:
             chunk = rest[: self._receive_size]
-            self._memory.write(self._store, chunk, self._receive_at)
+            self._receive_view[: len(chunk)] = chunk
             rest = rest[self._call("receive", len(chunk)) :]
             self._drain()
 
     def transmit(self) -> bytes:
-        """Everything the board has sent since the last call."""
+        """Return the bytes that the board has sent since the last call."""
         self._drain()
         sent = bytes(self._sent)
         self._sent.clear()
@@ -98,43 +105,37 @@ class Firmware:
     def tick(self, ms: int) -> None:
         """Let `ms` milliseconds pass."""
         while ms > 0:
-            self._call("tick", min(ms, _TICKS_AT_ONCE))
-            ms -= _TICKS_AT_ONCE
+            self._call("tick", min(ms, _TICKS_PER_CALL))
+            ms -= _TICKS_PER_CALL
             if ms > 0:
                 self._drain()
 
     def steps(self) -> tuple[int, int, int]:
-        """Set points in whole microsteps from home, as TELEMETRY reports them."""
+        """Return the set points in whole microsteps from home, as in TELEMETRY."""
         x, y, z = self._report()[6:9]
         return x, y, z
 
     def pulses(self) -> tuple[int, int, int]:
-        """Microsteps given to the motors since start, forward minus backward; calibration leaves them alone."""
+        """Return the microsteps sent to the motors since start, forward minus backward; calibration does not reset them."""
         x, y, z = self._report()[9:12]
         return x, y, z
 
     def set_points(self) -> tuple[float, float, float]:
-        """Exact set points in microsteps from home, between two steps as well."""
+        """Return the set points in microsteps from home, with fractions."""
         x, y, z = (end / (1 << 26) for end in self._report()[3:6])
         return x, y, z
 
-    def outputs(self) -> tuple[tuple[int, int, int], bool]:
-        """`pulses` and `drivers_on` in one."""
-        report = self._report()
-        x, y, z = report[9:12]
-        return (x, y, z), bool(report[12])
-
     def drivers_on(self) -> bool:
-        """Say whether the motors hold."""
+        """Return whether the motors are powered."""
         return bool(self._report()[12])
 
     def snapshot(self) -> bytes:
-        """All there is to know of the board, for `restore` of this or another Firmware."""
+        """Return the whole state of the board, for `restore` of this or another Firmware."""
         self._drain()
         return bytes(self._memory.read(self._store))
 
     def restore(self, snapshot: bytes) -> None:
-        """Become the board of the snapshot; what it sent before is not sent again."""
+        """Set the state of the board; bytes it sent before the snapshot are not sent again."""
         self._memory.write(self._store, snapshot)
         self._sent.clear()
 
@@ -142,20 +143,23 @@ class Firmware:
         result: int = self._functions[name](self._store, *arguments)
         return result
 
+    def _view(self, at: int, size: int) -> memoryview:
+        return memoryview(self._memory.get_buffer_ptr(self._store, size, at)).cast("B")
+
     def _report(self) -> tuple[int, ...]:
         return _REPORT.unpack_from(self._report_view)
 
     def _drain(self) -> None:
         length = self._report()[13]
         if length:
-            self._sent += self._memory.read(self._store, self._transmit_at, self._transmit_at + length)
-            self._call("drain")
+            self._sent += self._transmit_view[:length]
+            _LENGTH.pack_into(self._report_view, _LENGTH_AT, 0)  # same effect as the firmware's drain()
 
 
 class VirtualBoard:
-    """A port with the firmware behind it, in virtual time: somebody has to call `advance`. Thread-safe.
+    """A port to the firmware in virtual time; time passes only while `advance` runs. Thread-safe.
 
-    Take `lock` around any use of `firmware` beside it.
+    Hold `lock` when using `firmware` directly.
     """
 
     name: Final = "virtual:"
@@ -168,22 +172,32 @@ class VirtualBoard:
         self._unread = bytearray()
         self._unread_ms = 0
         self._closed = False
-        self.spoken_to = threading.Event()
-        """Set by every write: whoever advances an idle board need not let it wait."""
+        self.woken = threading.Event()
+        """Set by `wake`: a thread that waits before advancing an idle board may advance it now."""
         with self.lock:
             self._collect()
 
-    def write(self, data: bytes) -> None:
-        """Process bytes at once. Raises OSError after `close`."""
+    def write(self, data: bytes) -> bytes:
+        """Process bytes at once; return the answer of the board, which `read` returns as well.
+
+        A waiting reader is woken by `wake` or by the next `advance`. Raises OSError after `close`.
+        """
         with self.lock:
             if self._closed:
                 raise OSError("the virtual board is closed")
             self.firmware.receive(data)
-            self._collect()
-        self.spoken_to.set()
+            answer = self.firmware.transmit()
+            self._keep(answer)
+        return answer
+
+    def wake(self) -> None:
+        """Wake the reader, and the thread that advances an idle board."""
+        with self.lock:
+            self._arrived.notify_all()
+        self.woken.set()
 
     def read(self, timeout_s: float) -> bytes:
-        """All bytes that are there, waiting up to `timeout_s` for the first; empty if none came or after `close`."""
+        """Return the unread bytes, waiting up to `timeout_s` for the first; empty if none arrive, or after `close`."""
         with self.lock:
             self._arrived.wait_for(lambda: self._unread or self._closed, timeout_s)
             if self._closed:
@@ -194,7 +208,7 @@ class VirtualBoard:
             return data
 
     def advance(self, ms: int) -> None:
-        """Let `ms` milliseconds of the board's time pass."""
+        """Advance the board's time by `ms` milliseconds."""
         with self.lock:
             if self._unread:
                 self._unread_ms += ms
@@ -203,52 +217,52 @@ class VirtualBoard:
 
     @property
     def host_is_late(self) -> bool:
-        """What the board says has not been read for a while: a busy computer has forgotten the reader's thread.
+        """Whether the reader's thread, which also sends the heartbeat, has not run for a while, as on a busy computer.
 
-        The heartbeat comes from that thread. Who keeps the board's time lets it stand still meanwhile: here board and
-        host are one process, and neither is to miss the other.
+        Do not advance the board meanwhile: otherwise the firmware would miss the heartbeat of a host that still runs.
         """
         return self._unread_ms > _UNREAD_MS
 
     def close(self) -> None:
-        """Wake the reader and refuse writers; the firmware stays as it is."""
+        """Wake the reader and reject writes; the state of the firmware does not change."""
         with self.lock:
             self._closed = True
             self._arrived.notify_all()
 
     def _collect(self) -> None:
-        sent = self.firmware.transmit()
-        if sent:
-            self._unread += sent
-            del self._unread[:-_UNREAD_MAX]
+        self._keep(self.firmware.transmit())
+        if self._unread:
             self._arrived.notify_all()
+
+    def _keep(self, sent: bytes) -> None:
+        self._unread += sent
+        del self._unread[:-_UNREAD_MAX]
 
 
 class RealTimeTicker:
-    """Advances a board with the wall clock, every `period_ms`, until `close`; late ticks are made up for, a late host is waited for."""
+    """Advances a board in real time until `close`; it makes up for late ticks and waits for a late host."""
 
-    def __init__(self, board: VirtualBoard, period_ms: int = 5) -> None:
+    def __init__(self, board: VirtualBoard) -> None:
         self._board = board
-        self._period_ms = period_ms
         self._closing = threading.Event()
         self._thread = threads.start(self._run, "virtual-time")
 
     def _run(self) -> None:
         start_s = time.monotonic()
         done_ms = 0
-        while not self._closing.wait(start_s + (done_ms + self._period_ms) / 1000 - time.monotonic()):
+        while not self._closing.wait(start_s + (done_ms + _PERIOD_MS) / 1000 - time.monotonic()):
             due_ms = int((time.monotonic() - start_s) * 1000)
-            due_ms -= due_ms % self._period_ms
+            due_ms -= due_ms % _PERIOD_MS
             if due_ms - done_ms > _STALL_MS or self._board.host_is_late:
                 start_s += (due_ms - done_ms) / 1000
                 continue
-            # After a stall in slices, between which the host's heartbeat gets through.
+            # Catch up in steps, between which the host can send its heartbeat.
             due_ms = min(due_ms, done_ms + _CATCH_UP_MS)
             self._board.advance(due_ms - done_ms)
             done_ms = due_ms
-            self._closing.wait(_BREATH_S)
+            self._closing.wait(_YIELD_S)
 
     def close(self) -> None:
-        """Stop time and wait for the thread's end."""
+        """Stop the board's time and wait for the end of the thread."""
         self._closing.set()
         self._thread.join()

@@ -1,15 +1,21 @@
-"""Zenoh, and nobody else imports it."""
+"""Zenoh: no other package imports it."""
 
 from __future__ import annotations
 
-from beatrix_zenoh.bus.endpoint import listens as listens
-from beatrix_zenoh.bus.endpoint import ours as ours
-from beatrix_zenoh.bus.endpoint import parts as parts
+from beatrix_zenoh.bus.endpoint import endpoints as endpoints
+from beatrix_zenoh.bus.endpoint import is_listening as is_listening
+from beatrix_zenoh.bus.endpoint import is_local as is_local
+from beatrix_zenoh.bus.endpoint import parse_endpoint as parse_endpoint
 from beatrix_zenoh.bus.endpoint import probe as probe
-from beatrix_zenoh.bus.question import Answer as Answer
-from beatrix_zenoh.bus.question import Question as Question
+from beatrix_zenoh.bus.query import Query as Query
+from beatrix_zenoh.bus.query import Reply as Reply
 from beatrix_zenoh.bus.router import open_router as open_router
+from beatrix_zenoh.bus.session import CLOSED as CLOSED
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import Incoming as Incoming
 from beatrix_zenoh.bus.session import Publication as Publication
+from beatrix_zenoh.bus.session import Received as Received
 from beatrix_zenoh.bus.session import connect as connect
+from beatrix_zenoh.bus.session import frozen_router as frozen_router
+from beatrix_zenoh.bus.sessions import Sessions as Sessions
+from beatrix_zenoh.bus.watchdog import SessionWatchdog as SessionWatchdog

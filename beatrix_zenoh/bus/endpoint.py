@@ -1,4 +1,4 @@
-"""Endpoints such as `tcp/127.0.0.1:7447`: what they may be, whose they are, whether somebody listens."""
+"""Endpoints such as `tcp/127.0.0.1:7447`: parse them, check whether they are local and whether a process listens."""
 
 from __future__ import annotations
 
@@ -10,23 +10,40 @@ from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
 ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
-PROTOCOLS = ("tcp",)
-"""What is tried here; with others Zenoh waits for ever where nobody answers."""
+PROTOCOLS = ("tcp", "tls")
+"""Supported protocols; with others Zenoh waits for ever if no process answers."""
+
+
+def endpoints(text: str) -> list[str]:
+    """The endpoints in a list such as `tcp/192.168.1.20:7447,tcp/192.168.1.21:7447`: router and second router."""
+    return [endpoint.strip() for endpoint in text.split(",")]
 
 
 def probe(endpoint: str) -> None:
-    """Say in plain words why an endpoint cannot be reached: Zenoh's own text does not.
+    """Try to connect to an endpoint, or to the first of several that accepts; unlike Zenoh's error, this one explains the failure.
 
     Raises:
         NoAnswer: NO_ROUTER.
     """
-    _, host, port = parts(endpoint)
+    failures = []
+    for one in endpoints(endpoint):
+        try:
+            _probe(one)
+        except NoAnswer as error:
+            failures.append(error)
+        else:
+            return
+    raise failures[0]
+
+
+def _probe(endpoint: str) -> None:
+    _, host, port = parse_endpoint(endpoint)
     try:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
-        here = ours(endpoint)
         listen = "" if endpoint == DEFAULT_ENDPOINT else f" --listen {endpoint}"
-        start = f"`beatrix router{listen}`" if here else f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
+        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
+        start = f"`beatrix router{listen}`" if is_local(endpoint) else remote
         raise NoAnswer(
             Reason.NO_ROUTER,
             f"No router at {endpoint} ({error}). Start one with {start}, or name another with "
@@ -34,8 +51,8 @@ def probe(endpoint: str) -> None:
         ) from error
 
 
-def listens(endpoint: str) -> bool:
-    """Something accepts connections there."""
+def is_listening(endpoint: str) -> bool:
+    """Return whether a process accepts connections at this endpoint."""
     try:
         probe(endpoint)
     except NoAnswer:
@@ -43,30 +60,44 @@ def listens(endpoint: str) -> bool:
     return True
 
 
-def parts(endpoint: str) -> tuple[str, str, int]:
-    """Protocol, host and port of `tcp/127.0.0.1:7447`.
+def parse_endpoint(endpoint: str) -> tuple[str, str, int]:
+    """Return protocol, host and port of an endpoint such as `tcp/127.0.0.1:7447`.
 
     Raises:
         WrongUsage: BAD_VALUE.
     """
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.partition("#")[0].rpartition(":")
-    if protocol not in PROTOCOLS or not host or not port.isdigit() or int(port) > PORT_MAX:
+    number = int(port) if port.isascii() and port.isdigit() else PORT_MAX + 1
+    if protocol not in PROTOCOLS or not _resolvable(host) or number > PORT_MAX:
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{quoted(endpoint)} is no endpoint: write protocol/host:port, for example tcp/127.0.0.1:7447; "
+            f"{quoted(endpoint)} is not an endpoint. Write protocol/host:port, for example tcp/127.0.0.1:7447; "
             f"the protocol is {' or '.join(PROTOCOLS)}.",
         )
-    return protocol, host.strip("[]"), int(port)
+    return protocol, host.strip("[]"), number
 
 
-def ours(endpoint: str) -> bool:
-    """Whether this computer can listen there: at loopback, at all its addresses, or at one of them."""
-    _, host, _ = parts(endpoint)
+def _resolvable(host: str) -> bool:
+    """Return whether a host name or address may be looked up: for `lab..local` the resolver would raise UnicodeError."""
+    try:
+        host.encode("idna")
+    except UnicodeError:  # an empty label, a label of more than 63 letters, or bytes that are not text
+        return False
+    return bool(host) and host.isprintable()
+
+
+def is_local(text: str) -> bool:
+    """Return whether the host of each endpoint is an address of this computer; raises the errors of `parse_endpoint`."""
+    return all(_is_local(endpoint) for endpoint in endpoints(text))
+
+
+def _is_local(endpoint: str) -> bool:
+    _, host, _ = parse_endpoint(endpoint)
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family, kind, protocol) as knocker:
-            knocker.bind(address)
+        with socket.socket(family, kind, protocol) as test_socket:
+            test_socket.bind(address)
     except OSError:
         return False
     return True

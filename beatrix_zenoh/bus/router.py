@@ -1,34 +1,63 @@
-"""The router of a classroom."""
+"""The router: all clients and nodes meet here."""
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.bus.endpoint import ours
+from beatrix_zenoh.bus.access_control import Grant, access_control, downsampling, low_pass_filter
+from beatrix_zenoh.bus.credentials import Identity, tls
+from beatrix_zenoh.bus.endpoint import endpoints, is_local
 from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
 from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.files import private_file
 
 
-def open_router(listen: str) -> zenoh.Session:
-    """Be the router of a classroom: clients meet here. Close the session to end it.
+@dataclass(frozen=True)
+class Guard:
+    """Accounts of a router, and the messages that each may send."""
+
+    grants: list[Grant]
+    passwords: Mapping[str, str] = field(default_factory=dict, repr=False)
+    """of each account; empty: accounts have certificates"""
+    identity: Identity | None = None
+    """certificate of this router; needed for certificates and for a second router"""
+    link: str = ""
+    """endpoint at which this router waits for the second one"""
+    first: str = ""
+    """endpoint of the first router, if this is the second"""
+    account: tuple[str, str] = field(default=("", ""), repr=False)
+    """user name and password of this router at the first"""
+    routers: list[str] = field(default_factory=list)
+    """common names of certificates of routers"""
+    rates: Mapping[str, float] = field(default_factory=dict)
+    """largest rate (Hz) at which a session receives these keys"""
+
+
+def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
+    """Open a router, to which nodes and clients connect. Close the session to end it.
+
+    Without a guard every program that reaches the router may send everything.
 
     Raises:
-        WrongUsage: BAD_VALUE, if `listen` is no endpoint, or not ours.
-        NoAnswer: NO_ROUTER, if the endpoint is taken.
+        WrongUsage: BAD_VALUE, `listen` is not an endpoint of this computer.
+        NoAnswer: NO_ROUTER, the endpoint is in use.
     """
-    if not ours(listen):
+    if not is_local(listen):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"Cannot listen at {listen}: that is another computer. A router listens at 127.0.0.1 (for this computer "
+            f"Cannot listen at {listen}: that is another computer. A router can listen at 127.0.0.1 (for this computer "
             "only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
         )
     os.environ.setdefault(*RUNTIME)
-    settings = {
+    settings: dict[str, object] = {
         "mode": "router",
-        "listen/endpoints": [listen],
+        "listen/endpoints": endpoints(listen),
         "listen/exit_on_failure": True,
         "scouting/delay": 0,
         "adminspace/enabled": True,
@@ -36,6 +65,38 @@ def open_router(listen: str) -> zenoh.Session:
         "transport/unicast/accept_pending": HALF_OPEN,
         "transport/unicast/accept_timeout": LEASE_MS,
     }
-    return opened(
-        settings, f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
-    )
+    trouble = f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
+    if guard is None:
+        return opened(settings, lambda: trouble)
+    settings |= _guarded(guard)
+    if guard.link:
+        settings["listen/endpoints"] = [*endpoints(listen), guard.link]
+    with contextlib.ExitStack() as stack:
+        if guard.passwords:  # Zenoh reads the file once, while the router opens
+            lines = (f"{account}:{password}\n" for account, password in guard.passwords.items())
+            path = stack.enter_context(private_file("".join(lines)))
+            settings["transport/auth/usrpwd/dictionary_file"] = str(path)
+        return opened(settings, lambda: trouble)
+
+
+def _guarded(guard: Guard) -> dict[str, object]:
+    settings: dict[str, object] = {
+        "access_control": access_control(
+            guard.grants, by_certificate=not guard.passwords, routers=guard.routers
+        ),
+        "downsampling": downsampling(guard.rates),
+        "low_pass_filter": low_pass_filter(),
+    }
+    if guard.identity is not None:
+        settings["transport/link/tls"] = tls(guard.identity, listens=True)
+    if guard.first:
+        settings |= {
+            "connect/endpoints": [guard.first],
+            "connect/timeout_ms": 0,
+            "connect/exit_on_failure": False,
+            "connect/retry": {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2},
+        }
+        user, password = guard.account
+        if password:
+            settings |= {"transport/auth/usrpwd/user": user, "transport/auth/usrpwd/password": password}
+    return settings

@@ -1,45 +1,54 @@
-"""A session: open, ask, serve, publish, watch presence, close.
+"""A session: queries, queryables, publications, subscriptions, liveliness tokens.
 
-Every callback runs on Zenoh's own thread and only hands over; a slow one would stop the
-whole session. Congestion control is DROP everywhere: one frozen listener must not hold
-up the others.
+Callbacks run on Zenoh's thread and must return at once; a slow one would stop the whole session.
+Congestion control is DROP everywhere, so that a frozen subscriber does not delay the others.
 """
 
 from __future__ import annotations
 
 import contextlib
+import datetime as dt
 import time
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Self
 
+import msgspec
 import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.bus.endpoint import parts, probe
-from beatrix_zenoh.bus.question import PRIORITIES, Answer, Question
-from beatrix_zenoh.bus.transport import opened
-from beatrix_zenoh.errors import WrongUsage
-from beatrix_zenoh.requests import Wording
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
+from beatrix_zenoh.bus.query import PRIORITIES, QUERY_S, Query, priority_of
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.bus.transport import OPEN_MS, opened
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
-CLOSED = "This connection was closed by this program: make a new Robot, or ask before close()."
+HEALTH = "_health"
+"""Selector parameter of the session watchdog's queries; parameters that begin with _ are reserved for Zenoh."""
+HEALTHY = b"served"
+CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
+
+
+CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 
 
 class Incoming:
-    """A query to be answered; must end with `finish`, or the asker waits until its timeout."""
+    """A query to answer; call `finish` in the end, otherwise the client waits until its timeout."""
 
     def __init__(self, query: zenoh.Query) -> None:
-        # Read nothing else yet: in a flood most queries are replaced before anybody looks at them.
+        # Read only the key: in a flood of queries most are replaced before they are decoded.
         self._query = query
         self.key = str(query.key_expr)
 
     @cached_property
-    def wording(self) -> Wording:
-        """What is asked; the first look at it must come before `finish`."""
+    def raw(self) -> RawQuery:
+        """Payload, encoding and parameters; first read them before `finish`."""
         payload, encoding = self._query.payload, self._query.encoding
-        return Wording(
+        return RawQuery(
             payload=b"" if payload is None else payload.to_bytes(),
             encoding="" if encoding is None else str(encoding),
             parameters=str(self._query.parameters),
@@ -47,46 +56,64 @@ class Incoming:
 
     @property
     def session(self) -> str:
-        """Session of the asker, empty for clients that do not say."""
+        """Session of the client; empty if the query has no source info."""
         source = self._query.source_info
         return "" if source is None else str(source.source_id.zid)
 
     def reply(self, key: str, payload: bytes, encoding: str) -> None:
-        """Send one reply on the answerer's own concrete key; an asker who has gone is no error."""
+        """Send one reply on the robot's own key; no error if the client has gone."""
         with contextlib.suppress(zenoh.ZError):
             self._query.reply(key, payload, encoding=encoding)
 
     def finish(self) -> None:
-        """Tell the asker that no more will come."""
+        """Tell Zenoh that there are no more replies."""
         self._query.drop()
 
 
-class Publication:
-    """A declared publisher."""
+class Received(msgspec.Struct, frozen=True, gc=False):
+    """A received publication."""
 
-    def __init__(self, key: str, encoding: str, priority: str) -> None:
-        self._key, self._encoding, self._priority = key, encoding, priority
+    key: str
+    payload: bytes
+    session: str
+    """session of the publisher; empty if unknown"""
+    attachment: bytes | None
+
+
+class Publication:
+    """A declared publisher, with the priority and congestion control of its row in keys.toml."""
+
+    def __init__(self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None) -> None:
+        self._key, self._encoding, self._on_subscribed = key, encoding, on_subscribed
         self._publisher: zenoh.Publisher
 
     def declare(self, session: zenoh.Session) -> object:
-        """Publish through this session from now on."""
+        """Declare the publisher on a session, which replaces an earlier one."""
+        parts = keys.parse(self._key)
+        row = None if parts is None else keys.KEYS[parts.row]
         self._publisher = session.declare_publisher(
             self._key,
             encoding=self._encoding,
-            priority=PRIORITIES[self._priority],
-            congestion_control=zenoh.CongestionControl.DROP,
+            priority=PRIORITIES["data" if row is None else row.priority],
+            congestion_control=CONGESTION["drop" if row is None else row.congestion],
         )
+        on_subscribed = self._on_subscribed
+        if on_subscribed is not None:
+            # The listener ends with the publisher. Zenoh does not call it for a new session without subscribers.
+            changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: on_subscribed(), indirect=False)
+            self._publisher.declare_matching_listener(changed)
+            on_subscribed()
         return self._publisher
 
     @property
-    def watched(self) -> bool:
-        """Somebody subscribes to it."""
+    def subscribed(self) -> bool:
+        """Whether a client subscribes."""
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
 
-    def put(self, payload: bytes) -> None:
-        """Publish; dropped for whoever cannot keep up."""
+    def put(self, payload: bytes, attachment: bytes | None = None) -> None:
+        """Publish; dropped for a subscriber that cannot keep up."""
         with contextlib.suppress(zenoh.ZError):  # the session may be closing
-            self._publisher.put(payload)
+            self._publisher.put(payload, attachment=attachment)
 
 
 class Bus:
@@ -95,118 +122,184 @@ class Bus:
     def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
         self._open_session = open_session
         self._session = open_session()
-        self._recipes: list[Callable[[zenoh.Session], object]] = []
+        self._declarations: list[Callable[[zenoh.Session], object]] = []
         self._declared: list[object] = []
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
+        self.served = ""
+        """A key that this session serves; empty: none."""
         self.endpoint = endpoint
         self.session_id = str(self._session.zid())
 
-    def _declare(self, recipe: Callable[[zenoh.Session], object]) -> None:
-        self._recipes.append(recipe)
-        self._declared.append(recipe(self._session))
+    def _declare(self, declaration: Callable[[zenoh.Session], object]) -> Callable[[], None]:
+        """Declare now and in every renewed session; return a function that undeclares."""
+        with self._open() as session:
+            self._declared.append(declaration(session))
+        self._declarations.append(declaration)
+
+        def undeclare() -> None:
+            if declaration not in self._declarations:
+                return  # called before, or after close
+            index = self._declarations.index(declaration)
+            del self._declarations[index]
+            with contextlib.suppress(zenoh.ZError):  # the session may be closing
+                self._declared.pop(index).undeclare()  # type: ignore[attr-defined]  # all that is declared has it
+
+        return undeclare
 
     def renew(self) -> None:
-        """Put a new session in the place of this one and declare everything again.
+        """Open a new session in place of this one and repeat all declarations.
 
-        What was asked through the old one, and not answered, never will be. Raises NoAnswer as `connect`;
-        then the old session stays.
+        Queries that were sent through the old session and are not answered yet stay without reply. If this raises
+        NoAnswer, as `connect`, the old session remains.
         """
         old, self._session = self._session, self._open_session()
-        self._declared = [recipe(self._session) for recipe in self._recipes]
+        self._declared = [declaration(self._session) for declaration in self._declarations]
         self._tokens = {key: self._session.liveliness().declare_token(key) for key in self._tokens}
         old.close()
 
-    # -- asking ---------------------------------------------------------------------------------
+    # -- queries --------------------------------------------------------------------------------
 
-    def question(
-        self, key: str, payload: bytes | None = None, encoding: str | None = None, priority: str = "data"
-    ) -> Question:
-        """Ask and collect replies one by one; close the question afterwards.
+    @property
+    def closed(self) -> bool:
+        """Whether this program has closed the session."""
+        return self._session.is_closed()
+
+    @contextlib.contextmanager
+    def _open(self) -> Iterator[zenoh.Session]:
+        """Yield the session; raise WrongUsage (SHUTDOWN) if this program has closed it or closes it meanwhile."""
+        if self.closed:
+            raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+        try:
+            yield self._session
+        except zenoh.ZError as error:
+            if not self.closed:
+                raise
+            raise WrongUsage(Reason.SHUTDOWN, CLOSED) from error
+
+    def query(
+        self,
+        key: str,
+        payload: bytes | None = None,
+        encoding: str | None = None,
+        priority: str | None = None,
+        timeout_s: float = QUERY_S,
+    ) -> Query:
+        """Send a query; read its replies one by one and close it.
+
+        `priority` defaults to that of the key. No reply arrives after `timeout_s`.
 
         Raises:
-            WrongUsage: SHUTDOWN, this session was closed.
+            WrongUsage: SHUTDOWN, this session is closed.
         """
-        if self._session.is_closed():
-            raise WrongUsage(Reason.SHUTDOWN, CLOSED)
-        return Question(self._session, key, payload, encoding, priority)
-
-    def answers(self, key: str, timeout_s: float, payload: bytes | None = None) -> Iterator[Answer]:
-        """All good replies to a (wildcard) key within `timeout_s`."""
-        deadline = time.monotonic() + timeout_s
-        question = self.question(key, payload)
-        try:
-            while (answer := question.next(deadline - time.monotonic())) is not None:
-                if not answer.error:
-                    yield answer
-        except TimeoutError:
-            return
-        finally:
-            question.close()
+        with self._open() as session:
+            return Query(session, key, payload, encoding, priority, timeout_s)
 
     # -- serving --------------------------------------------------------------------------------
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Answer queries on `key`; `handle` runs on Zenoh's thread and must only hand over."""
+        """Pass queries on `key` to `handle`, which runs on Zenoh's thread and must return at once."""
+
+        def receive(query: zenoh.Query) -> None:
+            if str(query.parameters) == HEALTH:
+                with contextlib.suppress(zenoh.ZError):
+                    query.reply_err(HEALTHY)
+                query.drop()
+            else:
+                handle(Incoming(query))
 
         def declare(session: zenoh.Session) -> object:
-            callback: Callback[zenoh.Query] = Callback(lambda query: handle(Incoming(query)), indirect=False)
-            return session.declare_queryable(key, callback, complete=True)
+            return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
 
+        self.served = self.served or key
         self._declare(declare)
 
-    def publication(self, key: str, encoding: str, priority: str = "data") -> Publication:
-        """Declare a publication."""
-        publication = Publication(key, encoding, priority)
+    def publication(
+        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
+    ) -> Publication:
+        """Declare a publication.
+
+        `on_subscribed` is called when `Publication.subscribed` may have changed. It may run on Zenoh's thread and must
+        return at once.
+        """
+        publication = Publication(key, encoding, on_subscribed)
         self._declare(publication.declare)
         return publication
 
-    def subscribe(self, key: str, handle: Callable[[str, bytes], None]) -> None:
-        """Hear publications: `handle(key, payload)` runs on Zenoh's thread and must only hand over."""
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+        """Pass publications to `handle`, and return a function that ends the subscription.
+
+        `handle` runs on Zenoh's thread and must return at once. Raises as `query`.
+        """
 
         def receive(sample: zenoh.Sample) -> None:
-            handle(str(sample.key_expr), sample.payload.to_bytes())
+            source, attachment = sample.source_info, sample.attachment
+            handle(
+                Received(
+                    str(sample.key_expr),
+                    sample.payload.to_bytes(),
+                    "" if source is None else str(source.source_id.zid),
+                    None if attachment is None else attachment.to_bytes(),
+                )
+            )
 
-        self._declare(lambda session: session.declare_subscriber(key, Callback(receive, indirect=False)))
-
-    def put(self, key: str, payload: bytes, encoding: str, priority: str = "data") -> None:
-        """Publish once."""
-        self._session.put(
-            key,
-            payload,
-            encoding=encoding,
-            priority=PRIORITIES[priority],
-            congestion_control=zenoh.CongestionControl.DROP,
+        return self._declare(
+            lambda session: session.declare_subscriber(key, Callback(receive, indirect=False))
         )
 
-    # -- presence -------------------------------------------------------------------------------
+    def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
+        """Publish once, `priority` as in `query`; raises the errors of `query`."""
+        with self._open() as session:
+            session.put(
+                key,
+                payload,
+                encoding=encoding,
+                priority=priority_of(key, priority),
+                congestion_control=zenoh.CongestionControl.DROP,
+                source_info=zenoh.SourceInfo(session.id, 0),
+            )
 
-    def announce(self, key: str) -> None:
-        """Declare a liveliness token: it goes when this session does, however it ends."""
+    # -- liveliness tokens ----------------------------------------------------------------------
+
+    def declare_token(self, key: str) -> None:
+        """Declare a liveliness token, which disappears when this session ends for any cause."""
         self._tokens[key] = self._session.liveliness().declare_token(key)
 
-    def withdraw(self, key: str) -> None:
-        """Take back what was announced."""
+    def undeclare_token(self, key: str) -> None:
+        """Undeclare a token of this session."""
         self._tokens.pop(key).undeclare()
 
-    def present(self, key: str, timeout_s: float = 1.0) -> list[str]:
-        """Keys of the live tokens that match."""
-        replies = self._session.liveliness().get(key, timeout=timeout_s)
+    def tokens(self, key: str, timeout_s: float = 1.0) -> list[str]:
+        """Return the keys of the live tokens that match; raises the errors of `query`."""
+        with self._open() as session:
+            replies = list(session.liveliness().get(key, timeout=timeout_s))
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
-    def watch(self, key: str, handle: Callable[[str, bool], None]) -> None:
-        """Hear of tokens that come and go, those already there first: `handle(key, alive)`."""
+    def router_answers(self, timeout_s: float) -> bool:
+        """Return whether the router answers a query about tokens in time; a frozen router does not."""
+        begin = time.monotonic()
+        return (
+            self.connected
+            and self.tokens(keys.claim("*", "*", "none"), timeout_s) == []
+            and (time.monotonic() - begin < timeout_s)
+        )
+
+    def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
+        """Report tokens that appear and disappear, first the existing ones; return a function that ends this.
+
+        `handle(key, alive)` runs on Zenoh's thread and must return at once.
+        """
 
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
-        self._declare(
+        return self._declare(
             lambda session: session.liveliness().declare_subscriber(
                 key, Callback(receive, indirect=False), history=True
             )
         )
 
     def watch_router(self, handle: Callable[[bool], None]) -> None:
-        """Hear of the router that comes and goes, one already there first: `handle(there)`."""
+        """Call `handle(connected)` when the router connects or disconnects, and once if it is connected now."""
 
         def receive(event: zenoh.TransportEvent) -> None:
             handle(event.kind == zenoh.SampleKind.PUT)
@@ -219,22 +312,21 @@ class Bus:
 
     @property
     def connected(self) -> bool:
-        """A router is there."""
-        return bool(self._session.info.routers_zid())
+        """Whether a router is connected; false after `close`."""
+        return not self.closed and bool(self._session.info.routers_zid())
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
-        """Name and twin of every robot on line."""
-        tokens = self.present(keys.alive(robot="*", twin="*"), timeout_s)
-        return [(token.split("/")[1], token.split("/")[2]) for token in tokens]
+        """Return name and twin of every robot on line."""
+        return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
 
-    def claims(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
-        """Name and twin of every node that serves, or is about to: twice where two networks with one name were joined."""
-        tokens = self.present(keys.claim(robot="*", twin="*", session="*"), timeout_s)
-        return [(token.split("/")[1], token.split("/")[2]) for token in tokens]
+    def claims(self) -> list[tuple[str, str]]:
+        """Return name and twin of every node that serves or starts; the same twice after two networks were joined."""
+        return _places(self.tokens(keys.claim(robot="*", twin="*", session="*")))
 
     def close(self) -> None:
-        """Undeclare everything and leave; may be called twice."""
+        """Close the session and all its declarations; may be called twice."""
         self._declared.clear()
+        self._declarations.clear()
         self._tokens.clear()
         self._session.close()
 
@@ -245,27 +337,54 @@ class Bus:
         self.close()
 
 
-def connect(endpoint: str, *, label: str = "") -> Bus:
-    """Open a session as client of the router at `endpoint`, for example `tcp/127.0.0.1:7447`.
+def frozen_router(endpoint: str) -> str:
+    """Return the sentence about a router that accepts connections and does not answer."""
+    return (
+        f"The router at {endpoint} does not answer: it is frozen or very busy. Robots stop by themselves within 3 s "
+        "of losing their router."
+    )
+
+
+def _places(tokens: list[str]) -> list[tuple[str, str]]:
+    """Return name and twin in the keys of tokens."""
+    found = [keys.parse(token) for token in tokens]
+    return [(parts.robot, parts.twin) for parts in found if parts is not None]
+
+
+def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:
+    """Open a session as client of the router at `endpoint`, for example `tcp/127.0.0.1:7447`, or at one of several.
 
     Raises:
         NoAnswer: NO_ROUTER, with what to do.
+        WrongUsage: BAD_VALUE, no endpoint, or the certificate of the account has expired.
     """
-    parts(endpoint)
+    for one in endpoints(endpoint):
+        parse_endpoint(one)
+    if account is not None:
+        account.check_time(dt.datetime.now().astimezone().date())
     settings = {
         "mode": "client",
-        "connect/endpoints": [endpoint],
+        "connect/endpoints": endpoints(endpoint),
         "connect/timeout_ms": 0,
         "connect/retry": {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2},
         "scouting/gossip/enabled": False,
         "metadata": {"name": label},
+        **credentials.settings(account),
     }
 
     def open_session() -> zenoh.Session:
-        probe(endpoint)
-        return opened(
-            settings,
-            f"Something listens at {endpoint} but does not accept this client: is it a Zenoh router?",
-        )
+        try:
+            probe(endpoint)
+        except NoAnswer as error:
+            raise credentials.no_router(error, account) from error
+        begin = time.monotonic()
+        try:
+            return opened(settings, lambda: credentials.refusal(endpoint, account))
+        except NoAnswer as error:
+            if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
+                raise
+            plain = account is not None and not account.password
+            other = " Or it runs without certificates: with passwords, or without a class." if plain else ""
+            raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
 
     return Bus(open_session, endpoint)

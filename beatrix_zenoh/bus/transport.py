@@ -1,29 +1,40 @@
-"""What our sessions and our router tell Zenoh about connections, and why."""
+"""Zenoh settings of our sessions and our router, each with its reason."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import os
+import re
+from collections.abc import Callable, Mapping
 
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
 
 LEASE_MS = 2000
-"""A frozen session, or router, counts as gone after this long; the default of 10 s is too long for a moving robot."""
+"""Time after which a frozen session or router counts as gone; the default of 10 s is too long for a moving robot."""
 TCP = {"so_sndbuf": 32768, "so_rcvbuf": 32768}
-"""Small socket buffers: what a flooding client has sent waits with the client, not for seconds in the kernel."""
+"""Small socket buffers: data of a flooding client waits in that client, not for seconds in the kernel."""
 WAIT_DROP_US = 20_000
-"""What may be dropped is dropped if it cannot leave for this long; the default of 1 ms loses positions on a busy machine."""
+"""Time after which a droppable message that cannot be sent is dropped; at the default of 1 ms a busy machine loses
+positions."""
 WAIT_CLOSE_US = 500_000
-"""A client that reads nothing for this long while replies wait for it is cut off by the router: at the default of 5 s
-one flooding client that ends holds up the whole class for seconds."""
+"""Time after which the router disconnects a client that does not read its replies; at the default of 5 s one flooding
+client that ends delays the whole class for seconds."""
 RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
-"""A router thread that waits for one client that does not read holds up all clients it serves: with Zenoh's three, a
-client that floods cut robots off for seconds (measured). Read by Zenoh once, at a process's first session."""
+"""A router thread that waits for a client that does not read delays all clients of that thread: with the default of
+three threads one flooding client cut robots off for seconds (measured). Zenoh reads it once, at the first session."""
+_FIELD = r"(?:worker_threads|max_blocking_threads)\s*:\s*0*[1-9]\d{0,3}|handover\s*:\s*(?:app|acc|tx|rx|net)"
+_POOL = rf"(?:app|acc|tx|rx|net)\s*:\s*\(\s*(?:(?:{_FIELD})\s*(?:,\s*|(?=\))))*\)"
+RUNTIME_FORM = re.compile(
+    rf"(?!.*\b(app|acc|tx|rx|net)\s*:.*\b\1\s*:)\s*\(\s*(?:{_POOL}\s*(?:,\s*|(?=\))))*\)\s*"
+)
+"""Values of ZENOH_RUNTIME that Zenoh can parse; other values end the calling thread with a Rust panic."""
+OPEN_MS = 2000
+"""Time after which a router that accepts a connection and does not answer counts as frozen; the default is 10 s."""
 HALF_OPEN = 1000
-"""Connections that may be silent at once until they time out; the default of 100 lets one port scanner lock out a class."""
+"""Largest number of connections that have not sent anything yet; at the default of 100 a port scan locks out a class."""
 
 
 COMMON = {
@@ -31,22 +42,32 @@ COMMON = {
     "transport/shared_memory/enabled": False,
     "transport/link/tcp": TCP,
     "transport/link/tx/lease": LEASE_MS,
+    "transport/unicast/open_timeout": OPEN_MS,
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
 }
-"""For sessions and router alike."""
+"""Settings of sessions and router."""
 
 
-def opened(settings: Mapping[str, object], trouble: str) -> zenoh.Session:
-    """A session with Zenoh's defaults, but for COMMON and these.
+def opened(settings: Mapping[str, object], explain: Callable[[], str]) -> zenoh.Session:
+    """Open a session with Zenoh's defaults, except COMMON and `settings`.
 
     Raises:
-        NoAnswer: NO_ROUTER, with `trouble` and what Zenoh says, without the places in its source.
+        WrongUsage: BAD_VALUE, the environment variable ZENOH_RUNTIME cannot be parsed.
+        NoAnswer: NO_ROUTER, with the text of `explain` and Zenoh's text without source locations.
     """
+    name, example = RUNTIME
+    given = os.environ.get(name, example)
+    if not RUNTIME_FORM.fullmatch(given):
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"The environment variable {name} is {quoted(given)}, which Zenoh cannot parse. Unset it, or write for "
+            f"example {example}.",
+        )
     config = zenoh.Config()
     for key, value in {**COMMON, **settings}.items():
         config.insert_json5(key, json.dumps(value))
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:
-        said = str(error).partition(" at /")[0]
-        raise NoAnswer(Reason.NO_ROUTER, f"{trouble} ({said})") from error
+        cause = str(error).partition(" at /")[0]
+        raise NoAnswer(Reason.NO_ROUTER, f"{explain()} ({cause})") from error

@@ -1,4 +1,4 @@
-"""`beatrix`: what the entry point calls. Imports next to nothing: only inside `main` is Ctrl-C quiet."""
+"""`beatrix`: the entry point. It imports almost nothing at the top, so that `main` handles Ctrl-C during imports."""
 
 from __future__ import annotations
 
@@ -7,43 +7,35 @@ from collections.abc import Callable
 
 
 def main() -> None:
-    """As a process of its own; ends with SystemExit."""
+    """Run the command line of this process; ends with SystemExit."""
     process(lambda: run(sys.argv[1:]))
 
 
 def process(work: Callable[[], int]) -> None:
-    """Do a whole process's work, which returns its exit code; ends with SystemExit."""
+    """Run `work`, which is all that this process does and returns its exit code; ends with SystemExit."""
     try:
         code = work()
-        end()
+        from beatrix_zenoh.shutdown import ignore_signals
+
+        ignore_signals()  # the work is done and printed, and Python exits now
     except KeyboardInterrupt:
-        code = 130  # as shells say it
+        code = 130  # the exit code that shells use for Ctrl-C
     sys.exit(code)
 
 
 def run(words: list[str]) -> int:
-    """Run `beatrix` with these words; the exit code."""
-    from beatrix_zenoh.cli.hurry import nothing_to_undo
+    """Run `beatrix` with these words and return the exit code."""
+    try:
+        from beatrix_zenoh.cli import run as runner
+        from beatrix_zenoh.cli.verbs import application
 
-    with nothing_to_undo():
-        try:
-            from beatrix_zenoh.cli import verb
-            from beatrix_zenoh.cli.catalogue import application
-
-            app = application(words)
-        except ModuleNotFoundError as error:
-            if error.name not in ("typer", "rich"):
-                raise
-            sys.stderr.write(
-                f"The command line needs {error.name}, which is not installed: "
-                'pip install ".[cli]" in the folder of BEATRIX\n'
-            )
-            return 1
-    return verb.run(app, words, "beatrix")
-
-
-def end() -> None:
-    """All is done and said: while Python leaves, signals have nothing to add."""
-    from beatrix_zenoh.ending import over
-
-    over()
+        app = application(words)
+    except ModuleNotFoundError as error:
+        if error.name not in ("typer", "rich"):
+            raise
+        sys.stderr.write(
+            f"The command line needs {error.name}, which is not installed: "
+            'pip install ".[cli]" in the folder of BEATRIX\n'
+        )
+        return 1
+    return runner.run(app, words, "beatrix")

@@ -1,4 +1,4 @@
-"""What `beatrix doctor` looks at on this computer."""
+"""The checks of `beatrix doctor` on this computer."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ import beatrix_zenoh
 DISTRIBUTION = "beatrix-zenoh"
 OUR_PACKAGES = ("sim_node", "hw_node", "gui")
 REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)")
+ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
+"""Part of the marker of a requirement that only Linux has, or only the other systems."""
 EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
+VIDEO_DEVICES = Path("/dev/v4l/by-path")
 SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
 
 
 class Finding(NamedTuple):
-    """One thing looked at: what must be done about it, or what may be; empty: nothing."""
+    """A result of one check: `todo` must be done, `advice` may be done; empty: nothing."""
 
     what: str
     found: str
@@ -32,16 +35,17 @@ class Finding(NamedTuple):
 
 
 def this_computer() -> Iterator[Finding]:
-    """Everything that needs no network."""
+    """Run all checks that need no network."""
     yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
     yield from hidden_packages()
     yield graphics()
     yield from serial_ports()
+    yield from cameras()
 
 
 def packages() -> Iterator[Finding]:
-    """Ourselves and what each extra needs."""
+    """Findings about this package and the packages that each extra needs."""
     try:
         requirements = metadata.requires(DISTRIBUTION) or []
         yield Finding(DISTRIBUTION, metadata.version(DISTRIBUTION))
@@ -55,10 +59,12 @@ def packages() -> Iterator[Finding]:
     needs: dict[str, list[str]] = {}
     for line in requirements:
         needed, only_for = REQUIREMENT.match(line), EXTRA.search(line)
+        only_on = ON_LINUX.search(line)
+        if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
+            continue
         if needed and needed[1] != DISTRIBUTION:
             needs.setdefault(only_for[1] if only_for else "", []).append(needed[1])
-    for later in ("all", "gui", "rerun"):  # what they are for is not here yet
-        needs.pop(later, None)
+    needs.pop("all", None)
     for extra, names in needs.items():
         found = {name: version(name) for name in names}
         missing = [name for name, number in found.items() if number is None]
@@ -84,7 +90,7 @@ def version(name: str) -> str | None:
 
 
 def hidden_packages() -> Iterator[Finding]:
-    """Somebody else's `gui` could be imported instead of ours."""
+    """Findings about our packages that another package of the same name hides."""
     home = Path(beatrix_zenoh.__file__).resolve().parents[1]
     for name in OUR_PACKAGES:
         spec = importlib.util.find_spec(name)
@@ -94,29 +100,29 @@ def hidden_packages() -> Iterator[Finding]:
         if place is None or home not in place.parents:
             yield Finding(
                 f"package {name}",
-                f"another one hides it: {place or 'a folder without __init__.py'}",
+                f"another package hides it: {place or 'a folder without __init__.py'}",
                 f"rename or move {place or name}, or start from another folder",
             )
 
 
 def graphics() -> Finding:
-    """How the eyes of a simulation are drawn."""
+    """A finding about the library that draws the eyes of a simulation."""
     if sys.platform != "linux":
-        return Finding("graphics", "of the system")
+        return Finding("graphics", "the system's OpenGL")
     found = [name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)]
     if found:
         return Finding("graphics", f"{' and '.join(found)} for simulated eyes")
     return Finding(
         "graphics",
-        "no EGL, no OSMesa: simulated eyes are drawn by ray casting, coarser",
-        advice="for finer ones: apt install libegl1 libgl1-mesa-dri",
+        "neither EGL nor OSMesa: simulated eyes are drawn by ray casting, at a lower resolution",
+        advice="for full resolution: apt install libegl1 libgl1-mesa-dri",
     )
 
 
 def serial_ports() -> Iterator[Finding]:
-    """Serial devices and whether we may open them."""
+    """Findings about serial devices, and whether this user may open them."""
     if os.name == "nt":
-        return  # nobody is locked out there, and their names say nothing
+        return  # every user may open ports there, and their names do not show which is a board
     devices = sorted(device for pattern in SERIAL_DEVICES for device in Path("/dev").glob(pattern))
     if not devices:
         yield Finding("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")
@@ -128,4 +134,17 @@ def serial_ports() -> Iterator[Finding]:
                 f"port {device}",
                 "may not be opened",
                 "sudo usermod -aG dialout $USER, then log out and in again",
+            )
+
+
+def cameras() -> Iterator[Finding]:
+    """Findings about USB cameras by their permanent paths, and whether this user may open them."""
+    for device in sorted(VIDEO_DEVICES.glob("*-video-index0")):
+        if os.access(device, os.R_OK | os.W_OK):
+            yield Finding("camera", f"{device} may be opened")
+        else:
+            yield Finding(
+                "camera",
+                f"{device} may not be opened",
+                "sudo usermod -aG video $USER, then log out and in again",
             )

@@ -1,7 +1,7 @@
-"""`python -m beatrix_zenoh.cli.child …` is `beatrix …` for as long as whoever started it lives.
+"""`python -m beatrix_zenoh.cli.child …` runs `beatrix …` and ends when its parent process has ended.
 
-The parent holds the other end of standard input and writes nothing: when it has gone, however it
-ended, reading returns and this process ends itself as on SIGTERM.
+Standard input is a pipe from the parent, which writes nothing. Reading from it returns when the parent has ended, also
+if it was killed; this process then sends itself SIGTERM.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ STDIN = 0
 
 
 def watch_parent() -> None:
-    """Return when the parent has gone, having asked this process to end."""
+    """Wait until the parent has ended, then request the shutdown of this process."""
     while os.read(STDIN, 1):
         pass
     os.kill(os.getpid(), signal.SIGTERM)

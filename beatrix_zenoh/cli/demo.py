@@ -1,8 +1,7 @@
-"""`beatrix demo`: what it is, in less than a minute."""
+"""`beatrix demo`: a simulation and a virtual robot make the same movement, in less than a minute."""
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,136 +11,130 @@ import msgspec
 import typer
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.choreography import Choreography, Pose, shipped
 from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.processes import Fleet, heard
-from beatrix_zenoh.cli.up import advice, stay, until_told
-from beatrix_zenoh.cli.verb import FAILED, document, note, say
+from beatrix_zenoh.cli.output import FAILED, note, print_json, say
+from beatrix_zenoh.cli.processes import Supervisor, signals_interrupt
+from beatrix_zenoh.cli.progress import progress_bar
+from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
+from beatrix_zenoh.client.choreography import Choreography, Step, shipped
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import Settings
-from beatrix_zenoh.twin import Twin
 
 if TYPE_CHECKING:
-    from beatrix_zenoh.compare import Comparison
+    from beatrix_zenoh.cli.demo_files import DemoRecording
+    from beatrix_zenoh.cli.demo_report import Measurement
 
 ROBOT = "demo"
 NEXT = ("look --yaw 20 --on both", "top", "stop")
 
 
 def demo(
-    keep: Annotated[bool, typer.Option("--stay", help="Leave both robots running until Ctrl-C.")] = False,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Where picture, plot and table go.")] = Path(
-        "demo-out"
-    ),
+    keep: Annotated[bool, typer.Option("--stay", help="Keep both robots running until Ctrl-C.")] = False,
+    gui: Annotated[
+        bool,
+        typer.Option("--gui", help="Show both robots in the window, and run until the window is closed."),
+    ] = False,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for recording, pictures, plot and table.")
+    ] = Path("demo-out"),
     as_json: Json = False,
 ) -> None:
     """Show simulation and robot moving together.
 
-    Starts a simulation and a second robot, the same firmware on a virtual board; both nod, shake and
-    look around. Records them and tells how far they were apart. Needs no robot, no display and no
-    network. Exit code 1 if they did not make the same movement.
+    Starts a simulation and a second robot, which is the same firmware on a virtual board. Both nod, shake and look around.
+    The demo records both, prints their differences, and opens the recording if there is a display (not with --gui,
+    which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements differ,
+    or if a file could not be written.
     """
+    from beatrix_zenoh.cli.demo_files import begin_recording
+
     make_folder(out)
-    with heard(), Fleet() as fleet:
-        settings = start(fleet)
+    with signals_interrupt(), Supervisor() as supervisor:
+        settings = start(supervisor)
+        window = open_window(supervisor, settings) if gui else None
+        supervisor.wait_ready()
         with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
-            good = present(twin, out, as_json=as_json)
-        if keep:
-            with until_told():
-                note(advice(settings.connect, NEXT, fleet.folder))
-                stay(fleet)
+            recording = begin_recording(supervisor, settings)
+            good = present(twin, out, recording, as_json=as_json, show=not gui)
+        if keep or window is not None:
+            supervisor.new_lines()  # not shown: the report contains what matters
+            with end_on_interrupt():
+                note(advice(settings.connect, NEXT, supervisor.folder))
+                last = None if keep else window
+                if last is not None:
+                    note("The robots run until the window is closed.")
+                watch(supervisor, "The robots run until Ctrl-C.", last)
     if not good:
         raise typer.Exit(FAILED)
 
 
 def make_folder(out: Path) -> None:
-    """Before anything starts, so that nobody waits in vain."""
+    """Make the folder; raises Refused (BAD_VALUE)."""
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"--out {out}: {error.strerror}. Name another folder.") from error
 
 
-def start(fleet: Fleet) -> Settings:
-    """Router, simulation and virtual robot on a free port."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        settings = Settings(ROBOT, f"tcp/127.0.0.1:{probe.getsockname()[1]}", "visitor")
+def start(supervisor: Supervisor) -> Settings:
+    """Start router, simulation and virtual robot on a free port, and wait for the router only."""
+    from beatrix_zenoh.recording.viewer import HOST, free_port
+
+    settings = Settings(ROBOT, f"tcp/{HOST}:{free_port()}", "visitor")
     note("Starting a router, a simulation, and a second robot: the same firmware on a virtual board.")
-    fleet.start("router", "router", "--listen", settings.connect)
-    fleet.wait_ready()
+    supervisor.start("router", "router", "--listen", settings.connect)
+    supervisor.wait_ready()
     where = ("--name", ROBOT, "--connect", settings.connect)
-    fleet.start("simulation", "sim", *where)
-    fleet.start("hardware", "hw", *where, "--port", "virtual:")
-    fleet.wait_ready()
+    supervisor.start("simulation", "sim", *where)
+    supervisor.start("hardware", "hw", *where, "--port", "virtual:")
     return settings
 
 
-def present(twin: Twin, out: Path, *, as_json: bool) -> bool:
-    """Play, compare, tell; True if both made the same movement."""
-    from beatrix_zenoh.cli import report
-    from beatrix_zenoh.cli.show import perform
+def present(twin: Twin, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool) -> bool:
+    """Play, compare and report; True if both made the same movement and all files were written."""
+    from beatrix_zenoh.cli.demo_report import measure
 
     choreography = shipped("hello")
-    with progress(choreography) as tell:
-        done = perform(twin, choreography, tell)
-    note("Drawing.")
-    comparison = report.compared(done)
-    report.write_csv(out / "demo.csv", comparison)
-    files = [str(out / "demo.csv"), *plot(out / "demo.png", comparison), *portrait(out / "head.png")]
-    found = report.reported(done, comparison, files)
+    with progress(choreography) as show_step:
+        done = measure(twin, choreography, show_step)
+    if recording is not None:
+        recording.finish()
+    return conclude(done, out, recording, as_json=as_json, show=show)
+
+
+def conclude(
+    done: Measurement, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool = True
+) -> bool:
+    """Write the files and print the report, also if a file could not be written; returns as `present`."""
+    from beatrix_zenoh.cli.demo_files import RECORDING, show_recording, write_files
+    from beatrix_zenoh.cli.demo_report import as_text, compare_twins, make_report
+
+    note("Drawing the files.")
+    comparison = compare_twins(done)
+    more = {} if recording is None else recording.writers(done.hw.positions)
+    files = write_files(out, comparison, more)
+    found = make_report(done, comparison, files)
     if as_json:
-        document(msgspec.to_builtins(found))
+        print_json(msgspec.to_builtins(found))
     else:
-        say(f"\n{report.text(found)}")
-    return found.result
-
-
-def plot(path: Path, comparison: Comparison) -> list[str]:
-    """Draw both movements; the path, or nothing without matplotlib."""
-    try:
-        from beatrix_zenoh.plot import twin_figure
-    except ModuleNotFoundError as error:
-        note(f'No plot: it needs {error.name}. pip install ".[plot]" in the folder of BEATRIX')
-        return []
-    twin_figure(comparison, "One movement, two robots").savefig(path, dpi=150)
-    return [str(path)]
-
-
-def portrait(path: Path) -> list[str]:
-    """Draw the simulated head; the path, or nothing and why."""
-    from beatrix_zenoh.cli.report import draw_head
-
-    why_not = draw_head(path)
-    if why_not:
-        note(f"No picture of the head: {why_not}")
-        return []
-    return [str(path)]
+        say(f"\n{as_text(found)}")
+        if show and str(out / RECORDING) in files.written:
+            show_recording(out / RECORDING)
+    return found.result and not found.unwritten
 
 
 @contextmanager
-def progress(choreography: Choreography) -> Iterator[Callable[[str, Pose], None]]:
-    """A bar on a terminal, else a line for every figure; both on stderr."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
+def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]]:
+    """A function that shows a step of the choreography: in a bar, or if stderr is not a terminal a line for each figure."""
+    with progress_bar("Calibrating", len(choreography.steps)) as bar:
         titles: list[str] = []
 
-        def tell_line(title: str, _pose: Pose) -> None:
-            if title not in titles:
-                titles.append(title)
+        def show_step(title: str, pose: Step) -> None:
+            if bar is not None:
+                bar(len(titles), f"{title:<12} {pose}")
+            elif title not in titles:
                 note(f"Both: {title}.")
+            titles.append(title)
 
-        yield tell_line
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as bar:
-        task = bar.add_task("Calibrating", total=len(choreography.steps))
-
-        def tell_bar(title: str, pose: Pose) -> None:
-            angles = f"yaw {pose.yaw:+3.0f}°  pitch {pose.pitch:+3.0f}°  roll {pose.roll:+3.0f}°"
-            bar.update(task, advance=1, description=f"{title:<12} {angles}")
-
-        yield tell_bar
+        yield show_step

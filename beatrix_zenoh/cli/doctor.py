@@ -1,4 +1,4 @@
-"""`beatrix doctor`: what works here and at the router, and what to do about the rest."""
+"""`beatrix doctor`: check this computer, the router and the robots, and print what to do."""
 
 from __future__ import annotations
 
@@ -10,51 +10,52 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import CONTRACT, Fault, Info
 from beatrix_zenoh.cli.checks import Finding, this_computer
-from beatrix_zenoh.cli.clocks import clock_offset
 from beatrix_zenoh.cli.jog import jog
-from beatrix_zenoh.cli.line import Where
-from beatrix_zenoh.cli.listing import Place, descriptions, state, states, troubles
+from beatrix_zenoh.cli.listing import look_up, problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Name, Who
-from beatrix_zenoh.cli.verb import FAILED, document, say
-from beatrix_zenoh.client import Client
+from beatrix_zenoh.cli.output import FAILED, print_json, say
+from beatrix_zenoh.cli.targets import Selection
+from beatrix_zenoh.client.clocks import clock_offset
+from beatrix_zenoh.client.plan import unlike
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
-from beatrix_zenoh.robot import Robot
 from beatrix_zenoh.settings import Settings, resolve
-from beatrix_zenoh.twin import unlike
 
 OFFSET_S = 0.05
-"""Clocks further apart than this make times of two robots hard to compare."""
+"""A larger clock offset makes the times of two robots hard to compare."""
 
 
 def doctor(
     by_jog: Annotated[
         bool,
-        typer.Option("--jog", help="Turn the arms of the real robot one by one, and ask what you see."),
+        typer.Option("--jog", help="Turn the arms of the real robot one by one and ask you what you see."),
     ] = False,
     name: Name = None,
     connect: Connect = None,
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Find out what is wrong. Packages, graphics, ports, router, robots; exit code 1 if something must be done."""
+    """Check packages, graphics, ports, router and robots. The exit code is 1 if something must be done."""
     if by_jog:
-        jog(Where(name, connect, who), as_json=as_json)
+        jog(Selection(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
     sections = [("this computer", list(this_computer())), (settings.connect, list(network(settings)))]
     findings = [finding for _, section in sections for finding in section]
     wrong = [finding for finding in findings if finding.todo]
     if as_json:
-        document({"result": not wrong, "findings": [finding._asdict() for finding in findings]})
+        print_json({"result": not wrong, "findings": [finding._asdict() for finding in findings]})
     else:
         show(sections)
-        say("\nAll is well." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
+        say("\nNo problems found." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
     if wrong:
         raise typer.Exit(FAILED)
 
 
 def show(sections: list[tuple[str, list[Finding]]]) -> None:
-    """A line each, and what to do below it."""
+    """Print a line for each finding, and below it what to do."""
     width = max(len(finding.what) for _, section in sections for finding in section)
     for title, section in sections:
         say(f"{title}:")
@@ -66,7 +67,7 @@ def show(sections: list[tuple[str, list[Finding]]]) -> None:
 
 
 def network(settings: Settings) -> Iterator[Finding]:
-    """Router and robots."""
+    """Findings about the router and its robots."""
     try:
         zbus.probe(settings.connect)
         with Client(settings) as client:
@@ -77,37 +78,35 @@ def network(settings: Settings) -> Iterator[Finding]:
 
 
 def robots(client: Client) -> Iterator[Finding]:
-    """Every robot on line: state, contract, clock."""
-    places, infos, statuses = client.bus.robots(), descriptions(client.bus), states(client.bus)
-    if not places:
+    """Findings about every robot on line: state, contract, clock."""
+    found = look_up(client)
+    if not found:
         yield Finding("robots", "none on line", advice="to start one: beatrix sim, or beatrix up")
-    for name, twin in places:
-        title = f"{name} ({twin})"
-        status, info = statuses.get((name, twin)), infos.get((name, twin))
-        if status is None or info is None:
-            yield Finding(title, "on line, but does not answer", "end it and start it again")
+    for robot in found:
+        if robot.status is None or robot.info is None:
+            yield Finding(str(robot), "on line, but does not answer", "restart it")
             continue
-        told = " ".join(troubles(status))
-        well = status.fault is Fault.NONE
-        yield Finding(title, state(status), todo="" if well else told, advice=told if well else "")
-        yield contract(title, info)
-        yield clock(Robot(name, twin, client=client))
-    yield from unlike_twins(infos)
+        text = " ".join(problems(robot.status))
+        well = robot.status.fault is Fault.NONE
+        yield Finding(str(robot), state(robot.status), todo="" if well else text, advice=text if well else "")
+        yield contract(str(robot), robot.info)
+        yield clock(Robot(*robot.place, client=client))
+    yield from unlike_twins({robot.place: robot.info for robot in found if robot.info is not None})
 
 
 def contract(title: str, info: Info) -> Finding:
-    """Say whether it speaks our language."""
+    """A finding about whether the robot has the same messages and keys as this computer."""
     if info.contract == CONTRACT:
         return Finding(title, f"version {info.version}, same messages, firmware {info.firmware or 'none'}")
     return Finding(
         title,
-        f"version {info.version} speaks contract {info.contract}, this computer {CONTRACT}",
+        f"version {info.version} has contract {info.contract}, this computer has {CONTRACT}",
         "install the same version of beatrix-zenoh on both",
     )
 
 
 def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
-    """Simulations that are of another robot than the hardware of their name."""
+    """Findings about simulations whose robot values differ from those of the hardware of the same name."""
     for (name, twin), info in infos.items():
         hardware = infos.get((name, "hw"))
         if twin == "sim" and hardware is not None and unlike(info, hardware):
@@ -119,11 +118,11 @@ def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
 
 
 def clock(robot: Robot) -> Finding:
-    """How far its wall clock is from ours."""
+    """A finding about the offset of the robot's wall clock from that of this computer."""
     try:
-        offset, bound = clock_offset(robot)
+        offset, bound = clock_offset(robot.client, robot.name, robot.twin)
     except BeatrixError as error:
-        return Finding(str(robot), "clock not known", error.message)
+        return Finding(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"
     text = f"its clock is {abs(offset) * 1e3:.2f} ms {ahead} (+- {bound * 1e3:.2f} ms)"
     if abs(offset) > OFFSET_S + bound:

@@ -1,6 +1,6 @@
-"""`beatrix doctor --jog`: three small motions, looked at by a person, tell whether motors and arms are plugged in right.
+"""`beatrix doctor --jog`: find swapped or reversed motor plugs by three small motions that the user watches.
 
-Questions go to stderr: what is found is the result.
+Questions go to stderr, so that stdout contains only the result.
 """
 
 from __future__ import annotations
@@ -14,64 +14,64 @@ import typer
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.cli.line import Where, on_line
-from beatrix_zenoh.cli.motions import stopping
+from beatrix_zenoh.cli.motions import stop_on_interrupt
 from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.verb import FAILED, document, note, say
+from beatrix_zenoh.cli.output import FAILED, note, print_json, say
+from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.errors import Refused, WrongUsage
-from beatrix_zenoh.readings import ArmAngles
-from beatrix_zenoh.robot import Robot
-from beatrix_zenoh.robot_file import fingerprint
+from beatrix_zenoh.motion.robot_file import fingerprint
 
 ARMS = ArmAngles._fields
 PLUGS = ("X", "Y", "Z")
 JOG_DEG, SPEED_DEG_S = 15.0, 20.0
-TURNED: dict[str, str | None] = {**{arm: arm for arm in ARMS}, "none": None}
-WAYS = {
+ARM_ANSWERS: dict[str, str | None] = {**{arm: arm for arm in ARMS}, "none": None}
+DIRECTION_ANSWERS = {
     **dict.fromkeys(("counter-clockwise", "counterclockwise", "anticlockwise", "ccw"), True),
     **dict.fromkeys(("clockwise", "cw"), False),
 }
-"""Whether it is counter-clockwise."""
-READY = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
-AGAIN = f"Then {READY}, and jog again."
-NOTHING = (
-    "Nothing turned at all. Is the motor power on? USB alone runs the firmware, not the motors. If it is on, switch it off "
-    "and see that drivers and motors are plugged in as docs/how-to/board.md says."
+"""Each answer, and whether it means counter-clockwise."""
+PREPARE = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
+AGAIN = f"Then {PREPARE}, and repeat `beatrix doctor --jog`."
+NO_ARM = (
+    "No arm turned. Is the motor power on? USB powers only the firmware, not the motors. If it is on, switch it off "
+    "and check that drivers and motors are plugged in as docs/how-to/board.md shows."
 )
 
 T = TypeVar("T")
 
 
-class Seen(NamedTuple):
-    """What a person saw when one arm was told to turn counter-clockwise."""
+class Observation(NamedTuple):
+    """The user's answers about a motion in which one arm should have turned counter-clockwise."""
 
     arm: str | None
     """None: no arm turned"""
     counter_clockwise: bool
 
 
-def jog(where: Where, *, as_json: bool) -> None:
-    """Turn one arm after the other, ask what was seen, say what to do; exit code 1 if there is something.
+def jog(selection: Selection, *, as_json: bool) -> None:
+    """Turn one arm after the other, ask the user about each, and print what to do; exit code 1 unless it is nothing.
 
     Raises:
-        Refused: the robot may not move yet, and what it lacks.
-        WrongUsage: nobody answers.
+        Refused: the robot cannot move yet; the message says why.
+        WrongUsage: standard input has ended.
     """
-    with on_line(where, Which.HW) as line:
-        (robot,) = line.robots()
+    with open_targets(selection, Which.HW) as targets:
+        (robot,) = targets.robots()
         try:
-            robot.move(0, 0, 0, relative=True)  # turns nothing: who may not move says so before anybody looks
+            robot.move(0, 0, 0, relative=True)  # no arm turns: a robot that cannot move refuses this
         except Refused as error:
             if error.reason in (Reason.NOT_ENABLED, Reason.NOT_CALIBRATED):
-                raise Refused(error.reason, f"{error.message} That is: {READY}.") from error
+                raise Refused(error.reason, f"{error.message} Type: {PREPARE}.") from error
             raise
         note(
-            "Look at the robot from above. It turns home; then one arm after the other turns 15 deg and back. "
+            "Watch the robot from above. It turns home, then one arm after the other turns 15° and back. "
             "Ctrl-C stops."
         )
-        with stopping([robot], as_json=as_json):
+        with stop_on_interrupt([robot], as_json=as_json):
             robot.look(speed=SPEED_DEG_S)
-            seen = [look(robot, index) for index in range(len(ARMS))]
+            seen = [observe(robot, index) for index in range(len(ARMS))]
             todo = replug(seen)
             if not todo:
                 info = robot.info()
@@ -79,28 +79,30 @@ def jog(where: Where, *, as_json: bool) -> None:
                 known = ROBOT.geometry.arm0_azimuth if shape is None else math.degrees(shape.arm0_azimuth)
                 todo = describe(ask_azimuth(known), known, as_shipped=info.fingerprint == fingerprint(ROBOT))
     if as_json:
-        document({"result": not todo, "todo": todo})
+        print_json({"result": not todo, "todo": todo})
     else:
-        say("\n".join(todo) or "All three are plugged in right.")
+        say("\n".join(todo) or "All three motors are plugged in correctly.")
     if todo:
         raise typer.Exit(FAILED)
 
 
-def look(robot: Robot, index: int) -> Seen:
-    """Jog one arm there and back."""
-    there = [JOG_DEG if arm == index else 0.0 for arm in range(len(ARMS))]
-    robot.move(*there, relative=True, speed=SPEED_DEG_S)
-    robot.move(*(-angle for angle in there), relative=True, speed=SPEED_DEG_S)
-    arm = ask("Which arm turned? short, middle, long or none:", TURNED)
+def observe(robot: Robot, index: int) -> Observation:
+    """Turn one arm and turn it back, then ask the user about it."""
+    angles = [JOG_DEG if arm == index else 0.0 for arm in range(len(ARMS))]
+    robot.move(*angles, relative=True, speed=SPEED_DEG_S)
+    robot.move(*(-angle for angle in angles), relative=True, speed=SPEED_DEG_S)
+    arm = ask("Which arm turned? short, middle, long or none:", ARM_ANSWERS)
     if arm is None:
-        return Seen(None, counter_clockwise=True)
-    return Seen(arm, ask("Which way first? counter-clockwise (ccw) or clockwise (cw):", WAYS))
+        return Observation(None, counter_clockwise=True)
+    return Observation(
+        arm, ask("Which way first? counter-clockwise (ccw) or clockwise (cw):", DIRECTION_ANSWERS)
+    )
 
 
 def ask(question: str, answers: Mapping[str, T]) -> T:
-    """One of the answers; their beginnings will do. Raises as `typed`."""
+    """Ask until the user types one of the answers, or the beginning of one. Raises as `read_answer`."""
     while True:
-        words = typed(question)
+        words = read_answer(question)
         found = {meaning for answer, meaning in answers.items() if words and answer.startswith(words)}
         if len(found) == 1:
             return found.pop()
@@ -108,15 +110,15 @@ def ask(question: str, answers: Mapping[str, T]) -> T:
 
 
 def ask_azimuth(known_deg: float) -> float:
-    """Where the short arm is, deg, if not where the robot knows it; raises as `typed`."""
+    """Ask where the short arm points at home, deg; raises the errors of `read_answer`."""
     low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
     while True:
-        words = typed(
+        words = read_answer(
             "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left "
-            f"(the robot says {known_deg:.6g}; what is less than {JOG_DEG:g} from it counts as that):"
+            f"(the robot's own value is {known_deg:.6g}; a difference of less than {JOG_DEG:g} does not matter):"
         )
         try:
-            azimuth = float(words.replace(",", "."))  # as half of Europe types it
+            azimuth = float(words.replace(",", "."))  # a decimal comma
         except ValueError:
             azimuth = float("nan")
         if low <= azimuth <= high:
@@ -124,44 +126,44 @@ def ask_azimuth(known_deg: float) -> float:
         note(f"Type a number from {low:g} to {high:g}.")
 
 
-def typed(question: str) -> str:
-    """A line of what a person types; raises WrongUsage if there is nobody."""
+def read_answer(question: str) -> str:
+    """Print a question and read a line; raises WrongUsage if standard input has ended."""
     print(question, end=" ", file=sys.stderr, flush=True)
     line = sys.stdin.readline()
     if not line:
         note("")
         raise WrongUsage(
             Reason.BAD_VALUE,
-            "The input has ended before all was answered: jog again with somebody at the terminal who sees the robot.",
+            "The input ended before all questions were answered. Repeat it at a terminal within sight of the robot.",
         )
     return line.strip().lower()
 
 
-def replug(seen: list[Seen]) -> list[str]:
-    """What to change on the shield, with the power off.
+def replug(seen: list[Observation]) -> list[str]:
+    """Return the steps that correct the plugs on the shield, with the power off; empty if all is correct.
 
     Raises:
-        Refused: an arm was seen twice, so another was overlooked.
+        Refused: the user named an arm twice.
     """
     turned = [arm for arm, _ in seen if arm is not None]
     if not turned:
-        return [NOTHING, AGAIN]
+        return [NO_ARM, AGAIN]
     if len(set(turned)) < len(turned):
         raise Refused(
             Reason.BAD_VALUE,
-            f"You saw {', '.join(turned)}: each arm should turn once. Jog again, and type none where no arm turns.",
+            f"You saw {', '.join(turned)}: each arm turns once. Repeat it, and type none if no arm turns.",
         )
     unseen = [arm for arm in ARMS if arm not in turned]
-    strays = [arm for arm in unseen if seen[ARMS.index(arm)].arm is not None]
+    misplaced = [arm for arm in unseen if seen[ARMS.index(arm)].arm is not None]
     advice = [
-        missing(plug, due if due in unseen else strays.pop(0))
+        missing(plug, due if due in unseen else misplaced.pop(0))
         if arm is None
         else f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}."
         for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True)
         if arm != due
     ]
     advice += [
-        f"Turn the plug of the {arm} arm's motor round: it turns the wrong way."
+        f"Reverse the plug of the {arm} arm's motor: it turns in the wrong direction."
         for arm, counter_clockwise in seen
         if not counter_clockwise
     ]
@@ -169,22 +171,22 @@ def replug(seen: list[Seen]) -> list[str]:
 
 
 def missing(plug: str, arm: str) -> str:
-    """What to look at where nothing turned, and an arm was not seen to turn."""
+    """Return the checks to make if no arm turned for `plug`, and `arm` did not turn for any plug."""
     return (
-        f"Nothing turned on {plug}, and the {arm} arm did not turn: see that its motor is plugged in (it belongs on "
-        f"{PLUGS[ARMS.index(arm)]}), that the driver on {plug} sits straight and the right way round, and that its reference "
+        f"No arm turned for {plug}, and the {arm} arm did not turn: check that its motor is plugged in (it belongs on "
+        f"{PLUGS[ARMS.index(arm)]}), that the driver on {plug} is straight and the right way round, and that its reference "
         "voltage is set (docs/how-to/board.md)."
     )
 
 
 def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[str]:
-    """What to write into a robot file if the arms point elsewhere than the robot knows."""
+    """Return the lines for a robot file if the azimuth of the short arm differs from the robot's value."""
     if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
         return []
     line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
     if as_shipped:
-        elsewhere = "elsewhere than on the shipped robot. Write this into a file, and start"
+        difference = "differently from the shipped robot. Write this into a file, and start"
     else:
-        file = f"your robot file says ({known_deg:.6g} deg)"
-        elsewhere = f"elsewhere than {file}. Write this into it, and start anew"
-    return [f"Your arms sit {elsewhere} hardware and simulation with --robot-file FILE:", line]
+        file = f"your robot file ({known_deg:.6g}°)"
+        difference = f"differently from {file}. Write this into it, and restart"
+    return [f"Your arms are mounted {difference} hardware and simulation with --robot-file FILE:", line]

@@ -1,126 +1,153 @@
-"""Verbs that ask once: ls and info."""
+"""`beatrix ls` and `beatrix info`."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import msgspec
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Status
-from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.cli.line import Where, on_line
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
-from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, say
-from beatrix_zenoh.client import Client
+from beatrix_zenoh.cli.output import columns, print_json, say
+from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.robot_state import Presence
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.settings import resolve
 
-ANSWER_S = 1.0
 HEADS = ("robot", "on", "state", "driver", "version", "firmware")
-OF_THE_BOARD = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
-"""Told in the board's own words, where there are any."""
-Place = tuple[str, str]
-"""Name and twin of a robot."""
+BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
+"""Faults that the warnings of the board describe in more detail, if it has any."""
 
 
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """List the robots on line. State, who drives, what is wrong, versions."""
+    """List the robots on line. Shows state, driver, warnings and versions."""
     with Client(resolve(None, connect, who)) as client:
         endpoint = client.bus.endpoint
-        statuses, infos = states(client.bus), descriptions(client.bus)
-        claims = Counter(client.bus.claims())
-        places = sorted({*client.bus.robots(), *statuses}, key=lambda place: (place[0], place[1] != "sim"))
+        found = look_up(client)
+        nodes = Counter(client.bus.claims())
     if as_json:
-        rows = [
-            as_row(place, statuses.get(place), infos.get(place)) | {"nodes": claims[place]}
-            for place in places
-        ]
-        document({"result": True, "endpoint": endpoint, "robots": rows})
-    elif places:
-        show(places, statuses, infos)
-        for name, twin in places:
-            if (nodes := claims[name, twin]) > 1:
+        rows = [as_row(robot) | {"nodes": nodes[robot.place]} for robot in found]
+        print_json({"result": True, "endpoint": endpoint, "robots": rows})
+    elif found:
+        show(found)
+        for robot in found:
+            if (serving := nodes[robot.place]) > 1:
                 say(
-                    f"{name} ({twin}): {nodes} nodes serve under this name and all of them obey: end all but one."
+                    f"{robot}: {serving} nodes serve this robot and all of them execute its commands: end all but one."
                 )
     else:
         say(f"The router at {endpoint} answers, but no robot is on line. Start a simulation: beatrix sim")
 
 
-def states(bus: Bus) -> dict[Place, Status]:
-    """Status of every robot that answers."""
-    answers = bus.answers(keys.status("*", "*"), ANSWER_S)
-    statuses = [codec.decode_json(answer.payload, Status) for answer in answers]
-    return {(status.robot, status.twin): status for status in statuses}
+class ListedRobot(NamedTuple):
+    """A robot on line, and its replies; None if it did not answer."""
+
+    place: Place
+    status: Status | None
+    info: Info | None
+
+    def __str__(self) -> str:
+        return f"{self.place[0]} ({self.place[1]})"
 
 
-def descriptions(bus: Bus) -> dict[Place, Info]:
-    """Info of every robot that answers."""
-    answers = bus.answers(keys.info("*", "*"), ANSWER_S)
-    infos = [codec.decode_json(answer.payload, Info) for answer in answers]
-    return {(info.robot, info.twin): info for info in infos}
+def look_up(client: Client) -> list[ListedRobot]:
+    """Return all robots on line, sorted by name; of each name the simulation comes first."""
+    with Monitor(client) as monitor:
+        infos = client.infos()
+        monitor.settle()
+        robots = [
+            robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT
+        ]
+    return [
+        ListedRobot(place, robot.status, infos.get(place))
+        for robot in robots
+        for place in [(robot.robot, robot.twin)]
+    ]
 
 
-def show(places: list[Place], statuses: Mapping[Place, Status], infos: Mapping[Place, Info]) -> None:
-    """One line per robot, and below them what a person should know."""
-    rows = []
-    for name, twin in places:
-        status, info = statuses.get((name, twin)), infos.get((name, twin))
-        rows.append((
-            name,
-            twin,
-            "does not answer" if status is None else state(status),
-            "-" if status is None else status.holder or "nobody",
-            "-" if info is None else info.version,
-            "-" if info is None else info.firmware or "no board",
-        ))  # fmt: skip
+def show(found: list[ListedRobot]) -> None:
+    """Print a table of robots, and their warnings below it."""
+    rows = [
+        (
+            *robot.place,
+            "does not answer" if robot.status is None else state(robot.status),
+            "-" if robot.status is None else robot.status.holder or "-",
+            "-" if robot.info is None else robot.info.version,
+            "-" if robot.info is None else robot.info.firmware or "no board",
+        )
+        for robot in found
+    ]
     say(columns(HEADS, rows))
-    for place in places:
-        for trouble in troubles(statuses.get(place)):
-            say(f"{place[0]} ({place[1]}): {trouble}")
+    for robot in found:
+        for problem in problems(robot.status):
+            say(f"{robot}: {problem}")
 
 
 def state(status: Status) -> str:
-    """State in words."""
+    """The state of a robot in one or two words."""
     if status.fault is not Fault.NONE:
         return f"fault {status.fault}"
     if not status.enabled:
         return "motors off"
     if not status.calibrated:
         return "not calibrated"
+    if status.frozen:
+        return "frozen"
     return "moving" if status.moving else "ready"
 
 
-def troubles(status: Status | None) -> list[str]:
-    """What a person should know."""
+def problems(status: Status | None) -> list[str]:
+    """The fault and the warnings of a robot, in sentences."""
     if status is None:
-        return ["is on line but does not answer: frozen, or its connection is."]
-    told = status.fault is Fault.NONE or (status.fault in OF_THE_BOARD and status.warnings)
-    return [*([] if told else [FAULT_TEXT[status.fault]]), *status.warnings]
+        return ["is on line but does not answer: it is frozen, or its connection is."]
+    if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
+        return [*status.warnings, *lease_notes(status)]
+    fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which this version does not know.")
+    return [fault, *status.warnings]
 
 
-def as_row(place: Place, status: Status | None, info: Info | None) -> dict[str, object]:
-    """A robot for JSON."""
-    row: dict[str, object] = {"robot": place[0], "on": place[1], "answers": status is not None}
-    if status is not None:
-        row |= state_row(status)
-    if info is not None:
-        row |= {"version": info.version, "contract": info.contract, "firmware": info.firmware}
+def lease_notes(status: Status) -> list[str]:
+    """Return sentences with the seat that has taken the robot, the waiting seats and the teacher's speed limit."""
+    notes = [f"{status.holder} has taken it."] if status.lease else []
+    if status.waiting:
+        notes.append(f"Waiting for it: {', '.join(status.waiting)}.")
+    if status.speed_limit:
+        notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
+    return notes
+
+
+def as_row(robot: ListedRobot) -> dict[str, object]:
+    """A robot as JSON."""
+    name, twin = robot.place
+    row: dict[str, object] = {"robot": name, "on": twin, "answers": robot.status is not None}
+    if robot.status is not None:
+        row |= state_row(robot.status)
+    if robot.info is not None:
+        row |= {
+            "version": robot.info.version,
+            "contract": robot.info.contract,
+            "firmware": robot.info.firmware,
+        }
     return row
 
 
 def state_row(status: Status) -> dict[str, object]:
-    """State for JSON."""
+    """A status as JSON."""
     return {
         "state": state(status),
         "enabled": status.enabled,
         "calibrated": status.calibrated,
         "moving": status.moving,
         "driver": status.holder,
+        "lease": status.lease,
+        "waiting": status.waiting,
+        "frozen": status.frozen,
+        "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
         "fault": status.fault,
         "warnings": status.warnings,
     }
@@ -129,14 +156,14 @@ def state_row(status: Status) -> dict[str, object]:
 def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Show versions, limits, commands and keys. What a stranger needs to drive a robot; degrees."""
-    with on_line(Where(name, connect, who), on) as line:
-        infos = [robot.info() for robot in line.robots()]
+    """Show versions, limits, commands and keys. A program in another language needs nothing else. Degrees."""
+    with open_targets(Selection(name, connect, who), on) as targets:
+        infos = [robot.info() for robot in targets.robots()]
     if as_json:
-        document({"result": True, "robots": [described(info) for info in infos]})
+        print_json({"result": True, "robots": [info_row(info) for info in infos]})
         return
     for info in infos:
-        describe(info)
+        show_info(info)
 
 
 def limits_deg(info: Info) -> dict[str, float]:
@@ -145,7 +172,7 @@ def limits_deg(info: Info) -> dict[str, float]:
 
 
 def geometry_deg(info: Info) -> dict[str, float]:
-    """The neck's shape in degrees; empty from a node of a version that does not tell."""
+    """The neck's geometry in degrees; empty if the node is an older version that does not send it."""
     shape = info.geometry
     if shape is None:
         return {}
@@ -154,12 +181,12 @@ def geometry_deg(info: Info) -> dict[str, float]:
 
 
 def in_degrees(values: msgspec.Struct, names: Iterable[str]) -> dict[str, float]:
-    """These fields, which are in radians."""
+    """Fields in radians, converted to degrees."""
     return {name: round(math.degrees(getattr(values, name)), 3) for name in names}
 
 
-def described(info: Info) -> dict[str, object]:
-    """Info for JSON, angles in degrees."""
+def info_row(info: Info) -> dict[str, object]:
+    """An Info as JSON, angles in degrees."""
     return {
         "robot": info.robot,
         "on": info.twin,
@@ -178,8 +205,8 @@ def described(info: Info) -> dict[str, object]:
     }
 
 
-def describe(info: Info) -> None:
-    """Info for people."""
+def show_info(info: Info) -> None:
+    """Print an Info as text."""
     limits = limits_deg(info)
     say(
         f"{info.robot} ({info.twin}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
@@ -189,11 +216,11 @@ def describe(info: Info) -> None:
         f"arms stay {limits['gap_min']:g}° apart"
     )
     say(
-        f"speed: {limits['speed_default']:g}°/s unless told otherwise, at most {limits['speed_max']:g}°/s; "
+        f"speed: {limits['speed_default']:g}°/s by default, at most {limits['speed_max']:g}°/s; "
         f"{limits['acceleration']:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
     )
     if shape := geometry_deg(info):
         say(f"neck: at home the short arm points {shape['arm0_azimuth']:g}° to the left of straight ahead")
     say("\ncommands:\n  " + "\n  ".join(info.commands))
-    say("\n" + columns(("key", "kind", "what for"), [(row.key, row.kind, row.doc_) for row in info.keys]))
+    say("\n" + columns(("key", "kind", "purpose"), [(row.key, row.kind, row.doc_) for row in info.keys]))
     say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))

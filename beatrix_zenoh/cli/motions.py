@@ -3,30 +3,50 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.cli.line import Line, Where, on_the_move
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
-from beatrix_zenoh.cli.unattended import hand_over
-from beatrix_zenoh.cli.verb import document, note, refusal, say
-from beatrix_zenoh.readings import Reading
-from beatrix_zenoh.robot import Robot, motion_query, pose_query, stop_together
-from beatrix_zenoh.twin import Plan, Twin
+from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
+from beatrix_zenoh.cli.output import note, print_failure, print_json, say
+from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
+from beatrix_zenoh.client.plan import Plan
+from beatrix_zenoh.client.queries import motion_query, pose_query
+from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin_motion import TwinMotion
 
-Relative = Annotated[bool, typer.Option("--relative", help="By these angles, instead of to them.")]
+Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles instead of to them.")]
 Speed = Annotated[
-    float | None, typer.Option(help="Top speed of the fastest arm in degrees/s; else the robot's default.")
+    float | None, typer.Option(help="Top speed of the fastest arm, degrees/s; default: the robot's.")
+]
+ArmSpeed = Annotated[
+    str | None,
+    typer.Option(
+        metavar="DEG_S",
+        help="Top speed, degrees/s, one number for all arms or three: 20,30,40; default: the robot's.",
+    ),
 ]
 NoWait = Annotated[
     bool,
-    typer.Option("--no-wait", help="Return once it is accepted; the motion goes on without you and Ctrl-C."),
+    typer.Option(
+        "--no-wait", help="Exit once the motion is accepted; it continues, and Ctrl-C does not stop it."
+    ),
 ]
-ROADS = {"pose": keys.pose, "motion": keys.motion}
+Lead = Annotated[
+    float,
+    typer.Option(
+        metavar="S",
+        help="With --on both: the hardware starts this many seconds after the simulation. Ctrl-C before that keeps it "
+        "unmoved.",
+    ),
+]
+COUNT_S = 1.0
 
 
 def look(
@@ -35,6 +55,7 @@ def look(
     roll: Annotated[float, typer.Option(help="Degrees, right ear down is positive.")] = 0.0,
     relative: Relative = False,
     speed: Speed = None,
+    lead: Lead = 0.0,
     no_wait: NoWait = False,
     name: Name = None,
     connect: Connect = None,
@@ -42,14 +63,11 @@ def look(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Turn the head: yaw, pitch, roll. Degrees; angles not given are 0. Ctrl-C stops it."""
+    """Turn the head to yaw, pitch and roll. Degrees; angles not given are 0. Ctrl-C stops it."""
     query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
-
-    def preview(twin: Twin) -> Plan:
-        return twin.preview(yaw, pitch, roll, relative=relative, speed=speed)
-
-    with on_the_move(Where(name, connect, who), on) as line:
-        carry_out(line, "pose", query, preview, no_wait=no_wait, as_json=as_json)
+    check_lead(lead, on)
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        carry_out(targets, query, lead, no_wait=no_wait, as_json=as_json)
 
 
 def move(
@@ -57,7 +75,8 @@ def move(
     middle: Annotated[float, typer.Argument(help="Middle arm, degrees.")],
     long: Annotated[float, typer.Argument(help="Long arm, degrees.")],
     relative: Relative = False,
-    speed: Speed = None,
+    speed: ArmSpeed = None,
+    lead: Lead = 0.0,
     no_wait: NoWait = False,
     name: Name = None,
     connect: Connect = None,
@@ -66,91 +85,150 @@ def move(
     as_json: Json = False,
 ) -> None:
     """Turn the three arms. Degrees from home, counter-clockwise from above positive. Ctrl-C stops them."""
-    query = motion_query(short, middle, long, relative=relative, speed=speed)
-
-    def preview(twin: Twin) -> Plan:
-        return twin.preview_arms(short, middle, long, relative=relative, speed=speed)
-
-    with on_the_move(Where(name, connect, who), on) as line:
-        carry_out(line, "motion", query, preview, no_wait=no_wait, as_json=as_json)
+    query = motion_query(short, middle, long, relative=relative, speed=arm_speed(speed))
+    check_lead(lead, on)
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        carry_out(targets, query, lead, no_wait=no_wait, as_json=as_json)
 
 
 def home(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Turn the head home. All arms go to 0 degrees; Ctrl-C stops them."""
+    """Turn the head home. All arms turn to 0 degrees; Ctrl-C stops them."""
     query = motion_query(0, 0, 0, relative=False, speed=None)
-    with on_the_move(Where(name, connect, who), on) as line:
-        carry_out(
-            line, "motion", query, lambda twin: twin.preview_arms(0, 0, 0), no_wait=False, as_json=as_json
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        carry_out(targets, query, 0.0, no_wait=False, as_json=as_json)
+
+
+def arm_speed(text: str | None) -> float | list[float] | None:
+    """One number or three, separated by commas; raises BadParameter for anything else."""
+    if text is None:
+        return None
+    try:
+        speeds = [float(number) for number in text.split(",")]
+    except ValueError:
+        speeds = []
+    if len(speeds) not in (1, 3):
+        raise typer.BadParameter(
+            f"--speed {text}: give one number of degrees/s, or three for short, middle and long arm: 20,30,40."
         )
+    return speeds[0] if len(speeds) == 1 else speeds
+
+
+def check_lead(lead: float, on: Which | None) -> None:
+    """Raise BadParameter for an invalid --lead, or one without --on both."""
+    if lead and on is not Which.BOTH:
+        raise typer.BadParameter("--lead needs --on both: the hardware follows the simulation.")
+    if not (math.isfinite(lead) and lead >= 0):
+        raise typer.BadParameter(f"--lead {lead:g}: give a number of seconds, 0 or more.")
 
 
 def carry_out(
-    line: Line,
-    road: str,
-    query: MotionQuery | PoseQuery,
-    preview: Callable[[Twin], Plan],
-    *,
-    no_wait: bool,
-    as_json: bool,
+    targets: Targets, query: MotionQuery | PoseQuery, lead_s: float, *, no_wait: bool, as_json: bool
 ) -> None:
-    """A motion on the robots chosen, and where they are afterwards; both: previewed, then committed."""
-    robots = line.robots()
+    """Carry out a motion on the robots selected and print where they are; a motion of both is previewed first."""
+    robots = targets.robots()
     if len(robots) > 1 and no_wait:
-        raise typer.BadParameter("--no-wait goes with one robot; both are waited for together.")
+        raise typer.BadParameter("--no-wait needs one robot: use --on sim or --on hw.")
     if no_wait:
-        sentence = hand_over(robots[0], ROADS[road], query)
+        sentence = begin_detached(robots[0], query)
         if not as_json:
             say(f"{robots[0]}: {sentence}")
             return
     elif len(robots) > 1:
-        with stopping(robots, as_json=as_json):
-            commit(line, preview)
+        with stop_on_interrupt(robots, as_json=as_json):
+            commit(targets, query, lead_s)
     else:
-        with stopping(robots, as_json=as_json):
-            robots[0].begin(road, query).wait()
-    announce(robots, as_json=as_json)
+        with stop_on_interrupt(robots, as_json=as_json):
+            robots[0].begin(query).wait()
+    show_positions(robots, as_json=as_json)
 
 
-def commit(line: Line, preview: Callable[[Twin], Plan]) -> None:
-    """Preview on the simulation's copy, say what it will be, then both."""
-    settings = line.client.settings
-    with Twin(line.name, connect=settings.connect, who=settings.who) as twin:
-        plan = preview(twin)
-        twin.check_ready()  # before it is said that both move
-        note(f"Preview: {plan.verdict} Now both, the simulation first.")
-        plan.commit()
+def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
+    """Send a motion that continues after this process has ended, and return the robot's message.
+
+    A robot stops the motion of a client whose seat token disappears; this session announces no seat, so it has no token.
+
+    Raises:
+        Refused: with the robot's reason.
+        NoAnswer: no reply came in time.
+    """
+    with Client(robot.client.settings, announce=False) as client:
+        detached = Robot(robot.name, robot.twin, client=client, timeout_s=robot.timeout_s)
+        return detached.begin(query).accepted.message
+
+
+def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
+    """Preview the motion on a copy of the simulation, print the result, then carry it out on both."""
+    settings = targets.client.settings
+    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
+        plan = twin.preview_query(query)
+        twin.check_ready()  # raises before the note below says that both move
+        if lead_s:
+            note(f"Preview: {plan.verdict} The simulation moves now.")
+            count_down(plan, lead_s)
+        else:
+            note(f"Preview: {plan.verdict} Both move now, the simulation first.")
+            plan.commit()
+
+
+def count_down(plan: Plan, lead_s: float) -> None:
+    """Carry out a plan with a lead, and print once a second how long the hardware still waits; Ctrl-C cancels as `Plan.abort`."""
+    motion = plan.commit(lead_s, wait=False)
+    try:
+        while not (motion.hardware_sent or motion.done()):
+            left_s = motion.countdown_s
+            if left_s > 0:
+                note(f"The hardware moves in {left_s:.1f} s; Ctrl-C before that keeps it unmoved.")
+            next_s = left_s - COUNT_S * (math.ceil(left_s / COUNT_S) - 1)
+            with contextlib.suppress(TimeoutError):
+                motion.exception(max(0.05, next_s))
+        if motion.hardware_sent:
+            note("The hardware moves now.")
+        motion.result()
+    except KeyboardInterrupt as interrupt:
+        raise KeyboardInterrupt(cancelled(motion)) from interrupt
+    if motion.lag_s is not None:
+        note(f"The hardware began {motion.lag_s:.2f} s after the simulation.")
+
+
+def cancelled(motion: TwinMotion) -> str:
+    """Cancel a motion and return where both robots are; empty if it had ended."""
+    if not motion.cancel():
+        return ""
+    with contextlib.suppress(TimeoutError):
+        return str(motion.exception(0) or "")
+    return ""
 
 
 @contextlib.contextmanager
-def stopping(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
-    """Ctrl-C in here stops the robots, whatever they are doing, and says where they rest."""
+def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
+    """On Ctrl-C in this block stop the robots and print where they are at rest."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
-        # Empty: it came when nobody was waiting for a motion.
-        told = str(interrupt) or "\n".join(
+        # The text is empty if Ctrl-C came while no motion was running.
+        rests = str(interrupt) or "\n".join(
             f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(robots))
         )
         if as_json:
-            refusal(Reason.STOPPED, told)
+            print_failure(Reason.STOPPED, rests)
         else:
-            note(told)
+            note(rests)
         raise
 
 
-def announce(robots: list[Robot], *, as_json: bool) -> None:
-    """Say where the robots are now."""
+def show_positions(robots: list[Robot], *, as_json: bool) -> None:
+    """Print head and arm angles of the robots now."""
     readings = [(robot, robot.positions()) for robot in robots]
     if as_json:
-        document({"result": True, "robots": [where(robot, reading) for robot, reading in readings]})
+        print_json({"result": True, "robots": [reading_row(robot, reading) for robot, reading in readings]})
         return
     for robot, reading in readings:
         say(f"{robot}: {reading}")
 
 
-def where(robot: Robot, reading: Reading) -> Mapping[str, object]:
+def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
     """A robot and its angles in degrees, for JSON."""
     return {
         "robot": robot.name,

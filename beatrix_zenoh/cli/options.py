@@ -1,7 +1,8 @@
-"""Options that mean the same in every verb."""
+"""Options that have the same meaning in every verb."""
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -10,49 +11,69 @@ import typer
 
 
 class Which(StrEnum):
-    """Which robots of a name."""
+    """The robots of one name that a verb applies to: the value of --on."""
 
     SIM = "sim"
     HW = "hw"
     BOTH = "both"
 
 
+def finite(value: float) -> float:
+    """The value of an option; raises BadParameter for NaN and infinity, which typer's bounds accept."""
+    if math.isfinite(value):
+        return value
+    raise typer.BadParameter(f"{value:g} is not a finite number: give one, for example 5.")
+
+
 Name = Annotated[
     str | None,
     typer.Option(
-        "--name", metavar="ROBOT", help="The robot; else BEATRIX_ROBOT, beatrix.toml, the only one on line."
+        "--name",
+        metavar="ROBOT",
+        help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, the only robot on line.",
     ),
 ]
+Names = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--name", metavar="ROBOT", help="Only robots of this name; may be given several times. Default: all."
+    ),
+]
+"""For verbs that apply to many robots."""
 OwnName = Annotated[
     str | None,
     typer.Option(
-        "--name", metavar="ROBOT", help="Its name; else BEATRIX_ROBOT, beatrix.toml, your user name and host."
+        "--name",
+        metavar="ROBOT",
+        help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, your user name and host.",
     ),
 ]
-"""Of verbs that bring a robot on line."""
+"""For verbs that serve a robot."""
 Connect = Annotated[
     str | None,
     typer.Option(
         "--connect",
         metavar="ENDPOINT",
-        help="The router; else BEATRIX_CONNECT, beatrix.toml, tcp/127.0.0.1:7447.",
+        help="Address of the router; default: BEATRIX_CONNECT, beatrix.toml, tcp/127.0.0.1:7447.",
     ),
 ]
 Who = Annotated[
     str | None,
-    typer.Option("--who", metavar="SEAT", help="Who asks; else BEATRIX_WHO, beatrix.toml, your user name."),
+    typer.Option(
+        "--who", metavar="SEAT", help="Name of your seat; default: BEATRIX_WHO, beatrix.toml, your user name."
+    ),
 ]
 On = Annotated[
     Which | None,
     typer.Option(
-        "--on", help="sim, hw or both; else the simulation if it is on line, otherwise the hardware."
+        "--on", help="sim, hw or both; default: the simulation if it is on line, otherwise the hardware."
     ),
 ]
 Legacy = Annotated[
     Path | None,
     typer.Option(
         metavar="PATH",
-        help="Let programs of 2023 open a serial port here, for example /dev/ttyACM9 or /tmp/beatrix.",
+        help="Serial port for programs of 2023; most of them open /dev/ttyACM0, /dev/ttyACM9 or COM3 to COM6.",
     ),
 ]
 RobotFile = Annotated[
@@ -60,7 +81,24 @@ RobotFile = Annotated[
     typer.Option(
         "--robot-file",
         metavar="FILE",
-        help="Values of your own robot (TOML, as docs/reference/robot.md names them).",
+        help="Values of your own robot (TOML; docs/reference/robot.md lists them).",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
+LogFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--log-file",
+        metavar="FILE",
+        help="Append requests, refusals, STOPs, board events and warnings to this file.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+Cameras = Annotated[
+    float,
+    typer.Option(
+        min=0.0, max=60.0, metavar="HZ", callback=finite, help="Pictures of each eye a second; 0: none."
+    ),
+]
+ViewerPort = Annotated[
+    int, typer.Option("--port", min=1, max=65535, help="Port of the Rerun viewer on this computer.")
+]

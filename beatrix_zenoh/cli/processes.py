@@ -1,10 +1,12 @@
-"""Child processes that serve: started, waited for, watched, ended in order, never left behind."""
+"""A supervisor of child processes: it starts, watches and ends them."""
 
 from __future__ import annotations
 
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,31 +15,30 @@ from types import FrameType
 from typing import Self
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli import logs
-from beatrix_zenoh.ending import SIGNALS
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.shutdown import SIGNALS
 
 READY_S = 20.0
-"""A busy computer that imports MuJoCo for the first time may need this long."""
+"""Time to start: a busy computer that imports MuJoCo for the first time may need it."""
 END_S = 4.0
-"""A node stops its robot first; then it is killed."""
-TURN_S = 0.02
-LAST_WORDS = 5
-"""Lines of a child's output that are shown when it has failed."""
+"""Time to end: a node stops its robot first. Then it is killed."""
+POLL_S = 0.02
+LAST_LINES = 5
+"""Lines of output that are shown of a child that has failed."""
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-"""Windows has a flag where other systems have `process_group`."""
+"""Flag of Windows for what is `process_group` on other systems."""
 
 
 class Child:
-    """One `beatrix …` process whose output goes to a file.
+    """A `beatrix …` process whose output goes to a file.
 
-    It has a process group of its own, so Ctrl-C reaches the parent alone, and the other end of its
-    standard input, so it ends when the parent has gone, however that came about (see child.py).
+    It has its own process group, so that Ctrl-C reaches only the parent. Its standard input is a pipe from the parent,
+    so that it ends with the parent even if the parent is killed (see child.py).
     """
 
-    def __init__(self, title: str, arguments: Sequence[str], log: Path) -> None:
-        self.title, self.log = title, log
-        self._told = 0
+    def __init__(self, title: str, arguments: Sequence[str], log: Path, *, may_end: bool = False) -> None:
+        self.title, self.log, self.may_end = title, log, may_end
+        self._reported = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "beatrix_zenoh.cli.child", *arguments],
@@ -50,24 +51,24 @@ class Child:
 
     @property
     def ready(self) -> bool:
-        """It has said that it serves."""
+        """Whether the process has printed `ready`."""
         return any(line.startswith("ready ") for line in self.lines())
 
     @property
     def code(self) -> int | None:
-        """Exit code, None while it runs."""
+        """Exit code; None while it runs."""
         return self._process.poll()
 
     def lines(self) -> list[str]:
-        """What it has written; nothing if somebody has cleared away the folder."""
+        """The lines of its output; empty if its log file has been deleted."""
         return self._written().decode("utf-8", "replace").splitlines()
 
-    def news(self) -> list[str]:
-        """The whole lines it has written since this was asked last."""
-        written = self._written(self._told)
-        whole = written[: written.rfind(b"\n") + 1]
-        self._told += len(whole)
-        return whole.decode("utf-8", "replace").splitlines()
+    def new_lines(self) -> list[str]:
+        """The complete lines that it has written since the last call."""
+        written = self._written(self._reported)
+        complete = written[: written.rfind(b"\n") + 1]
+        self._reported += len(complete)
+        return complete.decode("utf-8", "replace").splitlines()
 
     def _written(self, since: int = 0) -> bytes:
         try:
@@ -77,11 +78,11 @@ class Child:
         except FileNotFoundError:
             return b""
 
-    def end(self) -> None:
-        """Ask it to end; kill it if it does not."""
+    def end(self, grace_s: float = END_S) -> None:
+        """Send SIGTERM and wait; kill it after `grace_s` (s)."""
         self._process.terminate()
         try:
-            self._process.wait(END_S)
+            self._process.wait(grace_s)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
@@ -89,29 +90,29 @@ class Child:
             self._process.stdin.close()
 
 
-class Fleet:
-    """Children that live as long as a `with` block; the last one started ends first.
+class Supervisor:
+    """Child processes that run during a `with` block; the last one started ends first.
 
-    What they write goes to a folder that is deleted with them, unless one has failed and written more than is shown.
+    Their output goes to a temporary folder. It is deleted at the end, unless a child has failed and its error message
+    does not show all of its output.
     """
 
     def __init__(self) -> None:
-        logs.sweep()
-        self.folder = logs.make()
+        self.folder = Path(tempfile.mkdtemp(prefix="beatrix-"))
         self._kept = False
         self.children: list[Child] = []
 
-    def start(self, title: str, *arguments: str) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`."""
-        child = Child(title, arguments, self.folder / f"{title}.log")
+    def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
+        """Start `beatrix …`; wait for it with `wait_ready`. `may_end`: after it was ready, its end is not a failure."""
+        child = Child(title, arguments, self.folder / f"{title}.log", may_end=may_end)
         self.children.append(child)
         return child
 
     def wait_ready(self, timeout_s: float = READY_S) -> None:
-        """Return when all children serve.
+        """Wait until all children are ready.
 
         Raises:
-            Refused: one has ended.
+            Refused: a child has ended.
             NoAnswer: TIMED_OUT.
         """
         deadline = time.monotonic() + timeout_s
@@ -121,56 +122,66 @@ class Fleet:
                 child = waiting[0]
                 raise NoAnswer(
                     Reason.TIMED_OUT,
-                    f"The {child.title} did not become ready within {timeout_s:.0f} s. {self._words_of(child)}",
+                    f"The {child.title} did not become ready within {timeout_s:.0f} s. {self.output_of(child)}",
                 )
-            time.sleep(TURN_S)
+            time.sleep(POLL_S)
+
+    def finish(self, child: Child) -> None:
+        """End one child."""
+        self.children.remove(child)
+        child.end()
 
     def check(self) -> None:
-        """Raise Refused if a child has ended."""
+        """Raise Refused if a child has ended that must run."""
         for child in self.children:
-            if child.code is not None:
+            if child.code is not None and not (child.may_end and child.ready):
                 raise Refused(
                     Reason.SHUTDOWN,
-                    f"The {child.title} has ended (exit code {child.code}). {self._words_of(child)}",
+                    f"The {child.title} has ended (exit code {child.code}). {self.output_of(child)}",
                 )
 
-    def news(self) -> list[str]:
-        """What the children have written since this was asked last, each line with its child's title."""
-        return [f"{child.title}: {line}" for child in self.children for line in child.news()]
+    def remove_ended(self) -> list[Child]:
+        """Remove the children that may end and have ended, and return them."""
+        ended = [child for child in self.children if child.may_end and child.code is not None]
+        for child in ended:
+            self.finish(child)
+        return ended
 
-    def _words_of(self, child: Child) -> str:
-        """What a child that failed wrote last, and where the rest is from now on, if there is more."""
+    def new_lines(self) -> list[str]:
+        """The lines that the children have written since the last call, each with the title of its child."""
+        return [f"{child.title}: {line}" for child in self.children for line in child.new_lines()]
+
+    def output_of(self, child: Child) -> str:
+        """The last lines of the output of a child, and the path of its log if there are more."""
         lines = child.lines()
-        shown = "\n".join(f"  {line}" for line in lines[-LAST_WORDS:])
-        if len(lines) <= LAST_WORDS:
-            return f"It says:\n{shown}" if lines else "It has said nothing."
+        shown = "\n".join(f"  {line}" for line in lines[-LAST_LINES:])
+        if len(lines) <= LAST_LINES:
+            return f"Its output:\n{shown}" if lines else "It printed nothing."
         self._kept = True
-        return f"Its last words:\n{shown}\nAll it wrote is in {child.log}."
+        return f"Its last lines:\n{shown}\nIts complete output is in {child.log}."
 
     def end(self) -> None:
-        """End all, the last one started first."""
+        """End all children, the last one started first."""
         while self.children:
             self.children.pop().end()
-        if self._kept:
-            logs.keep(self.folder)
-        else:
-            logs.remove(self.folder)
+        if not self._kept:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, _kind: object, error: BaseException | None, _traceback: object) -> None:
-        with deaf():
+        with signals_ignored():
             try:
                 if isinstance(error, BeatrixError):
-                    self.check()  # a child that has ended explains it better than who misses it
+                    self.check()  # the end of a child is the cause of the client's error
             finally:
                 self.end()
 
 
 @contextmanager
-def heard() -> Iterator[None]:
-    """In here every signal that asks to end raises KeyboardInterrupt, also in a background job."""
+def signals_interrupt() -> Iterator[None]:
+    """Raise KeyboardInterrupt in this block for every signal that requests a shutdown, also in a background job."""
 
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -180,15 +191,15 @@ def heard() -> Iterator[None]:
 
 
 @contextmanager
-def deaf() -> Iterator[None]:
-    """In here nobody can interrupt: ending takes bounded time, and half of it would leave orphans."""
+def signals_ignored() -> Iterator[None]:
+    """Ignore the signals in this block, so that no child keeps running; ending them takes a bounded time."""
     with _handled(signal.SIG_IGN):
         yield
 
 
 @contextmanager
 def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
-    # Who was started by nohup wants to outlive a window; Ctrl-C is for us also where a shell has made us deaf to it.
+    # SIGHUP stays ignored under nohup. SIGINT is handled even where a shell ignores it for background jobs.
     numbers = [n for n in SIGNALS if n == signal.SIGINT or signal.getsignal(n) is not signal.SIG_IGN]
     before = [(number, signal.signal(number, handler)) for number in numbers]
     try:

@@ -1,42 +1,59 @@
-"""Verbs that serve until Ctrl-C: router, sim, hw; and flash, which belongs to hw."""
+"""Verbs that run a program in this process: router, sim, hw, gui, flash."""
 
 from __future__ import annotations
 
 from importlib import metadata
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.hurry import nothing_to_undo
-from beatrix_zenoh.cli.verb import say
-from beatrix_zenoh.ending import Ending
+from beatrix_zenoh.cli.output import say
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
+from beatrix_zenoh.shutdown import Shutdown
 
 PROCESSES = "beatrix.processes"
-"""Entry points of the programs that stand above this package; it never imports them."""
+"""Group of entry points of the programs in sim_node, hw_node and gui, which this package must not import."""
 EXTRAS = {"flash": "hw"}
-"""Where a program is not in the extra of its own name."""
+"""Programs whose extra has another name."""
 
 
 def router(
     listen: Annotated[
-        str, typer.Option(metavar="ENDPOINT", help="Where robots and programs connect.")
-    ] = DEFAULT_ENDPOINT,
+        str | None,
+        typer.Option(
+            metavar="ENDPOINT",
+            help=f"Address that robots and programs connect to; else those of the class, or {DEFAULT_ENDPOINT}.",
+        ),
+    ] = None,
+    of_class: Annotated[
+        Path | None,
+        typer.Option(
+            "--class", metavar="FILE", help="Accept only the accounts of this class file (or router file)."
+        ),
+    ] = None,
 ) -> None:
-    """Be the router where all of them meet.
+    """Run the router. Robots, simulations and programs connect to it.
 
-    Robots, simulations and programs connect to it; it ends with Ctrl-C. Other computers reach it with --listen tcp/0.0.0.0:7447. It asks nobody who they are: do that only
-    in a network you trust.
+    Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program there may do
+    everything: in a network with others use --class, after `beatrix classroom init`.
     """
-    ending = Ending()
-    ending.heed_signals()
-    session = zbus.open_router(listen)
+    guard = None
+    if of_class is not None:
+        from beatrix_zenoh.classroom import router_file
+
+        file = router_file.load(of_class)
+        guard, listen = file.guard(), listen or file.listen
+    listen = listen or DEFAULT_ENDPOINT
+    shutdown = Shutdown()
+    shutdown.handle_signals()
+    session = zbus.open_router(listen, guard)
     try:
         say(f"ready {listen}")
-        ending.wait()
+        shutdown.wait()
     finally:
         session.close()
 
@@ -47,31 +64,43 @@ def sim(context: typer.Context) -> None:
 
 
 def hw(context: typer.Context) -> None:
-    """Serve a robot, or a virtual board. `beatrix hw --help` lists its options."""
+    """Serve a real robot, or a virtual board. `beatrix hw --help` lists its options."""
     raise typer.Exit(run("hw", context.args))
 
 
+def gui(context: typer.Context) -> None:
+    """Open the window that drives and shows both robots. `beatrix gui --help` lists its options."""
+    raise typer.Exit(run("gui", context.args))
+
+
 def flash(context: typer.Context) -> None:
-    """Put the firmware onto an Arduino Mega. `beatrix flash --help` lists its options."""
+    """Write the firmware to an Arduino Mega. `beatrix flash --help` lists its options."""
     raise typer.Exit(run("flash", context.args))
 
 
 def run(process: str, arguments: list[str]) -> int:
-    """Run a process of the group in this one; its exit code.
+    """Run a program of the group in this process and return its exit code.
 
     Raises:
-        Refused: it is not installed.
+        Refused: BAD_VALUE, it is not installed.
     """
-    install = f'pip install ".[{EXTRAS.get(process, process)}]" in the folder of BEATRIX'
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
-        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install}")
+        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install(process)}")
     try:
-        with nothing_to_undo():
-            main = next(iter(entries)).load()
+        main = next(iter(entries)).load()
     except ModuleNotFoundError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"`beatrix {process}` needs {error.name}, which is not installed: {install}"
-        ) from error
+        raise missing(process, error) from error
     code: int = main(arguments)
     return code
+
+
+def missing(process: str, error: ModuleNotFoundError) -> Refused:
+    """The refusal for a program that needs a package that is not installed."""
+    text = f"`beatrix {process}` needs {error.name}, which is not installed: {install(process)}"
+    return Refused(Reason.BAD_VALUE, text)
+
+
+def install(process: str) -> str:
+    """The command that installs a program of the group."""
+    return f'pip install ".[{EXTRAS.get(process, process)}]" in the folder of BEATRIX'

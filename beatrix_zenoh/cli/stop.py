@@ -1,115 +1,165 @@
-"""STOP from the command line: nothing that is set, or written in a file, may stand in its way."""
+"""`beatrix stop`: stop every robot that can be stopped, also if settings, files or arguments are wrong."""
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Iterator, Sequence
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh import codec, names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Reason
-from beatrix_zenoh.bus import Question
-from beatrix_zenoh.cli.line import Where, named
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import CommandReply, Reason
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
-from beatrix_zenoh.cli.verb import document, exit_code, note, say
-from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.settings import usable
+from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
+from beatrix_zenoh.cli.targets import Selection, is_named
+from beatrix_zenoh.client.group_stop import STOP_S, request_stop
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.settings import resolve_valid
 
-STOP_S = 3.0
-"""The slowest stop, from 90 deg/s, takes half a second."""
-URGENT = "real_time"
+SILENT = "did not answer: it is frozen, or its connection is. Switch its power off if it moves."
+ALL = "*"
+
+Emergency = Annotated[
+    bool,
+    typer.Option(
+        "--emergency",
+        help="Switch the motors off at once; the head falls. Afterwards: beatrix reset, enable, calibrate.",
+    ),
+]
+Names = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--name",
+        metavar="ROBOT",
+        help="Only robots of this name; may be given several times. Default: BEATRIX_ROBOT, beatrix.toml, every robot.",
+    ),
+]
+
+
+class Outcome(NamedTuple):
+    """The outcome of STOP at one robot, or for one name of the command line."""
+
+    robot: str
+    twin: str
+    """Empty if no robot of this name is on line."""
+    reason: Reason
+    message: str
+    code: int
 
 
 def stop(
     every: Annotated[
-        bool, typer.Option("--all", help="Every robot at the router, even if a name is set.")
+        bool, typer.Option("--all", help="Stop every robot at the router, even if settings name one robot.")
     ] = False,
-    emergency: Annotated[
-        bool, typer.Option("--emergency", help="Motors off at once; the head falls. Then enable, calibrate.")
-    ] = False,
-    name: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--name",
-            metavar="ROBOT",
-            help="The robots of this name, or of these; else BEATRIX_ROBOT, beatrix.toml, every robot.",
-        ),
-    ] = None,
+    emergency: Emergency = False,
+    name: Names = None,
     connect: Connect = None,
     who: Who = None,
-    on: Annotated[list[Which] | None, typer.Option("--on", help="sim or hw alone; else both.")] = None,
+    on: Annotated[list[Which] | None, typer.Option("--on", help="sim or hw; default: both.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Stop at once, whoever drives. Robot and simulation of a name; without a name every robot at the router."""
-    asked = [names.check_name(one) for one in name or ()]
-    settings, wrong = usable(connect=connect, who=who)
+    """Stop robots at once, whichever seat drives. Stops robot and simulation of a name; without a name every robot.
+
+    If a name is wrong or not on line, the others are stopped nevertheless.
+    """
+    settings, wrong_settings = resolve_valid(connect=connect, who=who)
+    asked, wrong_names = check_names(name or ())
     if every:
-        asked = ["*"]
-    elif not asked:
-        asked = [settings.robot if named(Where(None, connect, who), settings) else "*"]
+        asked = [ALL]
+    elif not name:
+        asked = [settings.robot if is_named(Selection(None, connect, who), settings) else ALL]
+    if not asked:
+        show(wrong_names, as_json=as_json)
     sides = {*(on or ())}
-    twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else "*"
-    with Client(settings) as client:
-        questions = [ask_to_stop(client, robot, twin, emergency=emergency) for robot in asked]
-        present = client.bus.robots()  # asked after STOP, and before a frozen robot counts as gone
-        replies = dict(answers(questions))
-    for error in wrong:
-        note(error.message)
-    wanted = [place for place in present if {place[0], "*"} & {*asked} and twin in ("*", place[1])]
-    if not wanted and not replies:
-        found = ", ".join(f"{found} ({side})" for found, side in present)
-        hint = "" if asked == ["*"] or not found else " `beatrix stop --all` stops every robot."
-        raise NoAnswer(
-            Reason.NO_ANSWER,
-            f"Nothing to stop: no such robot at {settings.connect}. On line: {found or 'nobody'}.{hint}",
+    twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
+    with noting(wrong_settings), Client(settings) as client:
+        requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
+        present = client.bus.robots()  # after sending STOP, and before a frozen robot loses its token
+        deadline = time.monotonic() + STOP_S
+        replies = dict(
+            reply for request in requests for reply in request.replies(deadline - time.monotonic())
         )
-    tell_stopped(replies, [place for place in wanted if place not in replies], as_json=as_json)
+    found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
+    if not (found or replies or wrong_names):
+        raise nothing_to_stop(settings.connect, asked, present)
+    missing = absent(asked, twin, {*found, *replies}, settings.connect)
+    show([*outcomes_of(replies, found), *missing, *wrong_names], as_json=as_json)
 
 
-def ask_to_stop(client: Client, robot: str, twin: str, *, emergency: bool) -> Question:
-    """Ask all robots that match at once, each on its own road."""
-    if emergency:
-        query = CommandQuery(command=Command.EMERGENCY_STOP.value)
-        key = keys.command(robot, twin, client.settings.who)
-        return client.bus.question(key, codec.encode(query), codec.MSGPACK, URGENT)
-    return client.bus.question(keys.stop(robot, twin), None, codec.MSGPACK, URGENT)
+@contextlib.contextmanager
+def noting(errors: Sequence[WrongUsage]) -> Iterator[None]:
+    """Print the errors at the end of the block: STOP goes first."""
+    try:
+        yield
+    finally:
+        for error in errors:
+            note(error.message)
 
 
-def answers(questions: Sequence[Question]) -> Iterator[tuple[tuple[str, str], CommandReply]]:
-    """Name, twin and reply of each robot, as its arms come to rest."""
-    deadline = time.monotonic() + STOP_S
-    for question in questions:
+def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
+    """The valid names, and an outcome for each invalid one."""
+    asked, wrong = [], []
+    for robot in robots:
         try:
-            while (answer := question.next(deadline - time.monotonic())) is not None:
-                if not answer.error:
-                    _, robot, twin, *_ = answer.key.split("/")
-                    yield (robot, twin), codec.decode(answer.payload, CommandReply)
-        except TimeoutError:
-            continue
-        finally:
-            question.close()
+            asked.append(names.check_name(robot))
+        except WrongUsage as error:
+            wrong.append(Outcome(robot, "", error.reason, error.message, USAGE))
+    return asked, wrong
 
 
-def tell_stopped(
-    replies: dict[tuple[str, str], CommandReply], silent: list[tuple[str, str]], *, as_json: bool
-) -> None:
-    """Say what became of each robot; not to have stopped one is a failure."""
-    missing = "did not answer: it is frozen, or its connection is. Cut its power if it moves."
-    ends = [(place, reply.reason, reply.message) for place, reply in replies.items()]
-    ends += [(place, Reason.TIMED_OUT, missing) for place in silent]
-    failed = [reason for _, reason, _ in ends if reason is not Reason.OK]
+def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
+    """The error if no robot of the names given is on line."""
+    found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
+    hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
+    return NoAnswer(
+        Reason.NO_ANSWER,
+        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint}",
+    )
+
+
+def outcomes_of(replies: dict[Place, CommandReply], found: Sequence[Place]) -> list[Outcome]:
+    """Outcomes of the robots that replied, then of those on line that did not."""
+    ended = [
+        Outcome(
+            *place, reply.reason, reply.message, 0 if reply.reason is Reason.OK else exit_code(reply.reason)
+        )
+        for place, reply in replies.items()
+    ]
+    silent = [place for place in found if place not in replies]
+    return ended + [
+        Outcome(*place, Reason.TIMED_OUT, SILENT, exit_code(Reason.TIMED_OUT)) for place in silent
+    ]
+
+
+def absent(asked: Sequence[str], twin: str, places: set[Place], endpoint: str) -> list[Outcome]:
+    """Outcomes of the names that no robot on line has."""
+    stopped = {robot for robot, _ in places}
+    side = "" if twin == ALL else f" ({twin})"
+    text = (
+        f"{side} is not on line at {endpoint}, so it was not stopped. `beatrix ls` shows the robots on line."
+    )
+    return [
+        Outcome(robot, "", Reason.NO_ANSWER, robot + text, exit_code(Reason.NO_ANSWER))
+        for robot in asked
+        if robot not in (ALL, *stopped)
+    ]
+
+
+def show(outcomes: Sequence[Outcome], *, as_json: bool) -> None:
+    """Print the outcomes; exit with the code of the first failure, if there is one."""
+    code = next((outcome.code for outcome in outcomes if outcome.code), 0)
     if as_json:
         rows = [
-            {"robot": robot, "on": twin, "result": reason is Reason.OK, "reason": reason, "message": message}
-            for (robot, twin), reason, message in ends
+            {"robot": robot, "on": twin, "result": not failed, "reason": reason, "message": message}
+            for robot, twin, reason, message, failed in outcomes
         ]
-        document({"result": not failed, "robots": rows})
+        print_json({"result": not code, "robots": rows})
     else:
-        for (robot, twin), reason, message in ends:
-            (say if reason is Reason.OK else note)(f"{robot} ({twin}): {message}")
-    if failed:
-        raise typer.Exit(exit_code(failed[0]))
+        for robot, twin, _, message, failed in outcomes:
+            (note if failed else say)(f"{robot} ({twin}): {message}" if twin else message)
+    if code:
+        raise typer.Exit(code)

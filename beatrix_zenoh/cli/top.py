@@ -1,42 +1,36 @@
-"""`beatrix top`: all robots at a glance, live."""
+"""`beatrix top`: a live table of all robots."""
 
 from __future__ import annotations
 
 import os
-import threading
 import time
-from collections import deque
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions, Status
-from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.cli.listing import Place, state, states, troubles
+from beatrix_zenoh.cli.listing import problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Who
-from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import STDOUT, document, say
-from beatrix_zenoh.client import Client
-from beatrix_zenoh.readings import HeadAngles, head_angles
+from beatrix_zenoh.cli.output import STDOUT, columns, print_json, say
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.readings import HeadAngles
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
-WINDOW = 50
-"""Positions over which the rate is taken: one second."""
-LOOK_S = 1.2
-"""How long `--once` listens before it tells; into a pipe a table comes as often."""
+TABLE_S = 1.2
+"""Time that `--once` collects data before it prints; also the period of tables into a pipe."""
 REFRESH_S = 0.2
-SILENT_S = 0.5
-"""No positions for this long: lost, whatever its token says (positions come every 20 ms)."""
 
 
 class Row(NamedTuple):
-    """One robot at one moment."""
+    """The data of one robot in the table."""
 
     place: Place
     state: str
@@ -44,116 +38,97 @@ class Row(NamedTuple):
     hz: float
     silent_s: float | None
     driver: str
-    troubles: list[str]
-
-
-class Watch:
-    """What robots publish, remembered; written on Zenoh's thread, read here."""
-
-    def __init__(self, bus: Bus) -> None:
-        self._bus = bus
-        self._lock = threading.Lock()
-        self._positions: dict[Place, bytes] = {}
-        self._times: dict[Place, deque[float]] = {}
-        self._alive: set[Place] = set()
-        self._status: dict[Place, Status] = states(bus)
-        bus.subscribe(keys.positions("*", "*"), self._on_positions)
-        bus.subscribe(keys.status("*", "*"), self._on_status)
-        bus.watch(keys.alive("*", "*"), self._on_token)
-
-    def _on_positions(self, key: str, payload: bytes) -> None:
-        with self._lock:
-            self._positions[place(key)] = payload
-            self._times.setdefault(place(key), deque(maxlen=WINDOW)).append(time.monotonic())
-
-    def _on_status(self, key: str, payload: bytes) -> None:
-        status = codec.decode(payload, Status)
-        with self._lock:
-            self._status[place(key)] = status
-
-    def _on_token(self, key: str, alive: bool) -> None:
-        with self._lock:
-            if alive:
-                self._alive.add(place(key))
-                return
-            for table in (self._positions, self._times, self._status):
-                table.pop(place(key), None)
-            self._alive.discard(place(key))
-
-    def rows(self) -> list[Row]:
-        """All robots now."""
-        now = time.monotonic()
-        with self._lock:
-            return [self._row(at, now) for at in sorted(self._alive, key=lambda at: (at[0], at[1] != "sim"))]
-
-    def _row(self, at: Place, now: float) -> Row:
-        status, times, payload = self._status.get(at), self._times.get(at), self._positions.get(at)
-        gone = status is not None and not status.board.connected  # then the angles are those of before
-        head = None if payload is None or gone else head_angles(codec.decode(payload, Positions).head)
-        recent = [moment for moment in times or () if now - moment < 1.0]
-        span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
-        silent = now - times[-1] if times else None
-        lost = silent is None or silent > SILENT_S
-        return Row(
-            place=at,
-            state="lost" if lost or status is None else state(status),
-            head=head,
-            hz=(len(recent) - 1) / span if span else 0.0,
-            silent_s=silent,
-            driver="" if status is None else status.holder,
-            troubles=[f"no positions for {silent:.1f} s"] if silent and lost else troubles(status),
-        )
+    problems: list[str]
 
 
 def top(
-    once: Annotated[bool, typer.Option("--once", help="Print one table and end.")] = False,
+    once: Annotated[bool, typer.Option("--once", help="Print one table and exit.")] = False,
     connect: Connect = None,
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Watch all robots live. State, head (degrees), rate, who drives; ends with Ctrl-C."""
+    """Watch robots and seats live: head (degrees), rates, drivers. Ends with Ctrl-C."""
     with Client(resolve(None, connect, who)) as client:
-        watch = Watch(client.bus)
+        monitor = Monitor(client)
+        seats = Seats(client)
         if once or as_json:
-            time.sleep(LOOK_S)
-            rows = watch.rows()
+            time.sleep(TABLE_S)
+            rows = rows_of(monitor)
             if as_json:
-                document({"result": True, "robots": [as_dict(row) for row in rows]})
+                print_json({"result": True, "robots": [as_dict(row) for row in rows], "seats": seats.names()})
             else:
-                say(text(rows))
+                say(text(rows, seats))
         elif os.isatty(STDOUT):
-            live(watch, client.bus.endpoint)
+            live(monitor, seats, client.bus.endpoint)
         else:
-            roll(watch)
+            print_tables(monitor, seats)
 
 
-def place(key: str) -> Place:
-    """Name and twin in a key."""
-    _, name, twin, *_ = key.split("/")
-    return name, twin
+class Seats:
+    """The seats that are connected to the router."""
+
+    def __init__(self, client: Client) -> None:
+        self._sessions: dict[str, str] = {}
+        client.bus.watch_tokens(keys.seat("*", "*"), self._seen)
+
+    def _seen(self, key: str, alive: bool) -> None:
+        """Handle a session of a seat that has begun or ended, on Zenoh's thread."""
+        parts = keys.parse(key)
+        if parts is not None and alive:
+            self._sessions[parts.session] = parts.who
+        elif parts is not None:
+            self._sessions.pop(parts.session, None)
+
+    def names(self) -> list[str]:
+        """Each seat once, sorted."""
+        return sorted({*self._sessions.copy().values()})
+
+    def __str__(self) -> str:
+        return f"seats: {', '.join(self.names())}"
+
+
+def rows_of(monitor: Monitor) -> list[Row]:
+    """The rows of all robots on line now."""
+    return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
+
+
+def row_of(robot: RobotState) -> Row:
+    """The row of one robot."""
+    status, reading, silent = robot.status, robot.reading, robot.positions_age_s
+    gone = status is not None and not status.board.connected  # then the angles are old
+    lost = robot.presence is not Presence.ON_LINE
+    return Row(
+        place=(robot.robot, robot.twin),
+        state="lost" if lost or status is None else state(status),
+        head=None if reading is None or gone else reading.head,
+        hz=robot.hz,
+        silent_s=silent,
+        driver="" if status is None else status.holder,
+        problems=[f"no positions for {silent:.1f} s"] if silent and lost else problems(status),
+    )
 
 
 def cells(row: Row) -> tuple[str, ...]:
-    """A row as text."""
+    """The cells of a row as text."""
     head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
     silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
-    return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, row.driver or "nobody")
+    return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, row.driver or "-")
 
 
 def notes(rows: list[Row]) -> list[str]:
-    """What a person should know, a line each."""
-    return [f"{row.place[0]} ({row.place[1]}): {trouble}" for row in rows for trouble in row.troubles]
+    """The problems of all robots, a line each."""
+    return [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
 
 
-def text(rows: list[Row]) -> str:
-    """The table for a pipe."""
+def text(rows: list[Row], seats: Seats) -> str:
+    """The table as text, for a pipe."""
     if not rows:
-        return "No robot is on line. Start a simulation: beatrix sim"
-    return "\n".join([columns(HEADS, [cells(row) for row in rows]), *notes(rows)])
+        return f"{NO_ROBOT}\n{seats}"
+    return "\n".join([columns(HEADS, [cells(row) for row in rows]), *notes(rows), str(seats)])
 
 
 def as_dict(row: Row) -> dict[str, object]:
-    """A row for JSON."""
+    """A row as JSON."""
     return {
         "robot": row.place[0],
         "on": row.place[1],
@@ -164,29 +139,29 @@ def as_dict(row: Row) -> dict[str, object]:
         "hz": round(row.hz, 2),
         "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
         "driver": row.driver,
-        "warnings": row.troubles,
+        "warnings": row.problems,
     }
 
 
-def roll(watch: Watch) -> None:
-    """Print table after table until Ctrl-C, or until nobody reads them."""
+def print_tables(monitor: Monitor, seats: Seats) -> None:
+    """Print table after table until Ctrl-C, or until the reader closes the pipe."""
     while True:
-        time.sleep(LOOK_S)
-        say(f"{text(watch.rows())}\n")
+        time.sleep(TABLE_S)
+        say(f"{text(rows_of(monitor), seats)}\n")
 
 
-def live(watch: Watch, endpoint: str) -> None:
+def live(monitor: Monitor, seats: Seats, endpoint: str) -> None:
     """Redraw the table until Ctrl-C."""
     from rich.live import Live
 
-    with Live(picture(watch.rows(), endpoint), auto_refresh=False, screen=True) as screen:
+    with Live(screen_table(rows_of(monitor), seats, endpoint), auto_refresh=False, screen=True) as screen:
         while True:
             time.sleep(REFRESH_S)
-            screen.update(picture(watch.rows(), endpoint), refresh=True)
+            screen.update(screen_table(rows_of(monitor), seats, endpoint), refresh=True)
 
 
-def picture(rows: list[Row], endpoint: str) -> RenderableType:
-    """The table for a screen."""
+def screen_table(rows: list[Row], seats: Seats, endpoint: str) -> RenderableType:
+    """The table with colours, for a terminal."""
     from rich.console import Group
     from rich.table import Table
     from rich.text import Text
@@ -196,13 +171,13 @@ def picture(rows: list[Row], endpoint: str) -> RenderableType:
         table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
     for row in rows:
         table.add_row(*cells(row), style=colour(row))
-    lines = notes(rows) if rows else ["No robot is on line. Start a simulation: beatrix sim"]
-    foot = Text("\nsilent: time since its last positions. Ctrl-C ends.", style="dim")
+    lines = notes(rows) if rows else [NO_ROBOT]
+    foot = Text(f"\n{seats}\nsilent: time since its last positions. Ctrl-C ends.", style="dim")
     return Group(table, *(Text(line, style="yellow") for line in lines), foot)
 
 
 def colour(row: Row) -> str:
-    """Green may move, red does not answer or reports a fault, yellow needs something first."""
+    """Green: may move. Red: does not answer, or reports a fault. Yellow: must be enabled or calibrated first."""
     if row.state in ("ready", "moving"):
         return "green"
     return "red" if row.state == "lost" or row.state.startswith("fault") else "yellow"

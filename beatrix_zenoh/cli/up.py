@@ -5,174 +5,261 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason, Status
-from beatrix_zenoh.cli.listing import state, states, troubles
-from beatrix_zenoh.cli.options import Connect, Json, OwnName, RobotFile
-from beatrix_zenoh.cli.processes import Fleet, heard
-from beatrix_zenoh.cli.table import columns
-from beatrix_zenoh.cli.verb import document, note, say
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.cli.listing import look_up, problems, state
+from beatrix_zenoh.cli.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
+from beatrix_zenoh.cli.output import columns, note, print_json, say
+from beatrix_zenoh.cli.processes import Child, Supervisor, signals_interrupt
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.robot_file import load
+from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 
-WATCH_S = 0.2
+POLL_S = 0.2
+WINDOW = "window"
 TITLES = {"sim": "simulation", "hw": "hardware"}
 FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
 BOTH = " --on both"
 
 
+@dataclass(frozen=True)
+class Plan:
+    """The processes to start, and the options of each."""
+
+    served: Mapping[str, str]
+    """twins, each with its body: MuJoCo, or the port of the board"""
+    ready: bool
+    legacy: Path | None
+    robot_file: Path | None
+    log_file: Path | None
+    target: str | None
+    window: bool
+
+    def options(self, twin: str) -> list[str]:
+        """The options of the process of one twin."""
+        words = ["--port", self.served[twin]] if twin == "hw" else ["--ready"] * self.ready
+        if twin == "sim" and self.target is not None:
+            words += ["--target", self.target]
+        if self.robot_file is not None:
+            words += ["--robot-file", str(self.robot_file)]
+        if self.legacy is not None and twin == legacy_twin(self.served):
+            words += ["--legacy", str(self.legacy)]
+        if self.log_file is not None:
+            words += ["--log-file", str(log_of(self.log_file, twin))]
+        return words
+
+
 def up(
     hw: Annotated[
         str | None,
-        typer.Option(metavar="PORT", help="Serve the robot on this serial port too, or on `virtual:`."),
+        typer.Option(
+            metavar="PORT", help="Also serve the robot on this serial port, or a virtual board: `virtual:`."
+        ),
     ] = None,
-    no_sim: Annotated[bool, typer.Option("--no-sim", help="No simulation.")] = False,
+    no_sim: Annotated[bool, typer.Option("--no-sim", help="Start no simulation.")] = False,
     ready: Annotated[
-        bool, typer.Option("--ready", help="The simulation starts with motors on and calibrated.")
+        bool, typer.Option("--ready", help="Start the simulation with motors on and calibrated.")
     ] = False,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MOVEMENT",
+            help="Movement of the person in front of the simulated eyes: still, sway or circle.",
+        ),
+    ] = None,
+    gui: Annotated[
+        bool, typer.Option("--gui", help="Also open the window. When it is closed, the robots run on.")
+    ] = False,
+    legacy: Legacy = None,
     robot_file: RobotFile = None,
+    log_file: LogFile = None,
     name: OwnName = None,
     connect: Connect = None,
     as_json: Json = False,
 ) -> None:
     """Start router, simulation and robot at once.
 
-    The router only if none answers yet, the robot only with --hw. Ctrl-C ends what was started.
+    Starts the router only if none answers yet, the robot only with --hw, the window only with --gui. With --legacy the
+    programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log the simulation
+    writes day-sim.log, the robot day-hw.log. Ctrl-C ends all that it started.
     """
     settings = resolve(name, connect)
     if no_sim and hw is None:
-        raise typer.BadParameter("with --no-sim there is only a robot to serve: say where with --hw PORT.")
+        raise typer.BadParameter("With --no-sim there is nothing to start except a robot: add --hw PORT.")
     if no_sim and ready:
         raise typer.BadParameter(
-            "--ready is for the simulation: a robot is made ready by who sees it, with enable and calibrate."
+            "--ready is for the simulation. On a robot use enable and calibrate, within sight of it."
         )
-    load(robot_file)  # says what is wrong with it before anything starts
-    with heard(), Fleet() as fleet:
-        router = start_router(fleet, settings.connect)
-        served = start_robots(fleet, settings, hw, robot_file, sim=not no_sim, ready=ready)
-        with zbus.connect(settings.connect, label=settings.who) as bus:
-            found = states(bus)
-            fleet.news()  # what they have said until now is in their states
-        own = {twin: found.get((settings.robot, twin)) for twin in served}
-        with until_told():
-            if as_json:
-                tell_json(fleet, settings, own)
-            else:
-                tell(settings.connect, router, settings.robot, served, own)
-                crowded = any(robot != settings.robot for robot, _ in found)
-                name_them = f" --name {settings.robot}" if crowded else ""
-                say(advice(settings.connect, verbs(name_them, own), fleet.folder))
-            stay(fleet)
+    load(robot_file)  # raises before any process starts
+    bodies = {"sim": None if no_sim else "MuJoCo", "hw": hw}
+    served = {twin: body for twin, body in bodies.items() if body is not None}
+    plan = Plan(served, ready, legacy, robot_file, log_file, target, gui)
+    with signals_interrupt(), Supervisor() as supervisor:
+        router = start_router(supervisor, settings.connect, settings.account)
+        start_robots(supervisor, settings, plan)
+        report(supervisor, settings, plan, router, as_json=as_json)
 
 
-def start_robots(
-    fleet: Fleet, settings: Settings, port: str | None, robot_file: Path | None, *, sim: bool, ready: bool
-) -> dict[str, str]:
-    """Start simulation and robot, wait until they serve; twin and what its body is."""
-    values = () if robot_file is None else ("--robot-file", str(robot_file))
-    where = ("--name", settings.robot, "--connect", settings.connect, *values)
-    served = {}
-    if sim:
-        fleet.start(TITLES["sim"], "sim", *where, *(["--ready"] if ready else []))
-        served["sim"] = "MuJoCo"
-    if port is not None:
-        fleet.start(TITLES["hw"], "hw", *where, "--port", port)
-        served["hw"] = port
-    fleet.wait_ready()
-    return served
+def start_robots(supervisor: Supervisor, settings: Settings, plan: Plan) -> None:
+    """Start simulation, robot and window, and wait until they are ready."""
+    where = ("--name", settings.robot, "--connect", settings.connect)
+    for twin in plan.served:
+        supervisor.start(TITLES[twin], twin, *where, *plan.options(twin))
+    if plan.window:
+        open_window(supervisor, settings)
+    supervisor.wait_ready()
 
 
-def tell_json(fleet: Fleet, settings: Settings, own: Mapping[str, Status | None]) -> None:
-    """What runs, as JSON."""
-    document({
+def report(supervisor: Supervisor, settings: Settings, plan: Plan, router: str, *, as_json: bool) -> None:
+    """Print what runs, then the output of the children until Ctrl-C; raises Refused if a child ends."""
+    with Client(settings, announce=False) as client:
+        found = {robot.place: robot.status for robot in look_up(client)}
+        supervisor.new_lines()  # not shown: their status contains what they have printed so far
+    own = {twin: found.get((settings.robot, twin)) for twin in plan.served}
+    with end_on_interrupt():
+        if as_json:
+            show_json(supervisor, settings, plan, own)
+        else:
+            show(settings, plan, router, own)
+            others = any(robot != settings.robot for robot, _ in found)
+            by_name = f" --name {settings.robot}" if others else ""
+            say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
+        watch(supervisor, f"The robots run on: `beatrix gui --name {settings.robot}` opens it again.")
+
+
+def legacy_twin(twins: Container[str]) -> str:
+    """The twin that programs of 2023 drive: the hardware if it is served."""
+    return "hw" if "hw" in twins else "sim"
+
+
+def log_of(log_file: Path, twin: str) -> Path:
+    """The log file of one twin: `day-sim.log` for `day.log`."""
+    return log_file.with_name(f"{log_file.stem}-{twin}{log_file.suffix}")
+
+
+def show_json(
+    supervisor: Supervisor, settings: Settings, plan: Plan, own: Mapping[str, Status | None]
+) -> None:
+    """Print what runs, as JSON."""
+    legacy = None if plan.legacy is None else str(plan.legacy.absolute())
+    print_json({
         "result": True,
         "endpoint": settings.connect,
         "robot": settings.robot,
-        "running": [child.title for child in fleet.children],
+        "running": [child.title for child in supervisor.children],
+        "legacy": None if legacy is None else {"path": legacy, "twin": legacy_twin(own)},
         "warnings": warnings(own),
-        "logs": str(fleet.folder),
+        "logs": str(supervisor.folder),
     })  # fmt: skip
 
 
-def tell(
-    endpoint: str, router: str, robot: str, served: Mapping[str, str], own: Mapping[str, Status | None]
-) -> None:
-    """What runs, for people, and below it what is wrong."""
-    rows = [("router", "", endpoint, router)]
-    for twin, where in served.items():
+def show(settings: Settings, plan: Plan, router: str, own: Mapping[str, Status | None]) -> None:
+    """Print what runs, as a table, and the warnings below it."""
+    rows = [("router", "", settings.connect, router)]
+    for twin, body in plan.served.items():
         status = own[twin]
-        rows.append((TITLES[twin], robot, where, "does not answer" if status is None else state(status)))
+        text = "does not answer" if status is None else state(status)
+        rows.append((TITLES[twin], settings.robot, body, text))
+    if plan.window:
+        rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
     for line in warnings(own):
         say(line)
+    if plan.legacy is not None:
+        say(f"Programs of 2023 open {plan.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:
-    """What a person should know, a line for each robot concerned."""
+    """Faults and warnings, a line for each robot that has any."""
     return [
-        f"{TITLES[twin]}: {' '.join(found)}" for twin, status in own.items() if (found := troubles(status))
+        f"{TITLES[twin]}: {' '.join(found)}" for twin, status in own.items() if (found := problems(status))
     ]
 
 
-def verbs(name_them: str, own: Mapping[str, Status | None]) -> list[str]:
-    """What to type next: nobody who knows home is told to calibrate, which would make another place home."""
-    homeless = [twin for twin, status in own.items() if status is None or not status.calibrated]
-    one = f" --on {homeless[0]}" if len(homeless) == 1 < len(own) else ""
+def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
+    """Commands to type next; calibrate only robots that are not calibrated, since it declares the present position home."""
+    uncalibrated = [twin for twin, status in own.items() if status is None or not status.calibrated]
+    one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
     both = BOTH if len(own) > 1 else ""
-    first = [verb + name_them + (one or both) for verb in FIRST if homeless]
-    return [*first, NEXT[0] + name_them + both, NEXT[1], NEXT[2] + name_them]
+    first = [verb + by_name + (one or both) for verb in FIRST if uncalibrated]
+    return [*first, NEXT[0] + by_name + both, NEXT[1], NEXT[2] + by_name]
 
 
-def start_router(fleet: Fleet, endpoint: str) -> str:
-    """Start one if none answers; what there was to do.
+def open_window(supervisor: Supervisor, settings: Settings) -> Child:
+    """Start a window that shows one robot; wait for it with `wait_ready`. The other children run on when it is closed."""
+    where = ("--name", settings.robot, "--connect", settings.connect)
+    return supervisor.start(WINDOW, "gui", *where, may_end=True)
+
+
+def end_of_window(supervisor: Supervisor, window: Child) -> str:
+    """A sentence about a window that has ended, with the last lines of its output if it failed."""
+    if window.code == 0:
+        return "The window is closed."
+    return f"The window has ended (exit code {window.code}). {supervisor.output_of(window)}"
+
+
+def start_router(supervisor: Supervisor, endpoint: str, account: Account | None = None) -> str:
+    """Start a router if none answers; returns its state as text.
 
     Raises:
-        NoAnswer: NO_ROUTER, and the address is another computer's.
+        NoAnswer: NO_ROUTER, and the address is that of another computer, or the router is that of a class.
     """
-    if zbus.listens(endpoint):
-        return "was there already"
-    if not zbus.ours(endpoint):
+    if zbus.is_listening(endpoint):
+        return "runs already"
+    if account is not None:
+        zbus.connect(endpoint, account=account).close()  # raises, with what to do
+    if not zbus.is_local(endpoint):
         port = endpoint.rpartition(":")[2]
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"No router at {endpoint}, and that is another computer: start one there with "
-            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or leave out --connect to have all of it here.",
+            f"No router at {endpoint}, which is another computer: start one there with "
+            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or omit --connect to start one here.",
         )
-    fleet.start("router", "router", "--listen", endpoint)
-    fleet.wait_ready()
+    supervisor.start("router", "router", "--listen", endpoint)
+    supervisor.wait_ready()
     return "started"
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
-    """What to type next, and where."""
+    """Commands to type next, and the folder with the output of the children."""
     lines = [f"  beatrix {words}" for words in verbs]
     if endpoint != DEFAULT_ENDPOINT:
         lines.insert(0, f"  {'set' if os.name == 'nt' else 'export'} BEATRIX_CONNECT={endpoint}")
     typed = "\n".join(lines)
-    return f"\nNow type in another terminal:\n{typed}\n\nWhat they write is in {logs}. Ctrl-C here ends them all."
+    return f"\nNow type in another terminal:\n{typed}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
 
 
 @contextlib.contextmanager
-def until_told() -> Iterator[None]:
-    """Ctrl-C or SIGTERM in here is how this is meant to end."""
+def end_on_interrupt() -> Iterator[None]:
+    """End the block without an error on Ctrl-C or SIGTERM: it has no other end."""
     try:
         yield
     except KeyboardInterrupt:
         note("Ending.")
 
 
-def stay(fleet: Fleet) -> NoReturn:
-    """Pass on what the children say until somebody interrupts; raises Refused if one ends by itself."""
-    while True:
-        fleet.check()
-        for line in fleet.news():
+def watch(supervisor: Supervisor, after_window: str, last: Child | None = None) -> None:
+    """Print the output of the children until Ctrl-C; raises Refused if a child ends that must run.
+
+    Args:
+        supervisor: of the children.
+        after_window: a sentence to print when the window has ended.
+        last: a child whose end ends this function, too; None: only Ctrl-C does.
+    """
+    while last is None or last.code is None:
+        supervisor.check()
+        for line in supervisor.new_lines():
             note(line)
-        time.sleep(WATCH_S)
+        for child in supervisor.remove_ended():
+            note(f"{end_of_window(supervisor, child)} {after_window}")
+        time.sleep(POLL_S)

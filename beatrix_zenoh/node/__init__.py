@@ -1,10 +1,14 @@
-"""A robot on the bus."""
+"""The node: a robot on the router."""
 
 from __future__ import annotations
 
-from beatrix_zenoh.node.body import Body as Body
-from beatrix_zenoh.node.body import Pose as Pose
-from beatrix_zenoh.node.body import Preview as Preview
+from beatrix_zenoh.node.camera import CameraPublisher as CameraPublisher
+from beatrix_zenoh.node.camera import Frame as Frame
+from beatrix_zenoh.node.component import Component as Component
+from beatrix_zenoh.node.component import Context as Context
+from beatrix_zenoh.node.component import StatusFields as StatusFields
+from beatrix_zenoh.node.hardware import HardwareInterface as HardwareInterface
+from beatrix_zenoh.node.hardware import Pose as Pose
+from beatrix_zenoh.node.hardware import Preview as Preview
 from beatrix_zenoh.node.node import Node as Node
-from beatrix_zenoh.node.roads import Roads as Roads
-from beatrix_zenoh.node.terminal import Terminal as Terminal
+from beatrix_zenoh.node.preview import PreviewHandler as PreviewHandler

@@ -1,23 +1,24 @@
-"""Whether a robot may move, and what it lacks."""
+"""The check that a robot is ready to move."""
 
 from __future__ import annotations
 
-from beatrix_zenoh import readiness
+from beatrix_zenoh import refusals
 from beatrix_zenoh._generated.serial import State, Telemetry
-from beatrix_zenoh.board.board import Board, unheard
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.state import not_connected
 
 
 def ready_telemetry(board: Board) -> Telemetry:
-    """The newest telemetry of a robot that may move.
+    """Return the newest telemetry.
 
     Raises:
-        Refused or NoAnswer: what is missing and what to do.
+        Refused or NoAnswer: the robot is not ready to move; with the cause and what to do.
     """
     telemetry, link = board.telemetry, board.link
     if telemetry is None or not link.connected:
-        raise unheard(link)
+        raise not_connected(link)
     state = telemetry.state
-    readiness.check(
+    refusals.check_ready(
         emergency=bool(state & State.EMERGENCY),
         enabled=bool(state & State.ENABLED),
         calibrated=bool(state & State.CALIBRATED),

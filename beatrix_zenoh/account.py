@@ -1,0 +1,114 @@
+"""Accounts of seats and robots in a class: the files that `beatrix classroom init` writes and `beatrix join` stores."""
+
+from __future__ import annotations
+
+import datetime as dt
+import tomllib
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from beatrix_zenoh import files, names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import WrongUsage
+
+LONGEST = 16 * 1024
+"""Bytes of an account file; one with certificates has 2 kB."""
+Role = Literal["student", "teacher", "robot"]
+
+
+class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """Name and credentials that a program shows to the router of a class."""
+
+    class_name: str = msgspec.field(name="class")
+    name: str
+    """the seat, and the name of its own robot"""
+    role: Role
+    connect: str
+    """endpoints of the router and of the second one"""
+    password: str = ""
+    expires: dt.date | None = None
+    """last day of the certificate"""
+    authority: str = ""
+    """certificate (PEM) that the router's is checked with"""
+    certificate: str = ""
+    key: str = ""
+
+    def __repr__(self) -> str:
+        """Leave out the credentials: logs contain reprs."""
+        return f"<account {self.name} of class {self.class_name}>"
+
+    @property
+    def robot(self) -> str:
+        """Default robot of its programs; empty: none."""
+        return "" if self.role == "teacher" else self.name
+
+    def text(self) -> str:
+        """The content of its file."""
+        fields = msgspec.to_builtins(self)
+        head = f"# BEATRIX account {self.name} of class {self.class_name}. Keep it private. On its computer: beatrix join FILE\n"
+        return head + files.toml_text(fields)
+
+    def check_seat(self, seat: str) -> str:
+        """Return the seat if this account may use it; raises WrongUsage (BAD_VALUE)."""
+        if self.role == "teacher" or seat == self.name:
+            return seat
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"The account of this computer is {self.name}, of class {self.class_name}, and the router refuses requests as "
+            f"{seat}. Leave out --who, BEATRIX_WHO and `who` in beatrix.toml, or join with the file of {seat}.",
+        )
+
+    def check_served(self, robot: str) -> None:
+        """Raise WrongUsage (BAD_VALUE) if this account may not serve a robot of this name."""
+        if self.role != "teacher" and robot != self.name:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"The account of this computer is {self.name}, of class {self.class_name}, and the router accepts only a "
+                f"robot of the same name from it, not {robot}. Leave out --name, or use the file of {robot}.",
+            )
+
+    def check_time(self, today: dt.date) -> None:
+        """Raise WrongUsage (BAD_VALUE) after the certificate's last day."""
+        if self.expires is not None and today > self.expires:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"The certificate of account {self.name} expired on {self.expires}, and this computer's clock says "
+                f"{today}. Ask for a new {self.name}.toml, which `beatrix classroom init` writes, then `beatrix join` it.",
+            )
+
+
+def joined() -> Path:
+    """Return the path of the account that `beatrix join` stores for this user."""
+    return files.user_folder() / "account.toml"
+
+
+def load(path: Path) -> Account:
+    """Read an account file; raises WrongUsage (BAD_VALUE)."""
+    try:
+        read = files.content(
+            path, LONGEST, called=str(path), form="an account file", nothing="no account is that long"
+        )
+        return parse(read.decode(), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise _wrong(str(path), str(error)) from error
+
+
+def parse(text: str, called: str) -> Account:
+    """Parse the text of an account file; raises the errors of `load`."""
+    try:
+        account = msgspec.convert(tomllib.loads(text), Account)
+    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        raise _wrong(called, str(error)) from error
+    names.check_name(account.name, "account")
+    if not (account.password or (account.authority and account.certificate and account.key)):
+        raise _wrong(called, "it holds neither a password nor a certificate")
+    return account
+
+
+def _wrong(called: str, text: str) -> WrongUsage:
+    return WrongUsage(
+        Reason.BAD_VALUE,
+        f"{called} is no account file: {text}. `beatrix classroom init` writes one for each seat and robot.",
+    )

@@ -1,0 +1,207 @@
+"""The connection to a board: open the port, again after a loss; handshake, heartbeat, telemetry."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import FrameType, HelloReply, Telemetry
+from beatrix_zenoh.board.board_clock import BoardClock
+from beatrix_zenoh.board.handshake import Handshake
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.state import Link, Port, Sample, mismatch_text, not_connected, same_contract
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+
+READ_S: Final = 0.05
+REOPEN_S: Final = 0.3
+HEARTBEAT_S: Final = wire.HEARTBEAT_PERIOD / 1000
+SILENT: Final = "; is it powered?"
+NEVER_CONNECTED: Final = ": is that the board's port, and is BEATRIX's firmware on the board? `beatrix flash` puts it there (end this first)."
+LOST_S: Final = 0.4
+"""Silence after which the board counts as lost; together with READ_S less than 0.5 s."""
+
+
+class Connection:
+    """A thread that opens the port, sends handshake and heartbeat, and decodes the frames of the board.
+
+    `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for every TELEMETRY,
+    `on_link` when the board is found or lost; all on this thread.
+    """
+
+    def __init__(
+        self,
+        open_port: Callable[[], Port],
+        on_telemetry: Callable[[Telemetry], None],
+        on_link: Callable[[], None],
+        on_frame: Callable[[Frame], None],
+    ) -> None:
+        """Store the callbacks; `start` opens the port."""
+        self._open_port = open_port
+        self._on_telemetry, self._on_link, self._on_frame = on_telemetry, on_link, on_frame
+        self.sample_changed = threading.Condition()
+        self.sample: Sample | None = None
+        self.connected = False
+        self.retries = 0
+        self._clock = BoardClock()
+        self._port: Port | None = None
+        self._port_name = self._trouble = ""
+        self._decoder = Decoder()
+        self._hello: HelloReply | None = None
+        self._reset = False
+        self._handshake = Handshake(0.0, 0.0)
+        self._silent_s = self._sent_s = 0.0
+        self._closed = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Start the thread, which runs the callbacks."""
+        self._thread = threads.start(self._run, "board")
+
+    @property
+    def link(self) -> Link:
+        """The present state of the connection."""
+        hello, trouble, sample = self._hello, self._trouble, self.sample
+        if not trouble and not self.connected:
+            if hello is not None and not same_contract(hello):
+                trouble = mismatch_text(hello)
+            else:
+                trouble = f"{self._port_name or 'The port'} is silent{SILENT if sample else NEVER_CONNECTED}"
+        overflowed = 0 if sample is None else sample.telemetry.overflowed
+        return Link(
+            port=self._port_name,
+            connected=self.connected,
+            trouble=trouble,
+            hello=hello,
+            rejected=self._decoder.rejected,
+            overflowed=overflowed,
+            retries=self.retries,
+            reset=self._reset,
+        )
+
+    @property
+    def understood(self) -> bool:
+        """Whether the firmware has answered HELLO and has this program's contract."""
+        hello = self._hello
+        return hello is not None and same_contract(hello)
+
+    def write_frame(self, frame: bytes) -> bytes:
+        """Send an encoded frame, as `write`; it counts as heartbeat."""
+        answer = self.write(frame)
+        self._sent_s = time.monotonic()
+        return answer
+
+    def write(self, data: bytes) -> bytes:
+        """Send bytes, as `Port.write`; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
+        port = self._port
+        if port is None:
+            raise not_connected(self.link)
+        try:
+            return port.write(data)
+        except OSError as error:
+            raise NoAnswer(Reason.BOARD_LOST, f"The board at {port.name} has gone ({error}).") from error
+
+    def wake(self) -> None:
+        """Wake the threads that wait for a virtual board; without this call they wake within milliseconds."""
+        port = self._port
+        if port is not None:
+            port.wake()
+
+    def request_sent(self) -> None:
+        """Record a request; while the contract is unknown it postpones the next HELLO."""
+        if self._hello is None:
+            self._handshake.request_sent(time.monotonic())
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            try:
+                port = self._open_port()
+            except (OSError, BeatrixError) as error:
+                self._trouble = str(error)
+                self._closed.wait(REOPEN_S)
+                continue
+            self._port, self._port_name, self._decoder = port, port.name, Decoder()
+            self._trouble = ""
+            self._silent_s = 0.0
+            self._handshake = Handshake(time.monotonic(), port.boot_s)
+            self._clock.restart()
+            with contextlib.suppress(OSError, NoAnswer):
+                self._run_port(port)
+            self._port = self._hello = None
+            self._reset = False
+            self._set_connected(connected=False)
+            port.close()
+            self._closed.wait(0 if self._closed.is_set() else REOPEN_S)
+
+    def _run_port(self, port: Port) -> None:
+        while not self._closed.is_set():
+            self._send_due(time.monotonic())
+            frames = self._decoder.feed(self._read(port))
+            received_ns = time.monotonic_ns()
+            for frame in frames:
+                self._silent_s = 0.0
+                self._receive(frame, received_ns)
+                if self._hello is None:
+                    self._handshake.frame_received()
+            if self._silent_s > LOST_S and (self.connected or self._hello is not None):
+                self._lose(reset=False)
+
+    def _send_due(self, now: float) -> None:
+        """Send HELLO or a heartbeat if it is due."""
+        if not self.understood:
+            if self._handshake.due(now):
+                self._handshake.hello_sent(now, foreign=self._hello is not None)
+                self.write_frame(encode(FrameType.HELLO, 0, b""))
+        elif now - self._sent_s > HEARTBEAT_S:
+            self.write_frame(encode(FrameType.PING, 0, b""))
+
+    def _lose(self, *, reset: bool) -> None:
+        """Repeat the handshake: the board may have been replaced."""
+        self._handshake.lost(time.monotonic())
+        self._clock.restart()
+        self._hello, self._reset = None, reset
+        self._set_connected(connected=False)
+
+    def _read(self, port: Port) -> bytes:
+        began_s = time.monotonic()
+        data = port.read(READ_S)
+        # If the computer suspended this process meanwhile, that time is not silence of the board.
+        self._silent_s += min(time.monotonic() - began_s, 2 * READ_S)
+        return data
+
+    def _receive(self, frame: Frame, received_ns: int) -> None:
+        if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
+            hello = self._hello
+            if hello is None or not same_contract(hello):
+                self._set_connected(connected=False)
+                return
+            telemetry = Telemetry.unpack(frame.payload)
+            if telemetry.boot != hello.boot % 2**8:
+                self._lose(reset=True)
+                return
+            t_mono_ns = self._clock.feed(telemetry.tick, received_ns)
+            with self.sample_changed:
+                self.sample = Sample(telemetry, t_mono_ns)
+                self.sample_changed.notify_all()
+            self._set_connected(connected=True)
+            self._on_telemetry(telemetry)
+        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
+            self._hello = HelloReply.unpack(frame.payload)
+        else:
+            self._on_frame(frame)
+
+    def _set_connected(self, *, connected: bool) -> None:
+        if connected != self.connected:
+            self.connected = connected
+            self._on_link()
+
+    def close(self) -> None:
+        """End the thread, which closes the port; the state of the board does not change."""
+        self._closed.set()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)

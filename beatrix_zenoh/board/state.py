@@ -1,0 +1,114 @@
+"""State of the connection to a board: port, link, newest telemetry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import HelloReply, Telemetry
+from beatrix_zenoh.errors import NoAnswer
+
+NO_TELEMETRY: Final = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0, 0)
+
+
+class Port(Protocol):
+    """Bytes to and from a board."""
+
+    @property
+    def name(self) -> str:
+        """Device path, or `virtual:`."""
+
+    @property
+    def boot_s(self) -> float:
+        """Time (s) that the board needs to start if opening the port resets it."""
+
+    def write(self, data: bytes) -> bytes:
+        """Send all bytes; raises OSError if the port is gone.
+
+        A virtual board returns its answer, which `read` returns as well; a serial port returns nothing.
+        """
+
+    def wake(self) -> None:
+        """Wake the threads that wait for written bytes; only a virtual board has such threads."""
+
+    def read(self, timeout_s: float) -> bytes:
+        """Return the received bytes, waiting up to `timeout_s` for the first; raises OSError if the port is gone."""
+
+    def close(self) -> None:
+        """Close the device and wake a waiting reader."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Telemetry with its time on the host's clock."""
+
+    telemetry: Telemetry
+    t_mono_ns: int
+    """`time.monotonic_ns()` at the tick of the telemetry"""
+
+
+@dataclass(frozen=True)
+class Link:
+    """State of the connection to the board."""
+
+    port: str
+    connected: bool
+    trouble: str
+    """why the board is not connected: port not opened, other firmware, or silent; else empty"""
+    hello: HelloReply | None
+    rejected: int
+    """invalid blocks received from the board"""
+    overflowed: int
+    """bytes the board has dropped since its start because its buffer was full; 255: that many or more"""
+    retries: int
+    reset: bool
+    """the connection was lost because the board was reset"""
+
+    @property
+    def name(self) -> str:
+        """Robot name stored on the board, empty if none."""
+        return "" if self.hello is None else self.hello.name.rstrip(b"\0").decode("ascii", "replace")
+
+    @property
+    def version(self) -> str:
+        """Firmware version, empty if unknown."""
+        return "" if self.hello is None else ".".join(map(str, self.hello.version))
+
+    @property
+    def boot(self) -> int:
+        """Number of starts of the board, 0 if unknown."""
+        return 0 if self.hello is None else self.hello.boot
+
+    @property
+    def understood(self) -> bool:
+        """Whether the firmware has this program's contract."""
+        return self.hello is not None and same_contract(self.hello)
+
+    @property
+    def foreign(self) -> bool:
+        """Whether the firmware has another contract."""
+        return self.hello is not None and not self.understood
+
+
+def same_contract(hello: HelloReply) -> bool:
+    """Return whether the firmware has this program's contract."""
+    return hello.contract == wire.CONTRACT
+
+
+def not_connected(link: Link) -> NoAnswer:
+    """Return the error for a request while the board is not connected."""
+    if link.foreign:
+        return NoAnswer(Reason.CONTRACT_MISMATCH, link.trouble)
+    return NoAnswer(Reason.BOARD_LOST, f"The board does not answer its node: {link.trouble}")
+
+
+def mismatch_text(hello: HelloReply) -> str:
+    """Return the sentence about firmware of another version, or compiled with other values."""
+    return (
+        f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
+        f"{wire.CONTRACT:08x}: it is of another version, or was built for another robot (microsteps, gears, guard, "
+        "speed). End the programs that use the board and run `beatrix flash`, which installs this program's firmware; "
+        "if the firmware was built on purpose, use the program that was generated with it."
+    )

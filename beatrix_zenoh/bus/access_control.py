@@ -1,0 +1,113 @@
+"""Access rules of a router, as Zenoh's configuration. Zenoh drops messages that no rule allows, without an error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated import keys
+
+ROOT = keys.KEYS["alive"].key.partition("/")[0]
+EVERYTHING = (
+    f"{ROOT}/**",
+    keys.alive("*", "*"),
+    keys.claim("*", "*", "*"),
+    keys.seat("*", "*"),
+)
+"""All keys of BEATRIX: `**` matches no chunk that begins with @."""
+ADMIN_SPACE = "@/**"
+"""The router's own keys: its sessions and what each declares."""
+MESSAGES = {
+    "puts": ("put",),
+    "queries": ("query",),
+    "serves": ("declare_queryable", "reply"),
+    "subscribes": ("declare_subscriber",),
+    "tokens": ("liveliness_token",),
+    "watches": ("liveliness_query", "declare_liveliness_subscriber"),
+}
+"""Zenoh's kinds of messages for each field of `Grant`."""
+ALL_MESSAGES = (*(kind for kinds in MESSAGES.values() for kind in kinds), "delete")
+LARGEST_REQUEST, LARGEST_MESSAGE = 64 * 1024, 1024 * 1024
+"""Bytes; the router drops larger queries, and larger messages of other kinds."""
+
+
+@dataclass(frozen=True)
+class Grant:
+    """Keys of the messages that one account may send; it may receive all messages of BEATRIX.
+
+    A wildcard message passes only if one of these key expressions includes all of it.
+    """
+
+    account: str
+    puts: tuple[str, ...] = ()
+    queries: tuple[str, ...] = ()
+    serves: tuple[str, ...] = ()
+    subscribes: tuple[str, ...] = ()
+    tokens: tuple[str, ...] = ()
+    watches: tuple[str, ...] = ()
+    admin: bool = False
+    """Whether it may read the admin space."""
+
+
+def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:
+    """Return Zenoh's section `access_control`: default deny, a subject and a policy for each account.
+
+    An account is a user name or the common name of a certificate; `routers` are common names of other routers, which
+    have checked their clients and may pass on everything.
+    """
+    subject = "cert_common_names" if by_certificate else "usernames"
+    rules = [_rule("receive", ALL_MESSAGES, EVERYTHING, "egress"), _rule("admin", ("query",), (ADMIN_SPACE,))]
+    rules += [_rule("admin-reply", ("reply",), (ADMIN_SPACE,), "egress")]
+    rules += [_rule("link", ALL_MESSAGES, ("**", *EVERYTHING, ADMIN_SPACE), "ingress", "egress")]
+    subjects: list[dict[str, object]] = []
+    policies: list[dict[str, object]] = []
+    for grant in grants:
+        own = list(_rules(grant))
+        rules += own
+        shared = ["receive", *(["admin", "admin-reply"] if grant.admin else [])]
+        subjects.append({"id": grant.account, subject: [grant.account]})
+        policies.append({"subjects": [grant.account], "rules": shared + [rule["id"] for rule in own]})
+    if routers:
+        subjects.append({"id": "@routers", "cert_common_names": routers})
+        policies.append({"subjects": ["@routers"], "rules": ["link"]})
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": rules,
+        "subjects": subjects,
+        "policies": policies,
+    }
+
+
+def _rules(grant: Grant) -> Iterator[dict[str, object]]:
+    for field, kinds in MESSAGES.items():
+        expressions: tuple[str, ...] = getattr(grant, field)
+        if expressions:  # Zenoh refuses empty lists
+            yield _rule(f"{grant.account} {field}", kinds, expressions)
+
+
+def _rule(name: str, kinds: tuple[str, ...], expressions: tuple[str, ...], *flows: str) -> dict[str, object]:
+    return {
+        "id": name,
+        "permission": "allow",
+        "messages": kinds,
+        "flows": flows or ("ingress",),
+        "key_exprs": expressions,
+    }
+
+
+def downsampling(rates: Mapping[str, float]) -> list[dict[str, object]]:
+    """Return Zenoh's section `downsampling`: at most this many publications a second of each key to each session."""
+    # The rate of one rule is shared by all keys that it matches: so one rule a key.
+    rules = [{"key_expr": key, "freq": rate} for key, rate in rates.items()]
+    return [{"id": "rates", "messages": ["put"], "flows": ["egress"], "rules": rules}] if rules else []
+
+
+def low_pass_filter() -> list[dict[str, object]]:
+    """Return Zenoh's section `low_pass_filter`: limits of size for what a session sends."""
+    requests = {"messages": ["query"], "size_limit": LARGEST_REQUEST}
+    messages = {"messages": ["put", "delete", "reply"], "size_limit": LARGEST_MESSAGE}
+    return [
+        {"id": name, "flows": ["ingress"], "key_exprs": ["**"], **rule}
+        for name, rule in {"requests": requests, "messages": messages}.items()
+    ]

@@ -1,0 +1,130 @@
+"""Credentials of sessions, and the causes of a refusal by the router."""
+
+from __future__ import annotations
+
+import base64
+import socket
+import ssl
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.files import private_file
+
+PROBE_S = 2.0
+ALERTS = {
+    "UNKNOWN_CA": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
+    "DECRYPT_ERROR": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
+    "CERTIFICATE_EXPIRED": "this computer's certificate has expired, or a clock is wrong",
+    "CERTIFICATE_REQUIRED": "it accepts only computers with a certificate",
+}
+"""Causes by a part of OpenSSL's name for the alert that the router sends."""
+OURS = {
+    10: "its certificate has expired, or this computer's clock is wrong; `beatrix classroom init` there makes a new one",
+    62: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
+    64: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
+}
+"""Causes by OpenSSL's error code for the router's own certificate."""
+STRANGER = "its certificate is not of this class: it is another class's router, or the class was made anew"
+
+
+@dataclass(frozen=True, repr=False)
+class Identity:
+    """Certificate and private key (PEM), and the certificate of the authority that signs those of others."""
+
+    authority: str
+    certificate: str
+    key: str
+
+
+def tls(identity: Identity, *, listens: bool) -> dict[str, object]:
+    """Return Zenoh's section `transport/link/tls`: both sides show a certificate. Zenoh gets the keys in memory, not in files."""
+    certificate, key = _encoded(identity.certificate), _encoded(identity.key)
+    section: dict[str, object] = {
+        "root_ca_certificate_base64": _encoded(identity.authority),
+        "enable_mtls": True,
+        "connect_certificate_base64": certificate,
+        "connect_private_key_base64": key,
+    }
+    if listens:
+        section |= {"listen_certificate_base64": certificate, "listen_private_key_base64": key}
+    return section
+
+
+def _encoded(text: str) -> str:
+    return base64.b64encode(text.encode()).decode()
+
+
+def settings(account: Account | None) -> Mapping[str, object]:
+    """Return Zenoh's settings with the credentials of an account."""
+    if account is None:
+        return {}
+    if account.password:
+        return {
+            "transport/auth/usrpwd/user": account.name,
+            "transport/auth/usrpwd/password": account.password,
+        }
+    return {"transport/link/tls": tls(identity(account), listens=False)}
+
+
+def identity(account: Account) -> Identity:
+    """Return the certificate of an account."""
+    return Identity(account.authority, account.certificate, account.key)
+
+
+def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
+    """Return the error of a client that finds no router; in a class the teacher starts it."""
+    if account is None:
+        return error
+    return NoAnswer(
+        error.reason,
+        f"No router of class {account.class_name} at {account.connect}. The teacher starts it with `beatrix router --class "
+        "class.toml`. If it runs: is this computer in the same network, and does no firewall stand between?",
+    )
+
+
+def refusal(endpoint: str, account: Account | None) -> str:
+    """Return the sentence about a router that refuses this client: the causes, as far as Zenoh and TLS show them, and what to do."""
+    if account is None:
+        return (
+            f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
+            "`beatrix join FILE` with the file of your seat. Or the program that listens there is not a router."
+        )
+    who = f"The router at {endpoint} refuses account {account.name} of class {account.class_name}"
+    anew = f"Ask for a new {account.name}.toml, then `beatrix join {account.name}.toml`."
+    if account.password:
+        return (
+            f"{who}: it does not know the account, or the password is wrong, because it is another class's router, it was "
+            f"started before the account was made, or the class was made anew. {anew}"
+        )
+    causes = [_certificate_trouble(one, identity(account)) for one in endpoints(endpoint)]
+    cause = next(
+        filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
+    )
+    return f"{who}: {cause}. {anew}"
+
+
+def _certificate_trouble(endpoint: str, own: Identity) -> str:
+    """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
+    _, host, port = parse_endpoint(endpoint)
+    context = ssl.create_default_context(cadata=own.authority)
+    try:
+        with private_file(own.certificate + own.key) as path:
+            context.load_cert_chain(path)
+        with (
+            socket.create_connection((host, port), PROBE_S) as connection,
+            context.wrap_socket(connection, server_hostname=host) as wrapped,
+        ):
+            wrapped.recv(1)  # TLS 1.3 refuses a client's certificate after the handshake
+    except ssl.SSLCertVerificationError as error:
+        return OURS.get(error.verify_code, STRANGER)
+    except ssl.SSLError as error:
+        reason = error.reason or ""
+        return next(
+            (text for name, text in ALERTS.items() if name in reason), f"the handshake fails ({reason})"
+        )
+    except OSError:
+        return ""
+    return ""

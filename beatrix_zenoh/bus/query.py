@@ -1,0 +1,140 @@
+"""A query and its replies."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import zenoh
+from zenoh.handlers import Callback
+
+from beatrix_zenoh._generated import keys
+
+QUERY_S = 60.0
+"""Timeout of a query if the caller gives none."""
+PRIORITIES = {
+    "real_time": zenoh.Priority.REAL_TIME,
+    "interactive_high": zenoh.Priority.INTERACTIVE_HIGH,
+    "data": zenoh.Priority.DATA,
+    "data_low": zenoh.Priority.DATA_LOW,
+}
+TIMED_OUT = b"Timeout"
+"""Payload of the error reply that Zenoh creates when the timeout of a query has passed."""
+
+
+def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
+    """Return the named priority, or that of the key's row in keys.toml."""
+    if priority is None:
+        parts = keys.parse(selector.partition("?")[0])
+        priority = "data" if parts is None else keys.KEYS[parts.row].priority
+    return PRIORITIES[priority]
+
+
+@dataclass(frozen=True)
+class Reply:
+    """One reply: its key, payload, encoding, whether it is an error reply, and the session of its sender."""
+
+    key: str
+    payload: bytes
+    encoding: str
+    error: bool
+    sender: str = ""
+
+
+class Query:
+    """A query that was sent, and its replies as they arrive.
+
+    The target is ALL: with Zenoh's default a complete queryable of another program, for example a storage on
+    `beatrix/**`, would get the query instead of the robot. Zenoh keeps 0.8 kB for each query until its timeout has
+    passed, even if it was answered, so choose a short `timeout_s`.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        payload: bytes | None,
+        encoding: str | None,
+        priority: str | None = None,
+        timeout_s: float = QUERY_S,
+    ) -> None:
+        self._inbox: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
+        self._cancel = zenoh.CancellationToken()
+        self._late: Callable[[Reply], None] | None = None
+        self._notify: Callable[[], None] | None = None
+        session.get(
+            key,
+            Callback(self._receive, drop=self._end, indirect=False),
+            payload=payload,
+            encoding=encoding,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            priority=priority_of(key, priority),
+            timeout=timeout_s,
+            source_info=zenoh.SourceInfo(session.id, 0),
+            cancellation_token=self._cancel,
+        )
+
+    def _receive(self, reply: zenoh.Reply) -> None:
+        replier, good = reply.replier_id, reply.ok
+        sender = "" if replier is None else str(replier.zid)
+        if good is not None:
+            key, payload = str(good.key_expr), good.payload.to_bytes()
+            answer = Reply(key, payload, str(good.encoding), error=False, sender=sender)
+        else:
+            bad = reply.err
+            if bad is None:
+                return
+            payload = bad.payload.to_bytes()
+            if replier is None and payload == TIMED_OUT:
+                return  # created by Zenoh; the end of the replies follows
+            answer = Reply("", payload, str(bad.encoding), error=True, sender=sender)
+        if self._late is None:
+            self._inbox.put(answer)
+            self._wake()
+        else:
+            self._late(answer)
+
+    def _end(self) -> None:
+        self._inbox.put(None)
+        self._wake()
+
+    def _wake(self) -> None:
+        if self._notify is not None:
+            self._notify()
+
+    def next(self, timeout_s: float) -> Reply | None:
+        """Return the next reply, or None if no more will come.
+
+        Raises:
+            TimeoutError: no reply within `timeout_s`; the query stays open.
+        """
+        try:
+            answer = self._inbox.get(timeout=max(0.0, timeout_s))
+        except queue.Empty:
+            raise TimeoutError from None
+        if answer is None:
+            self._inbox.put(None)  # for the next call
+        return answer
+
+    def notify(self, notify: Callable[[], None]) -> None:
+        """Call `notify` on Zenoh's thread after each reply and at the end, and now if a reply is waiting.
+
+        `notify` must return at once, like every callback of Zenoh.
+        """
+        self._notify = notify
+        if not self._inbox.empty():
+            notify()
+
+    def hand_over(self, handle: Callable[[Reply], None]) -> None:
+        """Pass the waiting replies to `handle`, and later replies on Zenoh's thread."""
+        self._late = handle
+        with contextlib.suppress(queue.Empty):
+            while (answer := self._inbox.get_nowait()) is not None:
+                handle(answer)
+
+    def close(self) -> None:
+        """Discard further replies."""
+        self._cancel.cancel()

@@ -1,0 +1,1 @@
+"""A class: its accounts, their access rules and files, and its router."""

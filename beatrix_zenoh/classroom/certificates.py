@@ -1,0 +1,116 @@
+"""Certificates of a class: an authority of its own signs those of router, seats and robots."""
+
+from __future__ import annotations
+
+import datetime as dt
+import ipaddress
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+from beatrix_zenoh.bus.credentials import Identity
+
+BEGIN = dt.datetime(2020, 1, 1, tzinfo=dt.UTC)
+"""Certificates are valid from here on, so that a robot without a clock's battery is accepted, too."""
+AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
+"""Validity: of the authority ten years, of an account a school year and its holidays."""
+RENEW_DAYS = 60
+"""`init` replaces certificates that expire within this time."""
+LOOPBACK = ("127.0.0.1", "localhost")
+
+
+class Authority:
+    """The key that signs the certificates of one class."""
+
+    def __init__(self, certificate: x509.Certificate, key: ec.EllipticCurvePrivateKey) -> None:
+        self._certificate, self._key = certificate, key
+
+    @classmethod
+    def make(cls, class_name: str) -> Authority:
+        """Make a new authority; it does not accept certificates of an earlier one."""
+        key = ec.generate_private_key(ec.SECP256R1())
+        name = _name(f"BEATRIX class {class_name}")
+        builder = _builder(name, name, key, AUTHORITY_DAYS)
+        builder = builder.add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        return cls(builder.sign(key, hashes.SHA256()), key)
+
+    @classmethod
+    def read(cls, text: str) -> Authority:
+        """Parse the text of an authority's file; raises ValueError."""
+        key = serialization.load_pem_private_key(text.encode(), password=None)
+        if not isinstance(key, ec.EllipticCurvePrivateKey):
+            raise ValueError("the key is of another kind")  # noqa: TRY004  # the content of a file, not an argument
+        return cls(x509.load_pem_x509_certificate(text.encode()), key)
+
+    @property
+    def text(self) -> str:
+        """The content of its file: certificate and private key (PEM)."""
+        return self.certificate + _key_text(self._key)
+
+    @property
+    def certificate(self) -> str:
+        """The authority's own certificate (PEM)."""
+        return _text(self._certificate)
+
+    def issue(self, name: str, addresses: tuple[str, ...] = (), *, days: int = ACCOUNT_DAYS) -> Identity:
+        """Issue a certificate for an account, or for a router at these addresses."""
+        key = ec.generate_private_key(ec.SECP256R1())
+        usages = [ExtendedKeyUsageOID.CLIENT_AUTH, *([ExtendedKeyUsageOID.SERVER_AUTH] if addresses else [])]
+        builder = _builder(_name(name), self._certificate.subject, key, days)
+        builder = builder.add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        builder = builder.add_extension(x509.ExtendedKeyUsage(usages), critical=False)
+        alternatives = [_alternative(address) for address in (*addresses, *LOOPBACK)] if addresses else []
+        builder = builder.add_extension(
+            x509.SubjectAlternativeName(alternatives or [x509.DNSName(name)]), critical=False
+        )
+        signed = builder.sign(self._key, hashes.SHA256())
+        return Identity(self.certificate, _text(signed), _key_text(key))
+
+    def signed(self, certificate: str) -> bool:
+        """Return whether this authority signed the certificate (PEM) and it does not expire within RENEW_DAYS."""
+        try:
+            read = x509.load_pem_x509_certificate(certificate.encode())
+            read.verify_directly_issued_by(self._certificate)
+        except Exception:  # noqa: BLE001  # cryptography raises its own, and TypeError, for others' certificates
+            return False
+        return read.not_valid_after_utc > _in_days(RENEW_DAYS)
+
+
+def expiry(certificate: str) -> dt.date:
+    """The last day of a certificate (PEM)."""
+    return x509.load_pem_x509_certificate(certificate.encode()).not_valid_after_utc.date()
+
+
+def _builder(
+    subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePrivateKey, days: int
+) -> x509.CertificateBuilder:
+    builder = x509.CertificateBuilder(issuer, subject, key.public_key(), x509.random_serial_number())
+    return builder.not_valid_before(BEGIN).not_valid_after(_in_days(days))
+
+
+def _in_days(days: int) -> dt.datetime:
+    return dt.datetime.now(dt.UTC) + dt.timedelta(days=days)
+
+
+def _name(text: str) -> x509.Name:
+    return x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, text)])
+
+
+def _alternative(address: str) -> x509.GeneralName:
+    """The address as clients compare it: IP addresses as such, all else as a name."""
+    host = address.strip("[]")
+    try:
+        return x509.IPAddress(ipaddress.ip_address(host))
+    except ValueError:
+        return x509.DNSName(host)
+
+
+def _text(certificate: x509.Certificate) -> str:
+    return certificate.public_bytes(serialization.Encoding.PEM).decode()
+
+
+def _key_text(key: ec.EllipticCurvePrivateKey) -> str:
+    encoding, form = serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8
+    return key.private_bytes(encoding, form, serialization.NoEncryption()).decode()

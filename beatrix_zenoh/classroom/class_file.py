@@ -1,0 +1,152 @@
+"""The class file, which the teacher writes."""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.account import Role
+from beatrix_zenoh.errors import WrongUsage
+
+SEATS_MAX = 99
+EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
+
+
+class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    port: int = 7447
+    standby: str = ""
+    pictures_hz: float = 5.0
+
+
+class _ClassFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    name: str
+    addresses: list[str]
+    seats: int | list[str]
+    robots: list[str] = []
+    teacher: str = ""
+    auth: Literal["password", "certificate"] = "password"
+    router: _Router = _Router()
+
+
+@dataclass(frozen=True)
+class Classroom:
+    """A class; its names are valid in keys and unique."""
+
+    name: str
+    addresses: tuple[str, ...]
+    """of the router, as seats and robots reach it"""
+    seats: tuple[str, ...]
+    robots: tuple[str, ...]
+    certificates: bool
+    """whether accounts have certificates instead of passwords"""
+    teacher: str = ""
+    """the teacher's name on the cards"""
+    port: int = 7447
+    standby: str = ""
+    """address of the second router; empty: none"""
+    pictures_hz: float = 5.0
+
+    @property
+    def protocol(self) -> str:
+        """Protocol of the endpoints."""
+        return "tls" if self.certificates else "tcp"
+
+    @property
+    def listen(self) -> str:
+        """Endpoints of the router."""
+        return ",".join(f"{self.protocol}/{address}:{self.port}" for address in self.addresses)
+
+    @property
+    def standby_listen(self) -> str:
+        """Endpoint of the second router; empty: none."""
+        return f"{self.protocol}/{self.standby}:{self.port}" if self.standby else ""
+
+    @property
+    def connect(self) -> str:
+        """Endpoints for seats and robots, in the order in which they are tried."""
+        return ",".join(filter(None, (self.listen, self.standby_listen)))
+
+    @property
+    def link(self) -> str:
+        """Endpoint at which the router waits for the second one; empty: there is none."""
+        return f"tls/{self.addresses[0]}:{self.port + 1}" if self.standby else ""
+
+    @property
+    def accounts(self) -> dict[str, Role]:
+        """Role of each account by its name."""
+        found: dict[str, Role] = {names.TEACHER: "teacher"}
+        found.update(dict.fromkeys(self.seats, "student"))
+        found.update(dict.fromkeys(self.robots, "robot"))
+        return found
+
+
+def read(path: Path) -> Classroom:
+    """Read a class file and check it.
+
+    Raises:
+        WrongUsage: BAD_VALUE, with the field and what it may hold.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        file = msgspec.convert(tomllib.loads(text), _ClassFile)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        raise wrong(path, f"cannot be read: {error}. A class file holds for example {EXAMPLE}") from error
+    count = file.seats if isinstance(file.seats, int) else len(file.seats)
+    if not 1 <= count <= SEATS_MAX:
+        raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
+    if not file.addresses:
+        raise wrong(path, 'addresses is empty: name the router\'s, for example ["192.168.1.20"]')
+    if not 0.1 <= file.router.pictures_hz <= 60:
+        raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
+    seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else file.seats
+    _check_names(path, file, seats)
+    made = Classroom(
+        name=file.name,
+        addresses=tuple(map(_host, file.addresses)),
+        seats=tuple(seats),
+        robots=tuple(file.robots),
+        certificates=file.auth == "certificate",
+        teacher=file.teacher,
+        port=file.router.port,
+        standby=_host(file.router.standby),
+        pictures_hz=file.router.pictures_hz,
+    )
+    for endpoint in zbus.endpoints(f"{made.connect},{made.link or made.listen}"):
+        zbus.parse_endpoint(endpoint)
+        if endpoint.startswith(
+            "tls/["
+        ):  # Zenoh 1.10 takes the brackets for a part of the name in the certificate
+            raise wrong(path, f"{endpoint} cannot have a certificate: give an IPv4 address or a name instead")
+    return made
+
+
+def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
+    names.check_name(file.name, "class")
+    for seat in seats:
+        names.check_seat(seat)
+    for robot in file.robots:
+        names.check_name(robot)
+    used = Counter([names.TEACHER, *seats, *file.robots])
+    if twice := [name for name, times in used.items() if times > 1]:
+        raise wrong(
+            path,
+            f"{', '.join(twice)} is used twice: give each seat and robot a different name, and none the name `{names.TEACHER}`",
+        )
+
+
+def wrong(path: Path, text: str) -> WrongUsage:
+    """The refusal of a file."""
+    return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
+
+
+def _host(address: str) -> str:
+    """The address as it stands in an endpoint: IPv6 in brackets."""
+    return f"[{address}]" if ":" in address and not address.startswith("[") else address

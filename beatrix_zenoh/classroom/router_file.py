@@ -1,0 +1,105 @@
+"""File of a class's router, or of its second router: all that the router needs."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from beatrix_zenoh import files
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus.credentials import Identity
+from beatrix_zenoh.bus.router import Guard
+from beatrix_zenoh.classroom import rules
+from beatrix_zenoh.classroom.class_file import Classroom, read
+from beatrix_zenoh.errors import WrongUsage
+
+ROUTERS = {"router": "@router", "standby": "@standby"}
+"""Common names of the routers' certificates, which no seat can have."""
+LONGEST = 256 * 1024
+"""Bytes of a router's file."""
+
+
+class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A router of a class."""
+
+    class_name: str = msgspec.field(name="class")
+    role: Literal["router", "standby"]
+    listen: str
+    seats: tuple[str, ...]
+    robots: tuple[str, ...]
+    pictures_hz: float
+    link: str = ""
+    """where the router waits for the second one, and where that connects"""
+    authority: str = ""
+    certificate: str = ""
+    key: str = ""
+    passwords: dict[str, str] = {}
+
+    def __repr__(self) -> str:
+        """Leave out the secrets."""
+        return f"<{self.role} of class {self.class_name}>"
+
+    def text(self) -> str:
+        """The content of the file."""
+        head = f"# BEATRIX {self.role} of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
+        return head + files.toml_text(msgspec.to_builtins(self))
+
+    def guard(self) -> Guard:
+        """Accounts and access rules."""
+        first = self.link if self.role == "standby" else ""
+        account = ROUTERS[self.role]
+        return Guard(
+            rules.grants(self.seats, self.robots),
+            passwords=self.passwords,
+            identity=Identity(self.authority, self.certificate, self.key) if self.key else None,
+            link="" if first else self.link,
+            first=first,
+            account=(account, self.passwords.get(account, "")),
+            routers=list(ROUTERS.values()) if self.link else [],
+            rates=rules.picture_rates(self.seats, self.robots, self.pictures_hz),
+        )
+
+
+def folder(path: Path, classroom: Classroom) -> Path:
+    """Return the folder of the files of a class: beside its class file, under the name of the class."""
+    return path.parent / classroom.name
+
+
+def load(path: Path) -> RouterFile:
+    """Read a router's file, or that of the class whose class file `path` is.
+
+    Raises:
+        WrongUsage: BAD_VALUE, it cannot be read, or the class file has changed since `beatrix classroom init`.
+    """
+    try:
+        table = tomllib.loads(
+            files.content(
+                path, LONGEST, called=str(path), form="TOML", nothing="no class is that large"
+            ).decode()
+        )
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise _wrong(f"{path} cannot be read: {error}.") from error
+    if "role" in table:
+        try:
+            return msgspec.convert(table, RouterFile)
+        except msgspec.ValidationError as error:
+            raise _wrong(f"{path} is no file of a router: {error}.") from error
+    classroom = read(path)
+    made = folder(path, classroom) / "router.toml"
+    init = f"`beatrix classroom init {path}`"
+    if not made.is_file():
+        raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
+    file = load(made)
+    known = (file.listen, file.link, file.seats, file.robots, file.pictures_hz)
+    if known != (classroom.listen, classroom.link, classroom.seats, classroom.robots, classroom.pictures_hz):
+        raise _wrong(
+            f"{path} has changed since the accounts were made. Run {init} again; it keeps what is there."
+        )
+    return file
+
+
+def _wrong(text: str) -> WrongUsage:
+    return WrongUsage(Reason.BAD_VALUE, text)

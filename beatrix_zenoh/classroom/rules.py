@@ -1,0 +1,71 @@
+"""Grants of the accounts of a class: pure data, made from the keys of the contract."""
+
+from __future__ import annotations
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
+
+ANY = "*"
+STOPS = (keys.stop(ANY, ANY), keys.stop(ANY, ANY).replace(f"{ANY}/{ANY}", "**"))
+"""STOP of one robot and of all; no other key ends with this chunk."""
+STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
+LOOKS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
+"""Queries that change nothing."""
+TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
+
+
+def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
+    """Return the grants of all accounts of a class."""
+    return [
+        teacher(),
+        *(student(seat, robots) for seat in seats),
+        *(account(robot) for robot in robots),
+    ]
+
+
+def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
+    """Grant to look at everything, stop every robot, serve the robot of this name, and query the keys `drives`."""
+    own = f"{ROOT}/{name}/**"
+    return Grant(
+        name,
+        puts=(own, *STOPS),
+        queries=(own, *LOOKS, *STOPS, *drives),
+        serves=(own,),
+        subscribes=EVERYTHING[:1],
+        tokens=tuple(_own_token(key, name) for key in TOKENS),
+        watches=EVERYTHING,
+    )
+
+
+def student(seat: str, robots: tuple[str, ...]) -> Grant:
+    """Grant the rights of `account`, and to drive the robots of the class as this seat."""
+    scenes = tuple(keys.target(robot) for robot in robots)
+    return account(seat, (*(_commands(robot, seat) for robot in robots), *scenes))
+
+
+def teacher() -> Grant:
+    """Grant everything, and the admin space."""
+    return Grant(names.TEACHER, *(EVERYTHING,) * 6, admin=True)
+
+
+def _commands(robot: str, seat: str) -> str:
+    """Key expression of all requests of one seat to both robots of a name."""
+    return keys.command(robot, ANY, seat).rpartition("/")[0] + "/**"
+
+
+def _own_token(key: str, name: str) -> str:
+    """Key expression of the tokens of this seat if the key has a seat, else of this robot."""
+    own = "who" if "{who}" in key else "robot"
+    fields = dict.fromkeys(("robot", "twin", "who", "session", "token"), ANY)
+    return key.format_map({**fields, own: name})
+
+
+def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
+    """Return the largest rate (Hz) at which a session receives each camera of each robot."""
+    return {
+        keys.camera(robot, twin, view): pictures_hz
+        for robot in (*robots, *seats, names.TEACHER)
+        for twin in names.TWINS
+        for view in names.VIEWS
+    }

@@ -1,0 +1,101 @@
+"""`beatrix classroom` for the teacher, `beatrix join` for every other computer."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.cli.output import note, say
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.files import write_private
+
+STDIN = Path("-")
+
+
+class Action(StrEnum):
+    """Actions of `beatrix classroom`."""
+
+    INIT = "init"
+
+
+def classroom(
+    action: Annotated[Action, typer.Argument(help="init: make the accounts, or add those of new seats.")],  # noqa: ARG001
+    file: Annotated[Path, typer.Argument(metavar="class.toml", help="The class file.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="Where to; else a folder of the class's name beside the class file."
+        ),
+    ] = None,
+) -> None:
+    """Make the accounts of a class. Writes a file for the router, each seat and each robot, and cards to print.
+
+    All files are for the teacher only, who gives each seat its own. A second time it keeps accounts and makes those that are new.
+    """
+    from beatrix_zenoh.classroom import class_file, provision, router_file
+
+    described = class_file.read(file)
+    folder = out or router_file.folder(file, described)
+    made = provision.init(described, folder)
+    say(f"Class {described.name}: {len(described.seats)} seats, {len(described.robots)} robots, in {folder}")
+    say(f"  new accounts       {', '.join(made.new) or 'none'}")
+    say(f"  start the router   beatrix router --class {file if out is None else folder / 'router.toml'}")
+    if described.standby:
+        standby = folder / "standby.toml"
+        say(f"  on {described.standby}    beatrix router --class {standby.name}   (copy {standby} there)")
+    say(
+        f"  to each computer   its file from {folder / 'seats'} or {folder / 'robots'}; there: beatrix join FILE"
+    )
+    say(f"  cards to print     {folder / 'cards.html'}")
+    for path in made.left:
+        note(
+            f"{path} is of no seat or robot of the class: the router does not accept it, and you can delete it."
+        )
+
+
+def join(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE", help="The account file of this seat or robot; - reads standard input."
+        ),
+    ] = None,
+    leave: Annotated[bool, typer.Option("--leave", help="Forget the account of this computer.")] = False,
+) -> None:
+    """Join a class. From then on all verbs and programs use its router, and this seat's account.
+
+    The account is for your user on this computer. BEATRIX_ACCOUNT=FILE uses another one, BEATRIX_ACCOUNT= none.
+    """
+    place = accounts.joined()
+    if leave == (file is not None):
+        raise typer.BadParameter("give the account file of your seat, or --leave.")
+    if file is None:
+        place.unlink(missing_ok=True)
+        say("This computer is in no class now.")
+        return
+    account = accounts.parse(sys.stdin.read(), "The text") if file == STDIN else accounts.load(file)
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_private(place, account.text())
+    except OSError as error:
+        raise Refused(Reason.BAD_VALUE, f"Cannot store the account: {error}.") from error
+    say(f"Joined class {account.class_name} as {account.name}. Router: {account.connect}")
+    _check(account)
+
+
+def _check(account: Account) -> None:
+    """Say whether the router accepts the account now; before a lesson it may not run yet."""
+    try:
+        zbus.connect(account.connect, account=account).close()
+    except BeatrixError as error:
+        note(f"The account is stored, but not usable now. {error.message}")
+    else:
+        say("The router accepts this account.")

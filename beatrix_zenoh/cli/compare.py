@@ -1,0 +1,169 @@
+"""`beatrix compare`: measure the difference between simulation and hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Connect, Json, Name, Which, Who, finite
+from beatrix_zenoh.cli.output import FAILED, note, print_json, say
+from beatrix_zenoh.cli.progress import progress_bar
+from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.names import TWINS
+
+if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
+    from beatrix_zenoh.recording.compare import Comparison
+    from beatrix_zenoh.recording.record_robots import LiveRecording
+    from beatrix_zenoh.recording.samples import Recorded
+
+LIVE = "live"
+Seconds = Annotated[
+    float,
+    typer.Option(
+        min=1.5,
+        max=600.0,
+        callback=finite,
+        help="Live: length of the measurement, seconds. For a longer one use `beatrix record`.",
+    ),
+]
+MaxLag = Annotated[
+    float | None, typer.Option(metavar="S", help="Fail above this lag of the set points, seconds.")
+]
+MaxRms = Annotated[
+    float | None, typer.Option(metavar="DEG", help="Fail above this RMS difference after lag removal.")
+]
+MaxLargest = Annotated[
+    float | None,
+    typer.Option(metavar="DEG", help="Fail above this difference at any time after lag removal."),
+]
+MaxRest = Annotated[
+    float | None, typer.Option(metavar="DEG", help="Fail above this difference while both are at rest.")
+]
+MaxMissed = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N", help="Live: fail above this number of full motor steps missed in the simulation."
+    ),
+]
+
+
+def compare(
+    source: Annotated[
+        str, typer.Argument(metavar="[FILE.rrd|live]", help="A recording, or `live`: the robots on line.")
+    ] = LIVE,
+    seconds: Seconds = 10.0,
+    max_lag: MaxLag = None,
+    max_rms: MaxRms = None,
+    max_largest: MaxLargest = None,
+    max_rest: MaxRest = None,
+    max_missed: MaxMissed = None,
+    png: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Plot both movements and their difference into this file."),
+    ] = None,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Compare simulation and hardware. Prints lag, differences and missed steps, from a recording or live.
+
+    Live: start it, then move both. The exit code is 1 if a threshold (--max-...) is exceeded; the output names each.
+    docs/how-to/compare.md explains the figures.
+    """
+    from beatrix_zenoh.cli.comparison_text import as_document, text
+    from beatrix_zenoh.recording.thresholds import Thresholds
+
+    thresholds = Thresholds(max_lag, max_rms, max_largest, max_rest, max_missed)
+    sim, hw = live(Selection(name, connect, who), seconds) if source == LIVE else recorded(Path(source), name)
+    found = compared(source, sim, hw)
+    if png is not None:
+        draw(png, found, f"{sim.robot}: simulation and hardware")
+    exceeded = thresholds.exceeded(found, sim.slipped)
+    if as_json:
+        print_json(as_document(found, sim, hw, exceeded))
+    else:
+        say(text(found, sim, hw, exceeded))
+    if exceeded:
+        raise typer.Exit(FAILED)
+
+
+def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
+    """Compare both; raises Refused if they have too little time in common."""
+    from beatrix_zenoh.recording.compare import compare
+
+    try:
+        return compare(sim.recording, hw.recording)
+    except ValueError as error:
+        raise Refused(Reason.BAD_VALUE, f"{source}: {error}. Record or measure for longer.") from error
+
+
+def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecording]:
+    """Measure both robots of a name; raises NoAnswer if one is not on line."""
+    from beatrix_zenoh.recording.record_robots import record_robots
+
+    title = "Measuring both: move them"
+    with open_targets(selection, Which.BOTH) as targets, progress_bar(title, seconds) as bar:
+        if bar is None:
+            note(f"Measuring both for {seconds:g} s: move them.")
+        sim, hw = record_robots(targets.robots(), seconds, bar or (lambda _passed_s: None))
+    return sim, hw
+
+
+def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording]:
+    """Both robots of a name from a recording; raises Refused if they are not in it."""
+    from beatrix_zenoh.cli.recording_files import read_recording
+    from beatrix_zenoh.recording.record_robots import LiveRecording
+    from beatrix_zenoh.recording.series import of_samples
+
+    found = read_recording(path)
+    both = sorted(
+        {robot for robot, _ in found.robots if {(robot, twin) for twin in TWINS} <= found.robots.keys()}
+    )
+    chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
+    begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
+    sim, hw = (
+        LiveRecording(chosen, twin, of_samples(found.robots[chosen, twin], begin_ns), 0.0, None)
+        for twin in TWINS
+    )
+    return sim, hw
+
+
+def only_robot(path: Path, names: list[str], found: Recorded) -> str:
+    """The only name; raises Refused with the robots of the recording if there is not exactly one."""
+    if len(names) == 1:
+        return names[0]
+    held = ", ".join(f"{robot} ({twin})" for robot, twin in found.robots)
+    raise Refused(
+        Reason.BAD_VALUE,
+        f"{path} contains {held}. "
+        + (
+            "Choose a robot with --name."
+            if names
+            else "A comparison needs simulation and hardware of one name."
+        ),
+    )
+
+
+def draw(path: Path, found: Comparison, title: str) -> None:
+    """Write the plot, completely or not at all; raises Refused if it cannot be drawn or written."""
+    from beatrix_zenoh.cli.demo_files import replace_when_complete
+
+    try:
+        from beatrix_zenoh.recording.plot import twin_figure
+    except ModuleNotFoundError as error:
+        raise Refused(
+            Reason.BAD_VALUE, f'--png needs {error.name}: pip install ".[plot]" in the folder of BEATRIX.'
+        ) from error
+    if path.suffix.lower() != ".png":
+        raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
+    try:
+        with replace_when_complete(path) as unfinished:
+            twin_figure(found, title).savefig(unfinished, dpi=150)
+    except OSError as error:
+        raise Refused(Reason.BAD_VALUE, f"--png {path}: {error.strerror}. Name another file.") from error
+    note(f"The plot is {path}.")

@@ -1,0 +1,144 @@
+"""`beatrix echo`: print positions, status, events or pictures as they are published."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict
+from enum import StrEnum
+from typing import Annotated, TypeVar
+
+import msgspec
+import typer
+
+from beatrix_zenoh._generated.messages import Event, EventKind, Phase, Positions, Reason, Status
+from beatrix_zenoh.cli.listing import problems, state, state_row
+from beatrix_zenoh.cli.motions import reading_row
+from beatrix_zenoh.cli.options import Connect, Name, On, Who
+from beatrix_zenoh.cli.output import print_json, say
+from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
+from beatrix_zenoh.client import streams
+from beatrix_zenoh.client.camera import START_S, CameraImage, images
+from beatrix_zenoh.client.readings import reading
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.subscription import Arrival
+
+T = TypeVar("T")
+PAST = 10
+"""Number of past events that are printed first, without --count."""
+REQUESTS = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
+
+
+class Stream(StrEnum):
+    """Publications of a robot that `beatrix echo` prints."""
+
+    POSITIONS = "positions"
+    STATUS = "status"
+    EVENTS = "events"
+    CAMERA_LEFT = "camera/left"
+    CAMERA_RIGHT = "camera/right"
+    CAMERA_OUTSIDE = "camera/outside"
+
+
+def echo(
+    stream: Annotated[Stream, typer.Argument(help="The stream to print.")] = Stream.POSITIONS,
+    count: Annotated[int, typer.Option(min=0, help="End after this many lines; 0: run until Ctrl-C.")] = 0,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document a line.")] = False,
+) -> None:
+    """Print positions, status, events or pictures as they arrive. Degrees; ends with Ctrl-C or --count.
+
+    Events are requests, refusals, STOPs, changes of driver and board, and warnings; without --on those of both
+    simulation and robot. The last ten events, or --count of them, are printed first. For a picture the number, size and
+    age are printed.
+    """
+    with open_targets(Selection(name, connect, who), on, both=stream is Stream.EVENTS) as targets:
+        robots = {robot.place: robot for robot in targets.robots()}
+        for robot in robots.values():
+            robot.status()  # raises NoAnswer for a robot that is not on line
+        if stream is Stream.EVENTS:
+            past = count or PAST
+            for place, event in limited(streams.follow_events(list(robots.values()), past), count):
+                show_event(place, event, as_json=as_json)
+        elif stream is Stream.POSITIONS:
+            positions = streams.positions(targets.client, targets.name, twin_key(targets)).arrivals()
+            for arrival in limited(positions, count):
+                show_positions(robots[arrival.robot, arrival.twin], arrival.value, as_json=as_json)
+        elif stream is Stream.STATUS:
+            for update in limited(streams.status(targets.client, targets.name, twin_key(targets)), count):
+                show_status(update, as_json=as_json)
+        else:
+            eye = stream.removeprefix("camera/")
+            pictures = images(targets.client, targets.name, twin_key(targets), eye, timeout_s=START_S)
+            for picture in limited(pictures.arrivals(), count):
+                show_picture(picture, as_json=as_json)
+
+
+def twin_key(targets: Targets) -> str:
+    """The twin to subscribe to: the one selected, or `*` for both."""
+    return targets.twins[0] if len(targets.twins) == 1 else "*"
+
+
+def limited(messages: Iterable[T], count: int) -> Iterator[T]:
+    """The first `count` messages; all if it is 0."""
+    return itertools.islice(messages, count or None)
+
+
+def show_positions(robot: Robot, positions: Positions, *, as_json: bool) -> None:
+    """Print positions on one line; `t_s` is the robot's monotonic clock."""
+    now = reading(positions)
+    if as_json:
+        print_json({**reading_row(robot, now), "seq": positions.seq, "t_s": round(now.t, 6)})
+    else:
+        say(f"{robot}  {now}")
+
+
+def show_status(status: Status, *, as_json: bool) -> None:
+    """Print a status on one line."""
+    if as_json:
+        print_json({"robot": status.robot, "on": status.twin, **state_row(status)})
+    else:
+        words = [state(status), f"driver {status.holder or '-'}", *problems(status)]
+        say(f"{status.robot} ({status.twin})  {'; '.join(words)}")
+
+
+def show_picture(arrival: Arrival[CameraImage], *, as_json: bool) -> None:
+    """Print the header of a picture on one line; `bytes` is the length of its JPEG file."""
+    image = arrival.value
+    if as_json:
+        header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
+        print_json({"robot": arrival.robot, "on": arrival.twin, **header, "bytes": len(image.jpeg)})
+    else:
+        say(f"{arrival.robot} ({arrival.twin})  {image}")
+
+
+def show_event(place: Place, event: Event, *, as_json: bool) -> None:
+    """Print an event on one line; the JSON document has the fields of the message, angles in rad."""
+    if as_json:
+        print_json({"robot": place[0], "on": place[1], **msgspec.to_builtins(event)})
+    else:
+        say(event_line(place, event))
+
+
+def event_line(place: Place, event: Event) -> str:
+    """Time by the robot's clock, robot, seat, subject, outcome."""
+    clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
+    milliseconds = event.t_wall_ns // 1_000_000 % 1000
+    subjects = dict.fromkeys((str(event.kind), event.action))  # the action of a motion query repeats the kind
+    words = (*subjects, outcome(event), "" if event.reason is Reason.OK else event.reason)
+    subject = " ".join(str(word) for word in words if word)
+    times = f" ({event.count} times)" if event.count > 1 else ""
+    return f"{clock}.{milliseconds:03d}  {place[0]} ({place[1]})  {event.seat or '-'}  {subject}{times}: {event.message}"
+
+
+def outcome(event: Event) -> str:
+    """The outcome of a request, or empty if its message begins with it."""
+    good = event.reason is Reason.OK
+    if event.phase is Phase.DONE:
+        return "done" if good else "ended"
+    return "refused" if not good and event.kind in REQUESTS else ""

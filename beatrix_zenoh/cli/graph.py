@@ -1,0 +1,148 @@
+"""`beatrix graph`: the programs and keys that are live at a router, as text or as a drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh.cli.options import Connect, Json, Who
+from beatrix_zenoh.cli.output import print_json, say
+from beatrix_zenoh.client import network
+from beatrix_zenoh.client.network import Program, short
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.settings import resolve
+
+LINE_PX, PAD_PX, BOX_PX, GAP_PX = 18, 12, 330, 26
+"""Height of a line of text, margin inside a box, width of a box, space between boxes."""
+MIDDLE_PX = 300
+"""Space between nodes, to the left, and clients, to the right, for the arrows."""
+
+
+def graph(
+    svg: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a drawing (SVG) to this file.")
+    ] = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Show the programs and keys that are live at the router."""
+    with Client(resolve(None, connect, who)) as client:
+        programs, endpoint = network.read(client), client.bus.endpoint
+    if svg is not None:
+        svg.write_text(drawing(programs, endpoint), encoding="utf-8")
+    if as_json:
+        print_json(
+            {"result": True, "endpoint": endpoint, "programs": [as_row(program) for program in programs]}
+        )
+    elif svg is not None:
+        say(f"{svg} written.")
+    else:
+        say(text(programs, endpoint))
+
+
+def as_row(program: Program) -> dict[str, object]:
+    """A program as JSON."""
+    return {
+        "title": program.title,
+        "serves": sorted(program.serves),
+        "publishes": sorted(program.publishes),
+        "subscribes": sorted(program.subscribes),
+    }
+
+
+def lines(program: Program, nodes: Sequence[Program]) -> list[str]:
+    """Describe the keys that a program serves, publishes and subscribes to, one line each."""
+    if program.robot is not None:
+        serves = sorted({short(key) for key in program.serves} - {short(key) for key in program.publishes})
+        return [
+            *(f"publishes {short(key)}" for key in sorted(program.publishes)),
+            *(f"answers {key}" for key in serves),
+        ]
+    watched = [f"{node.title}: {', '.join(names)}" for node in nodes if (names := program.watches(node))]
+    return watched or ["subscribes to nothing"]
+
+
+def text(programs: Sequence[Program], endpoint: str) -> str:
+    """Return a text for a terminal: all programs, with their keys."""
+    nodes = [program for program in programs if program.robot is not None]
+    parts = [f"router {endpoint}"]
+    for program in programs:
+        verb = "" if program.robot is not None else "  subscribes to\n"
+        rows = lines(program, nodes)
+        indent = "  " if program.robot is not None else "    "
+        shown = "".join(f"{indent}{row}\n" for row in rows)
+        parts.append(f"{program.title}\n{verb if rows[0] != 'subscribes to nothing' else ''}{shown}".rstrip())
+    return "\n\n".join(parts)
+
+
+def drawing(programs: Sequence[Program], endpoint: str) -> str:
+    """Nodes to the left, clients to the right, an arrow for what a client subscribes to."""
+    nodes = [program for program in programs if program.robot is not None]
+    clients = [program for program in programs if program.robot is None]
+    left, left_end = _column(nodes, nodes, PAD_PX)
+    right, right_end = _column(clients, nodes, PAD_PX + BOX_PX + MIDDLE_PX)
+    places = left | right
+    width, height = 2 * (PAD_PX + BOX_PX) + MIDDLE_PX, max(left_end, right_end)
+    shapes = [_box(program, nodes, *places[program.title]) for program in programs]
+    arrows = [
+        _arrow(places[node.title], places[client.title], names)
+        for client in clients
+        for node in nodes
+        if (names := client.watches(node))
+    ]
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="13">',
+            (
+                '<defs><marker id="tip" markerWidth="9" markerHeight="8" refX="8" refY="4" orient="auto">'
+                '<path d="M0,0 L9,4 L0,8 Z" fill="#245"/></marker></defs>'
+            ),
+            f'<rect width="{width}" height="{height}" fill="white"/>',
+            f'<text x="{PAD_PX}" y="{LINE_PX}" font-weight="bold">router {escape(endpoint)}</text>',
+            *arrows,
+            *shapes,
+            "</svg>\n",
+        ]
+    )
+
+
+def _column(
+    programs: Sequence[Program], nodes: Sequence[Program], x: int
+) -> tuple[dict[str, tuple[int, int]], int]:
+    """Place (px) of each program's box, and where the column ends."""
+    places, y = {}, LINE_PX + PAD_PX
+    for program in programs:
+        places[program.title] = x, y
+        y += _height(program, nodes) + GAP_PX
+    return places, y
+
+
+def _height(program: Program, nodes: Sequence[Program]) -> int:
+    return (len(lines(program, nodes)) + 1) * LINE_PX + PAD_PX
+
+
+def _box(program: Program, nodes: Sequence[Program], x: int, y: int) -> str:
+    colour = "#e8f1fb" if program.robot is not None else "#f6f2e6"
+    rows = [program.title, *lines(program, nodes)]
+    texts = [
+        f'<text x="{x + PAD_PX}" y="{y + LINE_PX * (number + 1)}"{" font-weight=" + chr(34) + "bold" + chr(34) if not number else ""}>'
+        f"{escape(row)}</text>"
+        for number, row in enumerate(rows)
+    ]
+    frame = f'<rect x="{x}" y="{y}" width="{BOX_PX}" height="{_height(program, nodes)}" rx="6" fill="{colour}" stroke="#245"/>'
+    return "\n".join([frame, *texts])
+
+
+def _arrow(node: tuple[int, int], client: tuple[int, int], names: Sequence[str]) -> str:
+    x1, y1 = node[0] + BOX_PX, node[1] + LINE_PX
+    x2, y2 = client[0], client[1] + LINE_PX
+    label = f"{len(names)} keys" if len(names) > 1 else names[0]
+    return (
+        f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" stroke="#245" marker-end="url(#tip)"/>'
+        f'<text x="{(x1 + x2) // 2}" y="{(y1 + y2) // 2 - 5}" text-anchor="middle" fill="#245">{escape(label)}</text>'
+    )

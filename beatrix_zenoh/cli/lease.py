@@ -1,0 +1,128 @@
+"""Verbs that control which seat may move a robot: lease for every seat; freeze, unfreeze and limit for the teacher."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseReply, Reason
+from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
+from beatrix_zenoh.cli.output import exit_code, note, print_json, say
+from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.client import lease as leases
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.settings import resolve
+
+
+class What(StrEnum):
+    """Actions of `beatrix lease`."""
+
+    TAKE = "take"
+    GIVE_BACK = "give-back"
+
+
+def lease(
+    what: Annotated[
+        What, typer.Argument(help="take: hold the robot until Ctrl-C. give-back: end your lease.")
+    ],
+    wait: Annotated[
+        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
+    ] = 0.0,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+) -> None:
+    """Take a robot: only your seat and the teacher move it.
+
+    While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows who holds it.
+    """
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        robots = targets.robots()
+        if what is What.GIVE_BACK:
+            for robot in robots:
+                say(f"{robot}: {leases.ask(robot, LeaseAction.GIVE_BACK).message}")
+            return
+        held = [robot.lease(wait) for robot in robots]
+        for robot in robots:
+            say(f"{robot}: held by {targets.client.settings.who}. Ctrl-C gives it back.")
+        try:
+            threading.Event().wait()
+        finally:
+            for taken in held:
+                taken.close()
+
+
+def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
+    """Stop every robot and let only the teacher move it. For the seat `teacher`."""
+    _govern(leases.freeze, name, connect, who, as_json=as_json)
+
+
+def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
+    """Let every seat move the robots again. For the seat `teacher`."""
+    _govern(leases.unfreeze, name, connect, who, as_json=as_json)
+
+
+def limit(
+    speed: Annotated[str, typer.Argument(metavar="SPEED", help="Top speed of every arm, deg/s, or `off`.")],
+    name: Names = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Limit the speed of every robot. For the seat `teacher`."""
+    most = None if speed == "off" else _number(speed)
+    _govern(lambda robot: leases.limit_speed(robot, most), name, connect, who, as_json=as_json)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{text!r} is no speed: give deg/s, for example 20, or off."
+        ) from None
+
+
+def _govern(
+    act: Callable[[Robot], LeaseReply],
+    wanted: list[str] | None,
+    connect: str | None,
+    who: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Carry out `act` at every robot on line, or at those of the names; exit with the code of the first failure."""
+    with Client(resolve(None, connect, who)) as client:
+        places = [place for place in client.bus.robots() if not wanted or place[0] in wanted]
+        if not places:
+            named = f" of the name {', '.join(wanted)}" if wanted else ""
+            raise NoAnswer(Reason.NO_ANSWER, f"No robot{named} is on line at {client.bus.endpoint}.")
+        rows, code = [], 0
+        for robot in (Robot(name, twin, client=client) for name, twin in places):
+            try:
+                reason, text = Reason.OK, act(robot).message
+            except BeatrixError as error:
+                reason, text = error.reason, error.message
+                code = code or exit_code(reason)
+            rows.append(
+                {
+                    "robot": robot.name,
+                    "on": robot.twin,
+                    "result": reason is Reason.OK,
+                    "reason": reason,
+                    "message": text,
+                }
+            )
+            if not as_json:
+                (say if reason is Reason.OK else note)(f"{robot}: {text}")
+    if as_json:
+        print_json({"result": not code, "robots": rows})
+    if code:
+        raise typer.Exit(code)

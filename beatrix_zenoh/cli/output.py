@@ -1,0 +1,65 @@
+"""Results, notes and JSON documents on stdout and stderr, and the exit codes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+
+import msgspec
+
+from beatrix_zenoh._generated.messages import Reason
+
+FAILED, USAGE, NO_ANSWER, TIMED_OUT, INTERRUPTED, UNREAD = 1, 2, 3, 4, 130, 141
+"""Exit codes; 0 is done. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""
+CODES = {Reason.NO_ANSWER: NO_ANSWER, Reason.NO_ROUTER: NO_ANSWER, Reason.TIMED_OUT: TIMED_OUT}
+STDOUT = 1
+GAP = "  "
+
+
+def exit_code(reason: Reason) -> int:
+    """Exit code of a failure."""
+    return CODES.get(reason, FAILED)
+
+
+def say(text: str) -> None:
+    """Print a line of the result."""
+    print(printable(text), flush=True)
+
+
+def note(text: str) -> None:
+    """Print a line that is not part of the result: on stderr."""
+    print(printable(text), file=sys.stderr, flush=True)
+
+
+def printable(text: str) -> str:
+    """The text without control characters, which names in foreign keys and messages may contain."""
+    return "".join(letter if letter.isprintable() or letter in "\n\t" else "?" for letter in text)
+
+
+def print_json(content: Mapping[str, object]) -> None:
+    """Print one JSON document on one line."""
+    print(msgspec.json.encode(content).decode(), flush=True)
+
+
+def print_failure(reason: Reason, message: str) -> None:
+    """Print a failure as JSON."""
+    print_json({"result": False, "reason": reason, "message": message})
+
+
+def columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with a line for each row under its heads; numbers are aligned to the right."""
+    lines = [list(heads), *(list(row) for row in rows)]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(heads))]
+    right = [bool(rows) and all(numeric(row[i]) for row in rows) for i in range(len(heads))]
+    return "\n".join(
+        GAP.join(
+            cell.rjust(width) if to_right else cell.ljust(width)
+            for cell, width, to_right in zip(line, widths, right, strict=True)
+        ).rstrip()
+        for line in lines
+    )
+
+
+def numeric(cell: str) -> bool:
+    """Return whether a cell begins with a number, or is the dash for a missing one."""
+    return cell == "-" or cell.lstrip("+-")[:1].isdigit()

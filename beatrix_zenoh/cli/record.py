@@ -1,0 +1,241 @@
+"""`beatrix record`: record robots into a recording, or one robot into a motion file."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
+from beatrix_zenoh.cli.output import FAILED, NO_ANSWER, note, print_json, say
+from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.cli.view import leave, open_viewer
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.recording.viewer import PORT, program
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.shutdown import POLL_S, Shutdown
+
+if TYPE_CHECKING:  # numpy and rerun would delay every verb
+    from beatrix_zenoh.recording.file_output import FileOutput
+    from beatrix_zenoh.recording.output import Output
+    from beatrix_zenoh.recording.recorder import Recorder
+    from beatrix_zenoh.recording.viewer import Viewer
+
+RECORDING, MOTION_FILE = ".rrd", ".csv"
+SHORTEST_MIN = 0.1
+"""Shortest file of a rotated recording, minutes."""
+
+File = Annotated[
+    Path, typer.Argument(metavar="FILE", help="The recording (.rrd), or the motion file (.csv).")
+]
+
+
+def rotation(minutes: float) -> float:
+    """The value of --rotate; raises BadParameter unless it is 0 or long enough for a file."""
+    if finite(minutes) == 0 or minutes >= SHORTEST_MIN:
+        return minutes
+    raise typer.BadParameter(
+        f"{minutes:g} minutes are too short for a file: give {SHORTEST_MIN:g} or more, or 0 for one file."
+    )
+
+
+Seconds = Annotated[
+    float,
+    typer.Option(
+        min=0.0, metavar="S", callback=finite, help="Stop after this many seconds; 0: record until Ctrl-C."
+    ),
+]
+Rotate = Annotated[
+    float,
+    typer.Option(
+        min=0.0,
+        metavar="MINUTES",
+        callback=rotation,
+        help="Length of each file, 0.1 or more; 0: one file.",
+    ),
+]
+View = Annotated[bool, typer.Option("--view", help="Also show the robots in the viewer.")]
+Motion = Annotated[
+    bool, typer.Option("--motion", help="Write a motion file (.csv) of one robot, for `beatrix replay`.")
+]
+Repair = Annotated[
+    bool, typer.Option("--repair", help="Repair FILE.rrd, whose recorder was killed; records nothing.")
+]
+
+
+@dataclass(frozen=True)
+class RecordingOptions:
+    """Options of a recording: its file, robots, length and pictures."""
+
+    file: Path
+    robots: Sequence[str]
+    """names; empty: all robots"""
+    seconds: float
+    """0: until Ctrl-C"""
+    rotate_s: float
+    """length of each file; 0: one file"""
+    cameras_hz: float
+    """pictures of each eye a second; 0: none"""
+    viewer_port: int | None
+    """None: no viewer"""
+
+
+def record(
+    file: File,
+    name: Names = None,
+    seconds: Seconds = 0.0,
+    rotate: Rotate = 0.0,
+    cameras: Cameras = 5.0,
+    view: View = False,
+    port: ViewerPort = PORT,
+    motion: Motion = False,
+    on: On = None,
+    repair: Repair = False,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Record robots for the Rerun viewer.
+
+    The recording contains arms and heads of simulation and robot on one time line, their difference, states, requests,
+    refusals and pictures. Robots may start and end meanwhile. `beatrix view FILE.rrd` shows it.
+    """
+    if motion:
+        selection = Selection(name[0] if name else None, connect, who)
+        write_motion(file, name or (), selection, on, seconds, as_json=as_json)
+        return
+    if on is not None:
+        raise typer.BadParameter("--on needs --motion: a recording contains both simulation and hardware.")
+    if file.suffix != RECORDING:
+        raise typer.BadParameter(f"{file} is not the name of a recording: it must end with {RECORDING}.")
+    if repair:
+        from beatrix_zenoh.cli.recording_files import repair_recording
+
+        repair_recording(file, as_json=as_json)
+        return
+    robots = [names.check_name(robot) for robot in name or []]
+    options = RecordingOptions(file, robots, seconds, rotate * 60, cameras, port if view else None)
+    write_recording(resolve(None, connect, who), options, as_json=as_json)
+
+
+def write_recording(settings: Settings, options: RecordingOptions, *, as_json: bool) -> None:
+    """Record, print a summary, and end with an exit code.
+
+    Raises:
+        Refused: BAD_VALUE, the file exists already or cannot be written, or Rerun is not installed.
+        NoAnswer: NO_ROUTER.
+    """
+    program()  # raises before any file is written
+    from beatrix_zenoh.recording.file_output import FileOutput
+    from beatrix_zenoh.recording.live_output import LiveOutput
+    from beatrix_zenoh.recording.recorder import Recorder
+
+    shutdown = Shutdown()
+    shutdown.handle_signals()
+    with Client(settings, announce=False) as client:
+        file = FileOutput(options.file, note, rotate_s=options.rotate_s)
+        outputs: list[Output] = [file]
+        viewer: Viewer | None = None
+        if options.viewer_port is not None:
+            viewer = viewer_if_possible(options.viewer_port)
+            outputs.append(LiveOutput(options.viewer_port, note))
+        recorder = Recorder(client, outputs, note, names=options.robots, cameras_hz=options.cameras_hz)
+        began_s = time.monotonic()
+        try:
+            if not as_json:
+                say(f"ready {file.files[0]}")
+            wait(recorder, shutdown, options.seconds, file)
+        finally:
+            lasted_s = time.monotonic() - began_s
+            closed = recorder.close()
+            if viewer is not None:
+                viewer.end()
+    leave(report(recorder, file, lasted_s, as_json=as_json), closed=closed)
+
+
+def viewer_if_possible(port: int) -> Viewer | None:
+    """Start a viewer unless one is open; if that fails print a note and return None."""
+    try:
+        return open_viewer(port)
+    except BeatrixError as error:
+        note(f"{error.message} The recording continues without it.")
+        return None
+
+
+def wait(recorder: Recorder, shutdown: Shutdown, seconds: float, output: FileOutput) -> None:
+    """Wait for a shutdown request, the end of the time, or a full disk; print a note for each new robot."""
+    known: list[tuple[str, str]] = []
+    deadline_s = time.monotonic() + seconds if seconds else float("inf")
+    while not output.full and time.monotonic() < deadline_s:
+        if shutdown.requested(min(POLL_S, max(0.0, deadline_s - time.monotonic()))):
+            return
+        recorder.check()
+        for place in recorder.robots:
+            if place not in known:
+                known.append(place)
+                note(f"Recording {place[0]} ({place[1]}).")
+
+
+def report(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
+    """Print a summary of the recording, and return the exit code."""
+    robots = [f"{name} ({twin})" for name, twin in recorder.robots]
+    files = [str(path) for path in output.files]
+    good = bool(robots) and not output.full
+    if as_json:
+        print_json({
+            "result": good,
+            "files": files,
+            "robots": robots,
+            "seconds": round(lasted_s, 2),
+            "positions": recorder.samples,
+            "dropped": recorder.dropped,
+            "bytes": output.bytes,
+        })  # fmt: skip
+    elif robots:
+        lost = f"{recorder.dropped} dropped" if recorder.dropped else "nothing dropped"
+        say(
+            f"{', '.join(files)}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {lost}, "
+            f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {files[-1]}"
+        )
+    else:
+        note("No robot was on line: the recording is empty. `beatrix ls` shows the robots on line.")
+    if not robots:
+        return NO_ANSWER
+    return 0 if good else FAILED
+
+
+def write_motion(
+    file: Path, names: Sequence[str], selection: Selection, on: Which | None, seconds: float, *, as_json: bool
+) -> None:
+    """Record one robot into a motion file until Ctrl-C, or for `seconds` (0: no limit), and print a summary."""
+    from beatrix_zenoh.recording.record_motion import record_motion
+
+    if file.suffix != MOTION_FILE:
+        raise typer.BadParameter(f"{file} is not the name of a motion file: it must end with {MOTION_FILE}.")
+    if len(names) > 1 or on is Which.BOTH:
+        raise typer.BadParameter("--motion records one robot: give one --name, and --on sim or --on hw.")
+    if file.exists():
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{file} exists already and is not overwritten: name another file, or delete it.",
+        )
+    with open_targets(selection, on) as targets:
+        (robot,) = targets.robots()
+        note(f"Recording {robot} into {file}: move it. Ctrl-C ends the recording.")
+        begin_s = time.monotonic()
+        points = record_motion(
+            robot, file, going=lambda _points: not seconds or time.monotonic() - begin_s < seconds
+        )
+    if as_json:
+        print_json(
+            {"result": True, "file": str(file), "robot": robot.name, "on": robot.twin, "points": points}
+        )
+    else:
+        say(f"{file}: {points} points. To replay it: beatrix replay {file}")

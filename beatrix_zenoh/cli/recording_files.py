@@ -1,0 +1,76 @@
+"""Read and repair recordings (.rrd)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.output import note, print_json, say
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.samples import Recorded
+from beatrix_zenoh.recording.viewer import complete, program, repair, verify
+
+SUFFIX = ".rrd"
+DAMAGED = ".damaged"
+EMPTY = "it contains no positions of a robot. The file is unchanged: record again."
+
+
+def read_recording(path: Path) -> Recorded:
+    """Read a recording; raises Refused if it cannot be read, or if Rerun is not installed."""
+    try:
+        from beatrix_zenoh.recording.rrd.read import read
+    except ModuleNotFoundError as error:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f'{path}: reading a recording needs {error.name}: pip install ".[rerun]" in the folder of BEATRIX.',
+        ) from error
+    found = read(path)
+    note_if_incomplete(path)
+    return found
+
+
+def note_if_incomplete(path: Path) -> None:
+    """Print a note if the end of a recording is missing: the file may not contain all that happened."""
+    if not complete(path):
+        note(
+            f"The end of {path} is missing: its recorder is still running, or was killed. "
+            f"If it was killed, complete the file: `beatrix record --repair {path}`."
+        )
+
+
+def repair_recording(path: Path, *, as_json: bool) -> None:
+    """Complete a recording whose end is missing; the damaged file is kept beside it.
+
+    Raises:
+        Refused: BAD_VALUE, the file is missing, it contains no readable positions, or Rerun is not installed.
+    """
+    program()  # raises before any file is changed
+    from beatrix_zenoh.recording.rrd.read import holds_samples
+
+    if not path.is_file():
+        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
+    if not verify(path):
+        if not holds_samples(path):
+            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}")
+        show_repaired(path, f"{path} is complete: there is nothing to repair.", None, as_json=as_json)
+        return
+    unfinished, kept = path.with_suffix(f".repaired{SUFFIX}"), path.with_name(path.name + DAMAGED)
+    try:
+        why = repair(path, unfinished)
+        if not why and not holds_samples(unfinished):
+            why = EMPTY
+        if why:
+            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {why}")
+        path.replace(kept)
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    show_repaired(path, f"{path} is repaired. The damaged file is {kept}: delete it.", kept, as_json=as_json)
+
+
+def show_repaired(path: Path, text: str, kept: Path | None, *, as_json: bool) -> None:
+    """Print the result; `kept` is the damaged file, None if there was nothing to repair."""
+    if as_json:
+        print_json({"result": True, "file": str(path), "damaged": None if kept is None else str(kept)})
+    else:
+        say(text)

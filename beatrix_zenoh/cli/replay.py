@@ -1,0 +1,154 @@
+"""`beatrix replay`: follow the path of a motion file or a recording in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from beatrix_zenoh._generated.messages import Info, Reason
+from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
+from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
+from beatrix_zenoh.cli.output import note
+from beatrix_zenoh.cli.progress import progress_bar
+from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.queries import FASTEST, SLOWEST, checked_factor
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.errors import Refused, WrongUsage
+from beatrix_zenoh.motion.kinematics import Neck
+
+if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
+    from beatrix_zenoh.recording.follow import Following
+    from beatrix_zenoh.recording.path import ArmPath
+
+RECORDING = ".rrd"
+PROGRESS_S = 5.0
+"""Period of the progress notes if stderr is not a terminal."""
+LONG_S = 60.0
+"""A note is printed before a longer path is checked, because that takes seconds."""
+
+
+def replay(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A motion file (CSV), or a recording (.rrd).")],
+    speed_factor: Annotated[
+        float,
+        typer.Option(
+            metavar="F",
+            help=f"Replay this many times as fast, from {SLOWEST:g} to {FASTEST:g}: 0.5 takes twice the time.",
+        ),
+    ] = 1.0,
+    lead: Annotated[
+        float,
+        typer.Option(
+            metavar="S",
+            help="With --on both: the hardware follows this many seconds after the simulation.",
+        ),
+    ] = 0.0,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+    as_json: Json = False,
+) -> None:
+    """Replay a recorded motion. The whole path is checked before a robot moves; Ctrl-C stops.
+
+    docs/how-to/motion-files.md explains the file format.
+    """
+    from beatrix_zenoh.recording.follow import robot_of
+    from beatrix_zenoh.recording.path import path_of
+    from beatrix_zenoh.recording.replay import replay as perform
+
+    checked_factor(speed_factor)
+    check_lead(lead, on)
+    read = None if file.suffix == RECORDING else read_motion_file(file)
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        robots = targets.robots()
+        infos = [robot.info() for robot in robots]
+
+        def path() -> ArmPath:
+            if read is None:
+                return recorded_path(file, targets.name)
+            return path_of(read, Neck(robot_of(infos[0]).geometry))
+
+        following = plan_path(path().at_speed(speed_factor), infos)
+        with stop_on_interrupt(robots, as_json=as_json), progress(following.duration_s) as passed:
+            if len(robots) > 1:
+                replay_both(targets, following, passed, lead)
+            else:
+                perform(robots[0], following, passed)
+        show_positions(robots, as_json=as_json)
+
+
+def read_motion_file(file: Path) -> motion_file.MotionFile:
+    """Read a motion file; raises WrongUsage if it cannot be read."""
+    try:
+        return motion_file.read(file)
+    except OSError as error:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
+        ) from error
+
+
+def recorded_path(file: Path, name: str) -> ArmPath:
+    """The path of the robot of this name in a recording, else of the only robot; the simulation if it was recorded.
+
+    Raises:
+        Refused: it contains several robots, and none of this name.
+    """
+    from beatrix_zenoh.cli.recording_files import read_recording
+    from beatrix_zenoh.recording.path import path_of_recording
+    from beatrix_zenoh.recording.series import of_samples
+
+    found = read_recording(file)
+    names = {robot for robot, _ in found.robots}
+    chosen = name if name in names else min(names)
+    if name not in names and len(names) > 1:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{file} contains {', '.join(sorted(names))}, and not {name}: select one with --name.",
+        )
+    twin = "sim" if (chosen, "sim") in found.robots else "hw"
+    samples = found.robots[chosen, twin]
+    return path_of_recording(f"{file}, {chosen} ({twin})", of_samples(samples, int(samples.time_ns[0])))
+
+
+def plan_path(path: ArmPath, infos: list[Info]) -> Following:
+    """Plan and check the whole path for each robot, and print a summary; raises Refused with line and time."""
+    from beatrix_zenoh.recording.follow import follow, robots_of
+
+    if path.duration_s > LONG_S:
+        note(f"Checking a path of {path.duration_s:.0f} s.")
+    following, *_ = [follow(path, robot) for robot in robots_of(infos)]
+    note(
+        f"Checked: {following.duration_s:.1f} s, {len(following.targets)} targets; the arms stay within "
+        f"{following.off_deg:.1f}° of the path."
+    )
+    return following
+
+
+def replay_both(targets: Targets, following: Following, passed: Callable[[float], None], lead: float) -> None:
+    """Replay on both robots, the simulation first."""
+    from beatrix_zenoh.recording.replay import replay as perform
+
+    settings = targets.client.settings
+    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
+        perform(twin, following, passed, lead_s=lead)
+
+
+@contextmanager
+def progress(duration_s: float) -> Iterator[Callable[[float], None]]:
+    """A function that shows the time passed: in a bar, or if stderr is not a terminal in a note every few seconds."""
+    next_s = 0.0
+
+    def show_line(passed_s: float) -> None:
+        nonlocal next_s
+        if passed_s >= next_s:
+            note(f"Replay: {passed_s:.0f} of {duration_s:.0f} s.")
+            next_s += PROGRESS_S
+
+    with progress_bar("Replay", duration_s) as bar:
+        yield show_line if bar is None else bar

@@ -1,0 +1,116 @@
+"""Run a verb: an expected error becomes one sentence and an exit code, never a traceback."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import cast
+
+import typer
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.output import (
+    FAILED,
+    INTERRUPTED,
+    STDOUT,
+    UNREAD,
+    USAGE,
+    exit_code,
+    note,
+    print_failure,
+)
+from beatrix_zenoh.errors import BeatrixError, WrongUsage
+
+EXTRA_ARGUMENT = "Got unexpected extra argument"
+"""The beginning of typer's message about a word that belongs to no option."""
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+USAGE_ERROR = cast("type[typer.BadParameter]", typer.BadParameter.__base__)
+"""The class that typer raises for all wrong usage; only this subclass of it is public."""
+
+
+def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
+    """Run the verb and return the exit code. Expected errors are printed; other exceptions propagate."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without a degree sign must not make a verb fail
+    try:
+        return _invoke(app, words, program)
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError) and error.errno not in DISK_FULL:
+            raise
+        return unwritten(error)
+
+
+def run_command(command: Callable[..., None], program: str, words: Sequence[str] | None) -> int:
+    """As `run`, for a program that is one verb; `words` are by default those of the process."""
+    app = typer.Typer(add_completion=False, rich_markup_mode=None)
+    app.command()(command)
+    return run(app, sys.argv[1:] if words is None else words, program)
+
+
+def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
+    as_json = "--json" in words  # typer may fail before it reads the option
+    command = typer.main.get_command(app)
+    try:
+        _check_repeated_options(command, words)
+        with command.make_context(program, list(words)) as context:
+            command.invoke(context)
+    except typer.Exit as end:
+        return end.exit_code
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except USAGE_ERROR as error:
+        error.message = _with_options(error)
+        if as_json:
+            print_failure(Reason.BAD_VALUE, error.format_message())
+        else:
+            error.show()
+        return USAGE
+    except BeatrixError as error:
+        if as_json:
+            print_failure(error.reason, error.message)
+        else:
+            note(error.message)
+        return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
+    return 0
+
+
+def _check_repeated_options(command: object, words: Sequence[str]) -> None:
+    """Raise BadParameter for an option with a value that is given twice: typer would silently use the last."""
+    verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
+    for option in getattr(verb, "params", ()):
+        if option.param_type_name != "option" or option.multiple or option.is_flag:
+            continue
+        given = [name for name in (word.partition("=")[0] for word in words) if name in option.opts]
+        if len(given) > 1:
+            raise typer.BadParameter(f"{given[0]} is given {len(given)} times: give it once.")
+
+
+def _with_options(error: typer.BadParameter) -> str:
+    """The message; for a value without an option (`beatrix hw /dev/ttyACM0`) with the options that take one."""
+    if error.ctx is None or not error.message.startswith(EXTRA_ARGUMENT):
+        return error.message
+    named = [
+        max(parameter.opts, key=len)
+        for parameter in error.ctx.command.params
+        if parameter.param_type_name == "option" and not getattr(parameter, "is_flag", False)
+    ]
+    if not named:
+        return error.message
+    return f"{error.message}. A value follows the name of its option: {', '.join(named)}."
+
+
+def unwritten(error: OSError) -> int:
+    """Handle an error of writing to stdout and return the exit code; print nothing if the reader closed the pipe."""
+    # Python would try to write the rest of the buffer again when it exits, and print another error.
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, STDOUT)
+    if isinstance(error, BrokenPipeError):
+        return UNREAD
+    with contextlib.suppress(OSError):
+        note(f"Cannot write the result: {error.strerror}. Free some space, or write it elsewhere.")
+    return FAILED

@@ -1,0 +1,117 @@
+"""The robots that a verb applies to, and a session to reach them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Which
+from beatrix_zenoh.cli.output import note
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.settings import Settings, resolve
+
+Present = Sequence[tuple[str, str]]
+"""Name and twin of every robot on line."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Robot name, router endpoint and seat from the command line; None for each that was not given."""
+
+    name: str | None
+    connect: str | None
+    who: str | None
+
+
+@dataclass(frozen=True)
+class Targets:
+    """A session, and the robots selected."""
+
+    client: Client
+    name: str
+    twins: tuple[str, ...]
+
+    def robots(self) -> list[Robot]:
+        """The robots selected, the simulation first."""
+        return [Robot(self.name, twin, client=self.client) for twin in self.twins]
+
+
+@contextlib.contextmanager
+def open_targets(
+    selection: Selection, which: Which | None, *, acts: bool = False, both: bool = False
+) -> Iterator[Targets]:
+    """Open a session and select the robots; notes on stderr which robot is used if no name was given.
+
+    Args:
+        selection: from the command line.
+        which: the value of --on.
+        acts: the verb acts on the robots: note if it uses the hardware because no simulation is on line.
+        both: without --on select both robots of the name if both are on line.
+
+    Raises:
+        NoAnswer: no router answers, or no robot is on line.
+        Refused: several robots are on line, and no name was given.
+    """
+    settings = resolve(selection.name, selection.connect, selection.who)
+    with Client(settings) as client:
+        present = client.bus.robots()
+        name = settings.robot
+        if not is_named(selection, settings) and not any(robot == name for robot, _ in present):
+            name = only_name(present, client.bus.endpoint)
+            note(f"Using robot {name}, the only one on line.")
+        if both and which is None and {(name, twin) for twin in names.TWINS} <= {*present}:
+            which = Which.BOTH
+        twins = select_twins(name, which, present, client.bus.endpoint)
+        if acts and which is None and twins == ("hw",):
+            note(f"No simulation of {name} is on line: using the hardware.")
+        yield Targets(client, name, twins)
+
+
+def is_named(selection: Selection, settings: Settings) -> bool:
+    """Return whether the user named the robot: by option, environment or file."""
+    own = settings.account.robot if settings.account is not None else ""
+    default = own or names.default_robot()
+    by_setting = settings.robot == os.environ.get("BEATRIX_ROBOT") or settings.robot != default
+    return bool(selection.name) or by_setting
+
+
+def only_name(present: Present, endpoint: str) -> str:
+    """The name of the only robot on line; raises the errors of `open_targets`."""
+    found = sorted({robot for robot, _ in present})
+    if not found:
+        raise NoAnswer(
+            Reason.NO_ANSWER,
+            f"No robot is on line at {endpoint}. Start a simulation with `beatrix sim` or `beatrix up`.",
+        )
+    if len(found) > 1:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"Several robots are on line: {', '.join(found)}. Choose one with --name or BEATRIX_ROBOT.",
+        )
+    return found[0]
+
+
+def select_twins(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:
+    """The twins of --on; without it the simulation if it is on line, otherwise the hardware.
+
+    Raises:
+        NoAnswer: --on both, and one is not on line: then neither may move.
+    """
+    if which is Which.BOTH:
+        missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]
+        if missing:
+            raise NoAnswer(
+                Reason.NO_ANSWER,
+                f"--on both needs both robots. Not on line at {endpoint}: {', '.join(missing)}. "
+                "`beatrix ls` shows the robots on line.",
+            )
+        return names.TWINS
+    if which is not None:
+        return (which.value,)
+    return ("hw",) if (name, "hw") in present and (name, "sim") not in present else ("sim",)

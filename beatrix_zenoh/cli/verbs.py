@@ -1,0 +1,98 @@
+"""The verbs of `beatrix`, and the typer application made of them."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from beatrix_zenoh.cli.output import say
+
+VERBS = {
+    "demo": "demo",
+    "up": "up",
+    "router": "serving",
+    "sim": "serving",
+    "hw": "serving",
+    "gui": "serving",
+    "ls": "listing",
+    "info": "listing",
+    "echo": "echo",
+    "hz": "hz",
+    "top": "top",
+    "graph": "graph",
+    "look": "motions",
+    "move": "motions",
+    "home": "motions",
+    "play": "play",
+    "replay": "replay",
+    "compare": "compare",
+    "enable": "commands",
+    "disable": "commands",
+    "calibrate": "commands",
+    "stop": "stop",
+    "reset": "commands",
+    "lease": "lease",
+    "freeze": "lease",
+    "unfreeze": "lease",
+    "limit": "lease",
+    "record": "record",
+    "view": "view",
+    "doctor": "doctor",
+    "flash": "serving",
+    "classroom": "classroom",
+    "join": "classroom",
+}
+"""Each verb and its module, in the order of the help text."""
+PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+"""Settings of verbs that pass their options to another program."""
+PROCESSES = ("sim", "hw", "gui", "flash")
+SETTINGS: dict[str, dict[str, object]] = {
+    **dict.fromkeys(PROCESSES, PASS_THROUGH),
+    "move": {"ignore_unknown_options": True},  # so that -10 is an angle and not an option
+}
+HELP = """Control BEATRIX, the humanoid head: the simulation, the robot, or both. All angles are in degrees.
+
+`beatrix VERB --help` explains a verb. Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 no answer, 4 timed out,
+130 ended by Ctrl-C, 141 the reader of the output has closed the pipe.
+"""
+
+
+def print_version(given: bool) -> None:
+    """Print the installed version and exit if the option is given."""
+    if given:
+        from beatrix_zenoh.cli.checks import DISTRIBUTION, version
+
+        say(f"beatrix {version(DISTRIBUTION) or 'from its sources, not installed'}")
+        raise typer.Exit
+
+
+def application(words: Sequence[str]) -> typer.Typer:
+    """The application with the verb that is the first of `words`, or with all verbs if the first word is no verb.
+
+    It imports the modules of these verbs only.
+    """
+    app = typer.Typer(
+        help=HELP,
+        add_completion=False,
+        rich_markup_mode=None,  # importing rich would delay every verb by 0.1 s
+        no_args_is_help=True,
+    )
+
+    @app.callback(help=HELP)
+    def beatrix(
+        _version: Annotated[
+            bool,
+            typer.Option(
+                "--version", is_eager=True, callback=print_version, help="Print the version and exit."
+            ),
+        ] = False,
+    ) -> None:
+        pass
+
+    for name in words[:1] if words and words[0] in VERBS else VERBS:
+        module = importlib.import_module(f"beatrix_zenoh.cli.{VERBS[name]}")
+        app.command(name, context_settings=SETTINGS.get(name))(getattr(module, name))
+    return app

@@ -1,0 +1,154 @@
+"""`beatrix view`: show the live robots, or a recording, in the Rerun viewer."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+from urllib.parse import quote
+
+import typer
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Cameras, Connect, Names, ViewerPort, Who
+from beatrix_zenoh.cli.output import FAILED, note, say
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.viewer import PORT, WEB_PORT, check_recording
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.shutdown import POLL_S, Shutdown
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.recording.recorder import Recorder
+    from beatrix_zenoh.recording.viewer import Viewer
+
+
+def view(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="FILE.rrd", help="A recording; default: the live robots.")
+    ] = None,
+    name: Names = None,
+    cameras: Cameras = 10.0,
+    web: Annotated[
+        bool,
+        typer.Option(
+            "--web", help="Show them in a browser on this computer; other computers cannot connect."
+        ),
+    ] = False,
+    port: ViewerPort = PORT,
+    web_port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the web page.")] = WEB_PORT,
+    connect: Connect = None,
+    who: Who = None,
+) -> None:
+    """Show the live robots, or a recording, in the Rerun viewer.
+
+    Ends when the viewer's window is closed, or with Ctrl-C.
+    """
+    if file is not None and not file.is_file():
+        raise Refused(Reason.BAD_VALUE, f"{file}: there is no such file.")
+    for robot in name or []:
+        names.check_name(robot)
+    shutdown = Shutdown()
+    shutdown.handle_signals()
+    page = web_port if web else None
+    if file is not None:
+        from beatrix_zenoh.cli.recording_files import note_if_incomplete
+
+        check_recording(file)
+        viewer = open_viewer(port, str(file), web_port=page)
+        try:
+            announce(port, page, str(file))
+            note_if_incomplete(file)
+            wait_for(viewer, shutdown)
+        finally:
+            if viewer is not None:
+                viewer.end()
+    else:
+        show_live(resolve(None, connect, who), shutdown, name or [], cameras, port, page)
+
+
+def announce(port: int, web_port: int | None, what: str) -> None:
+    """Print `ready`, and the address of the web page if there is one."""
+    if web_port is None:
+        say(f"ready {what}")
+        return
+    data = quote(f"rerun+http://127.0.0.1:{port}/proxy", safe="")
+    say(f"ready http://127.0.0.1:{web_port}?url={data}")
+    note("Open this address in a browser on this computer.")
+
+
+def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer | None:
+    """Start a viewer; None if one is open already that accepts live data.
+
+    Args:
+        port: on which it accepts data.
+        words: files to show.
+        web_port: of the web page; None: show a window instead.
+
+    Raises:
+        Refused: BAD_VALUE, Rerun is not installed, the port is taken, or no window can be opened here.
+        NoAnswer: TIMED_OUT.
+    """
+    from beatrix_zenoh.recording.viewer import Viewer, answers, free_port
+
+    if web_port is None and answers(port):
+        if not words:
+            note(f"Using the viewer that is open on port {port}.")
+            return None
+        port = free_port()
+    if web_port is None:
+        viewer = Viewer(port, *words)
+    else:
+        viewer = Viewer(port, *words, "--serve-web", "--web-viewer-port", str(web_port))
+    try:
+        viewer.wait_ready()
+        if web_port is not None:
+            viewer.wait_ready(web_port)
+    except BaseException:
+        viewer.end()
+        raise
+    return viewer
+
+
+def show_live(
+    settings: Settings, shutdown: Shutdown, robots: list[str], cameras: float, port: int, web_port: int | None
+) -> None:
+    """Send what robots publish to a viewer until it is closed; arguments as those of `view`."""
+    with Client(settings, announce=False) as client:
+        viewer = open_viewer(port, web_port=web_port)
+        from beatrix_zenoh.recording.live_output import LiveOutput
+        from beatrix_zenoh.recording.recorder import Recorder
+
+        recorder = Recorder(client, [LiveOutput(port, note)], note, names=robots, cameras_hz=cameras)
+        try:
+            announce(port, web_port, "live robots")
+            wait_for(viewer, shutdown, recorder)
+        finally:
+            if viewer is not None:
+                viewer.end()  # first: the recorder would wait for a viewer that reads nothing
+            closed = recorder.close()
+    leave(0, closed=closed)
+
+
+def leave(code: int, *, closed: bool) -> None:
+    """End the verb with this exit code; not `closed`: end the process at once, because Rerun would wait for its viewer."""
+    if not closed:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+    if code:
+        raise typer.Exit(code)
+
+
+def wait_for(viewer: Viewer | None, shutdown: Shutdown, recorder: Recorder | None = None) -> None:
+    """Wait until the window is closed or a shutdown is requested; raises typer.Exit if the viewer has failed."""
+    while not shutdown.requested(POLL_S):
+        if recorder is not None:
+            recorder.check()
+        if viewer is not None and viewer.code is not None:
+            if viewer.code:
+                note(viewer.ending())
+                raise typer.Exit(FAILED)
+            return

@@ -1,0 +1,83 @@
+"""Offsets between a robot's clocks and those of this computer."""
+
+from __future__ import annotations
+
+import time
+from typing import NamedTuple
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Clock
+from beatrix_zenoh.client.session import Client
+
+TRIES = 20
+
+
+class Offset(NamedTuple):
+    """Robot's clock minus this computer's, and the largest possible error (half the round trip), s."""
+
+    offset: float
+    bound: float
+
+    @property
+    def certain(self) -> float:
+        """The offset, or 0 if 0 is within its error: on one computer both read the same clock."""
+        return 0.0 if abs(self.offset) <= self.bound else self.offset
+
+    @property
+    def offset_ns(self) -> int:
+        """The offset in ns."""
+        return round(self.offset * 1e9)
+
+    @property
+    def bound_ns(self) -> int:
+        """The largest error in ns."""
+        return round(self.bound * 1e9)
+
+
+class Offsets(NamedTuple):
+    """Offsets of both clocks of a robot, wall clock and monotonic clock."""
+
+    wall: Offset
+    mono: Offset
+
+
+def clock_offset(
+    client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
+) -> Offset:
+    """Offset of the wall clock; arguments as of `clock_offsets`."""
+    return clock_offsets(client, robot, twin, timeout_s=timeout_s, tries=tries).wall
+
+
+def clock_offsets(
+    client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
+) -> Offsets:
+    """Measure the offsets with several round trips; the fastest has the smallest error (Cristian, 1989).
+
+    A round trip takes 0.4 ms on loopback.
+
+    Args:
+        client: the session.
+        robot: name of the robot.
+        twin: `sim` or `hw`.
+        timeout_s: time limit of each reply.
+        tries: number of round trips.
+
+    Raises:
+        NoAnswer: as `Robot.status`.
+    """
+    return min(
+        (_round_trip(client, robot, twin, timeout_s) for _ in range(tries)),
+        key=lambda found: found.wall.bound,
+    )
+
+
+def _round_trip(client: Client, robot: str, twin: str, timeout_s: float) -> Offsets:
+    """Offsets from one query, on the assumption that the robot has read its clocks half-way."""
+    key = keys.clock(robot, twin)
+    asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
+    clock = client.ask(robot, twin, key, None, Clock, timeout_s)
+    heard_mono, heard_wall = time.monotonic_ns(), time.time_ns()
+    bound = (heard_mono - asked_mono) / 2e9
+    wall = Offset((2 * clock.t_wall_ns - asked_wall - heard_wall) / 2e9, bound)
+    mono = Offset((2 * clock.t_mono_ns - asked_mono - heard_mono) / 2e9, bound)
+    return Offsets(wall, mono)

@@ -1,0 +1,25 @@
+"""STOP and EMERGENCY_STOP to many robots at once."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply
+from beatrix_zenoh.client.request import GroupRequest
+from beatrix_zenoh.client.session import Client
+
+STOP_S = 3.0
+"""Time limit of the replies; the slowest stop, from 90 deg/s, takes half a second."""
+PRIORITY = "real_time"
+
+
+def request_stop(
+    client: Client, robot: str = "*", twin: str = "*", *, emergency: bool = False
+) -> GroupRequest[CommandReply]:
+    """Send STOP or EMERGENCY_STOP to all matching robots; `replies` of the result waits for at most STOP_S."""
+    if emergency:
+        query = CommandQuery(command=Command.EMERGENCY_STOP.value)
+        key = keys.command(robot, twin, client.settings.who)
+        return GroupRequest(client, key, query, CommandReply, STOP_S, PRIORITY)
+    # A foreign queryable may take the query, so STOP is also published; before it, so that replies cover both.
+    client.put_stop(robot, twin)
+    return GroupRequest(client, keys.stop(robot, twin), None, CommandReply, STOP_S)

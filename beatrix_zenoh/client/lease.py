@@ -1,0 +1,102 @@
+"""Leases of the SDK: a program takes a robot for longer than a motion; the teacher governs the robots."""
+
+from __future__ import annotations
+
+import math
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
+from beatrix_zenoh.client.queries import number
+from beatrix_zenoh.errors import NoAnswer, Refused
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.robot import Robot
+
+
+class Lease:
+    """A robot that this program has taken: `with robot.lease(): …`. `Robot.lease` makes it.
+
+    The robot's motions carry its number, so that none is carried out under a lease that has ended.
+    """
+
+    def __init__(self, robot: Robot, wait_s: float) -> None:
+        self._robot = robot
+        self.number = take(robot, wait_s)
+        robot.lease_number = self.number
+
+    def close(self) -> None:
+        """Give the robot back; raises NoAnswer if it does not answer: the lease ends with this program's session then."""
+        if self._robot.lease_number == self.number:
+            self._robot.lease_number = 0
+            ask(self._robot, LeaseAction.GIVE_BACK)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def take(robot: Robot, wait_s: float) -> int:
+    """Take a robot, waiting in the queue for up to `wait_s` (s); returns the number of the lease; raises Refused."""
+    reply = ask(robot, LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE)
+    if reply.lease:
+        return reply.lease
+    deadline_s = time.monotonic() + wait_s
+    try:
+        holder = _wait_for_turn(robot, reply.holder, deadline_s)
+    except BaseException:
+        ask(robot, LeaseAction.GIVE_BACK)
+        raise
+    if holder:
+        ask(robot, LeaseAction.GIVE_BACK)
+        raise refusals.taken_by(holder)
+    return ask(robot, LeaseAction.TAKE).lease
+
+
+def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
+    """Wait until the robot is handed over; the seat that still holds it at `deadline_s` (monotonic clock, s), or empty."""
+    with robot.status_stream() as statuses:
+        while (left_s := deadline_s - time.monotonic()) > 0:
+            try:
+                status: Status = statuses.next(left_s)
+            except NoAnswer as error:
+                if error.reason is not Reason.TIMED_OUT:
+                    raise
+                break
+            if status.holder == robot.client.settings.who and status.lease:
+                return ""
+            holder = status.holder
+    return holder
+
+
+def freeze(robot: Robot) -> LeaseReply:
+    """Stop a robot and let only the teacher move it; raises Refused (TEACHER_ONLY) for other seats."""
+    return ask(robot, LeaseAction.FREEZE)
+
+
+def unfreeze(robot: Robot) -> LeaseReply:
+    """Let every seat move a robot again; raises the errors of `freeze`."""
+    return ask(robot, LeaseAction.UNFREEZE)
+
+
+def limit_speed(robot: Robot, speed: float | None) -> LeaseReply:
+    """Limit the speed of every arm to `speed` (deg/s), None ends the limit; raises Refused."""
+    limit = 0.0 if speed is None else math.radians(number("speed", speed, "deg/s"))
+    return ask(robot, LeaseAction.LIMIT, limit)
+
+
+def ask(robot: Robot, action: LeaseAction, speed: float = 0.0) -> LeaseReply:
+    """Send a lease query (speed in rad/s); raises Refused or NoAnswer."""
+    key = keys.lease(robot.name, robot.twin, robot.client.settings.who)
+    query = LeaseQuery(action=action, speed=speed)
+    reply = robot.client.ask(*robot.place, key, query, LeaseReply, robot.timeout_s)
+    if not reply.result:
+        raise Refused(reply.reason, reply.message, reply.detail)
+    return reply

@@ -1,0 +1,176 @@
+"""Live state of all robots of a router: presence, status, positions, rates, ages, events."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Self
+
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus import Received, Reply
+from beatrix_zenoh.client.clocks import Offsets, clock_offsets
+from beatrix_zenoh.client.request import Place, own_place
+from beatrix_zenoh.client.robot_state import Record, RobotState
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.wakeup import Wakeup
+
+ASK_S = 1.0
+"""Time limit of queries for the state from before the monitor began."""
+ROBOTS = 1000
+"""Largest number of robots; further names, for example of a faulty program, are ignored."""
+
+
+class Monitor:
+    """All robots of a router, live; read their states with `robots` and `robot`.
+
+        with Robot("bea1") as robot, Monitor(robot.client) as monitor:
+            monitor.settle()  # until the first status of each robot has come
+            print([state.robot for state in monitor.robots()])
+
+    Zenoh's thread only enqueues. Payloads are decoded when a state is read, and only the newest positions and status,
+    so that 30 robots with 50 positions a second cost little. Undecodable payloads are skipped and logged once. Only one
+    thread may read.
+    """
+
+    def __init__(self, client: Client, robot: str = "*", twin: str = "*", *, events: int = 0) -> None:
+        """Query the robots on line and begin to monitor.
+
+        Args:
+            client: the session.
+            robot: name of one robot, or `*`.
+            twin: `sim`, `hw` or `*`.
+            events: number of events kept for each robot, at most 200 earlier ones; 0: do not subscribe to events.
+
+        Raises:
+            WrongUsage: the client was closed.
+        """
+        self._client, self._events = client, events
+        self._wakeup = Wakeup()
+        self._adding = threading.Lock()
+        self._changes = self._seen = 0
+        self._records: dict[Place, Record] = {}
+        self._puts: dict[str, Callable[[bytes], None]] = {}
+        bus = client.bus
+        # Queried before the subscription to tokens, because just after it Zenoh answers such a query with nothing.
+        for token in bus.tokens(keys.alive(robot, twin), ASK_S):
+            self._on_token(token, alive=True)
+        self._undeclare = [
+            bus.subscribe(keys.positions(robot, twin), self._on_positions),
+            bus.subscribe(keys.status(robot, twin), self._on_change),
+            bus.watch_tokens(keys.alive(robot, twin), self._on_token),
+        ]
+        past = [keys.status(robot, twin)]
+        if events:
+            self._undeclare.append(bus.subscribe(keys.events(robot, twin), self._on_change))
+            past.append(keys.events(robot, twin))
+        for key in past:
+            query = bus.query(key, None, codec.MSGPACK, timeout_s=ASK_S)
+            query.hand_over(lambda answer, key=key: self._on_answer(key, answer))  # type: ignore[misc]
+            self._undeclare.append(query.close)
+        self._forget = client.at_close(self.close)
+
+    # -- Zenoh's thread: enqueue, nothing else ------------------------------------------------------
+
+    def _on_positions(self, received: Received) -> None:
+        put = self._puts.get(received.key) or self._put_of(received.key)
+        if put is not None:
+            put(received.payload)
+
+    def _on_change(self, received: Received) -> None:
+        self._on_positions(received)
+        self._changed()
+
+    def _on_answer(self, asked: str, answer: Reply) -> None:
+        place = None if answer.error else own_place(asked, answer.key)
+        record = None if place is None else self._record(place)
+        if record is None:
+            return
+        if answer.key == keys.events(record.robot, record.twin):
+            record.events.put_past(answer.payload)
+        elif record.status.empty:  # a later publication is newer
+            record.status.put(answer.payload)
+        self._changed()
+
+    def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001
+        parts = keys.parse(key)
+        record = None if parts is None else self._record((parts.robot, parts.twin))
+        if record is not None:
+            record.alive = alive
+            self._changed()
+
+    def _put_of(self, key: str) -> Callable[[bytes], None] | None:
+        """The function that stores publications of a key; None if it is not a robot's key."""
+        parts = keys.parse(key)
+        record = None if parts is None or "*" in key else self._record((parts.robot, parts.twin))
+        if record is None:
+            return None
+        puts = {
+            keys.positions(record.robot, record.twin): record.positions.put,
+            keys.status(record.robot, record.twin): record.status.put,
+            keys.events(record.robot, record.twin): record.events.put,
+        }
+        self._puts |= puts
+        return puts.get(key)
+
+    def _record(self, place: Place) -> Record | None:
+        with self._adding:
+            if place not in self._records and len(self._records) < ROBOTS:
+                self._records[place] = Record(self._client, *place, self._events)
+            return self._records.get(place)
+
+    def _changed(self) -> None:
+        self._changes += 1
+        self._wakeup.set()
+
+    # -- the reader's thread ------------------------------------------------------------------------
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait for a status, an event or a change of presence since the last call; False after the time limit.
+
+        Positions do not end the wait.
+        """
+        changed = self._wakeup.wait_for(lambda: self._changes != self._seen, timeout_s)
+        self._seen = self._changes
+        return changed
+
+    def settle(self, timeout_s: float = ASK_S) -> None:
+        """Wait until the status of every robot on line has arrived, at most `timeout_s`."""
+        self._wakeup.wait_for(self._settled, timeout_s)
+
+    def _settled(self) -> bool:
+        return not any(record.alive and record.status.empty for record in list(self._records.values()))
+
+    def robots(self) -> list[RobotState]:
+        """States of all robots that have been on line since the monitor began, by name, the simulation first."""
+        places = sorted(self._records, key=lambda place: (place[0], place[1] != "sim"))
+        return [self.robot(*place) for place in places]
+
+    def present(self) -> list[Place]:
+        """Name and twin of all robots with a liveliness token, unordered; any thread may call it."""
+        return [place for place, record in list(self._records.items()) if record.alive]
+
+    def robot(self, name: str, twin: str) -> RobotState:
+        """State of one robot; ABSENT if nothing has arrived from it."""
+        record = self._records.get((name, twin))
+        return (Record(self._client, name, twin, 0) if record is None else record).state()
+
+    def measure_clocks(self, name: str, twin: str) -> Offsets:
+        """Measure the offsets of a robot's clocks and keep them for its states; raises NoAnswer as `clock_offsets`."""
+        offsets = clock_offsets(self._client, name, twin)
+        record = self._record((name, twin))
+        if record is not None:
+            record.offsets = offsets
+        return offsets
+
+    def close(self) -> None:
+        """End the subscriptions. May be called twice."""
+        self._forget()
+        while self._undeclare:
+            self._undeclare.pop()()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

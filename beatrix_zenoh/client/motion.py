@@ -1,0 +1,186 @@
+"""A running motion, similar to concurrent.futures.Future."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol, cast
+
+from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.client.dispatcher import Dispatcher
+from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
+
+MARGIN_S = 3.0
+"""Time after the announced end of a motion until its final reply counts as lost."""
+SILENT = (
+    "{} did not report that the motion has ended: it is frozen or not on line, or this computer is very busy."
+)
+
+
+class Replies(Protocol):
+    """The source of the final reply: a `Request`."""
+
+    def reply(self, kind: type[MotionReply], timeout_s: float) -> MotionReply:
+        """The next reply; raises TimeoutError, or NoAnswer if there will be none."""
+
+    def notify(self, notify: Callable[[], None]) -> None:
+        """Call `notify` after every reply."""
+
+    def close(self) -> None:
+        """Wait for no more replies."""
+
+
+class Motion:
+    """A motion that a robot has accepted.
+
+    Several threads may use it. Zenoh's threads only enqueue the final reply; the thread that waits for it reads it.
+    Callbacks of `add_done_callback` run in one thread per client, "beatrix-callbacks", which starts with the first.
+    """
+
+    def __init__(
+        self,
+        robot: str,
+        replies: Replies,
+        accepted: MotionReply,
+        stop: Callable[[], CommandReply],
+        dispatcher: Dispatcher,
+    ) -> None:
+        self._robot, self._replies, self._stop, self._dispatcher = robot, replies, stop, dispatcher
+        self.duration = accepted.duration
+        """Announced duration, s."""
+        self.accepted = accepted
+        """The robot's first reply: number of the motion and the goal of the arms."""
+        self._lost_s = time.monotonic() + self.duration + MARGIN_S
+        self._reading = threading.Lock()
+        """Held by the thread that reads replies."""
+        self._state = threading.Lock()
+        self._end: MotionReply | BeatrixError | None = None
+        self._callbacks: list[Callable[[Motion], object]] = []
+        self._look_again = False
+
+    def __repr__(self) -> str:
+        end = self._end
+        text = f"{self.duration:.1f} s" if end is None else end.message
+        return f"<motion of {self._robot}: {text}>"
+
+    def done(self) -> bool:
+        """Return whether the motion has ended, at its goal or elsewhere."""
+        self._read(0.0)
+        return self._end is not None
+
+    def running(self) -> bool:
+        """Return whether the motion has not ended yet."""
+        return not self.done()
+
+    def result(self, timeout: float | None = None) -> MotionReply:
+        """Wait until the head has reached its goal, and return the robot's final reply.
+
+        Args:
+            timeout: s; None: `duration` and 3 s.
+
+        Raises:
+            TimeoutError: the motion still runs after `timeout`.
+            Interrupted: the motion was stopped or replaced, or the robot was lost.
+            NoAnswer: the robot or the router was lost, or the robot did not report the end.
+        """
+        end = self._wait(timeout)
+        if (error := _error(end)) is not None:
+            raise error
+        return cast("MotionReply", end)
+
+    def exception(self, timeout: float | None = None) -> BeatrixError | None:
+        """Wait as `result` and return the error that `result` would raise; None if the head arrived.
+
+        Raises:
+            TimeoutError: the motion still runs after `timeout`.
+        """
+        return _error(self._wait(timeout))
+
+    def _wait(self, timeout: float | None) -> MotionReply | BeatrixError:
+        self._read(self._left() if timeout is None else timeout)
+        if self._end is None:
+            raise TimeoutError(f"The motion of {self._robot} still runs after {timeout or 0.0:g} s.")
+        return self._end
+
+    def wait(self) -> MotionReply:
+        """Wait as `result`; Ctrl-C stops the robot, and the KeyboardInterrupt names its position."""
+        try:
+            return self.result()
+        except KeyboardInterrupt as interrupt:
+            raise KeyboardInterrupt(f"{self._robot}: {self._stop().message}") from interrupt
+
+    def cancel(self) -> bool:
+        """Stop the robot and return when its arms rest; return False without STOP if the motion had ended.
+
+        Raises as `Robot.stop`.
+        """
+        if self.done():
+            return False
+        self._stop()
+        return True
+
+    def add_done_callback(self, call: Callable[[Motion], object]) -> None:
+        """Call `call(motion)` when the motion has ended; at once in this thread if it has ended already.
+
+        Otherwise the client's thread for callbacks runs it; its exceptions are logged.
+        """
+        with self._state:
+            ended = self._end is not None
+            if not ended:
+                self._callbacks.append(call)
+        if ended:
+            call(self)
+        else:
+            self._replies.notify(lambda: self._dispatcher.call(self._look))
+            self._dispatcher.call(self._look, self._lost_s)
+
+    def _look(self) -> None:
+        """Read replies for the callbacks; a thread that is already reading calls this afterwards."""
+        self._look_again = True
+        self._read(0.0)
+
+    def _left(self) -> float:
+        return max(0.0, self._lost_s - time.monotonic())
+
+    def _read(self, timeout_s: float) -> None:
+        """Read the final reply within `timeout_s`, or wait for the thread that is already reading."""
+        if self._end is not None:
+            return
+        deadline = time.monotonic() + timeout_s
+        if not self._reading.acquire(timeout=timeout_s):
+            return
+        try:
+            self._look_again = False
+            if self._end is None:
+                self._settle(self._next(max(0.0, deadline - time.monotonic())))
+        finally:
+            self._reading.release()
+        if self._look_again:
+            self._dispatcher.call(self._look)
+
+    def _next(self, timeout_s: float) -> MotionReply | BeatrixError | None:
+        try:
+            return self._replies.reply(MotionReply, min(timeout_s, self._left()))
+        except NoAnswer as error:
+            return error
+        except TimeoutError:
+            return None if self._left() else NoAnswer(Reason.TIMED_OUT, SILENT.format(self._robot))
+
+    def _settle(self, end: MotionReply | BeatrixError | None) -> None:
+        if end is None:
+            return
+        with self._state:
+            self._end = end
+            callbacks, self._callbacks = self._callbacks, []
+        self._replies.close()
+        for call in callbacks:
+            self._dispatcher.call(partial(call, self))
+
+
+def _error(end: MotionReply | BeatrixError) -> BeatrixError | None:
+    """The error of a final reply; None if the head arrived."""
+    if isinstance(end, BeatrixError):
+        return end
+    return None if end.result else Interrupted(end.reason, end.message, end.detail)

@@ -1,0 +1,199 @@
+"""Motion files: CSV with one point per line, a time and the angles of the head or the arms."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from beatrix_zenoh import codec, files
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client.queries import DAY_S
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.errors import WrongUsage, quoted
+
+LONGEST_FILE: Final = 1 << 23
+"""Bytes: four hours at 20 points per second. Longer files are refused."""
+TIME, SPEED, FIGURE = "t_s", "speed_deg_s", "figure"
+HEAD: Final = ("yaw_deg", "pitch_deg", "roll_deg")
+ARMS: Final = ("short_deg", "middle_deg", "long_deg")
+COLUMNS: Final = (TIME, *HEAD, *ARMS, SPEED, FIGURE)
+SEPARATORS: Final = (";", "\t", ",")
+COMMENT: Final = ("#", '"#')
+"""First characters of a comment; a spreadsheet quotes comments that contain a comma."""
+LINE_END: Final = re.compile("\r\n|\r|\n")
+NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+FORM: Final = (
+    f"A motion file has a line of columns, {','.join((TIME, *HEAD))} or {','.join((TIME, *ARMS))}, and then one line a "
+    f"point, as 0.5,10,-5,0; a choreography has the column {SPEED} too."
+)
+Place = HeadAngles | ArmAngles
+
+
+class Point(NamedTuple):
+    """One line: a time and a place."""
+
+    line: int
+    """line number, from 1"""
+    t: float
+    """s from the begin"""
+    place: Place
+    """deg"""
+    speed: float | None = None
+    """deg/s of a choreography's pose; None: as the pose before, or a path, which has no speeds"""
+    figure: str = ""
+    """name of the gesture that begins here; empty: unchanged"""
+
+
+@dataclass(frozen=True)
+class MotionFile:
+    """The contents of a file: points in the order of their times."""
+
+    source: str
+    """the name in error messages"""
+    points: tuple[Point, ...]
+    with_speed: bool
+    """the file has a column of speeds: a choreography, not a path"""
+
+
+def read(path: Path) -> MotionFile:
+    """Read a file.
+
+    Raises:
+        OSError: the file cannot be read.
+        WrongUsage: BAD_VALUE; the message names the wrong line.
+    """
+    content = files.content(
+        path,
+        LONGEST_FILE,
+        called=str(path),
+        form="CSV",
+        nothing="no motion is",
+    )
+    try:
+        return parse(content.decode("utf-8-sig"), str(path))
+    except UnicodeDecodeError as error:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{path} is no text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
+        ) from error
+
+
+def parse(text: str, source: str) -> MotionFile:
+    """Read a motion from its text; `source` is its name in error messages.
+
+    Raises:
+        WrongUsage: BAD_VALUE; the message names the wrong line and the allowed values.
+    """
+    lines = [(number, line) for number, line in enumerate(LINE_END.split(text), 1) if counts(line)]
+    if not lines:
+        raise WrongUsage(Reason.BAD_VALUE, f"{source}: there is no line of columns. {FORM}")
+    (number, first), *rest = lines
+    separator = next((each for each in SEPARATORS if each in first), ",")
+    with refusing(source, number):
+        names = header(cells(first, separator))
+    points: list[Point] = []
+    for number, line in rest:
+        with refusing(source, number):
+            point = point_of(number, names, cells(line, separator), comma=separator != ",")
+            check_order(points[-1].t if points else 0.0, point.t)
+        points.append(point)
+    if not points:
+        raise WrongUsage(Reason.BAD_VALUE, f"{source}: there are no points. {FORM}")
+    return MotionFile(source, tuple(points), SPEED in names)
+
+
+@contextmanager
+def refusing(source: str, line: int) -> Iterator[None]:
+    """Convert errors to WrongUsage that names file and line."""
+    try:
+        yield
+    except (ValueError, csv.Error) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{source}, line {line}: {error}. {FORM}") from error
+
+
+def counts(line: str) -> bool:
+    """Return whether the line is neither a comment nor empty."""
+    return bool(line.strip(" \t,;")) and not line.startswith(COMMENT)
+
+
+def check_order(before: float, t: float) -> None:
+    """Raise ValueError if a time (s) is earlier than the time of the line before."""
+    if t < before:
+        raise ValueError(f"{TIME} is {t:g}, earlier than in the line before ({before:g})")
+
+
+def cells(line: str, separator: str) -> list[str]:
+    """The cells of one line, stripped; raises csv.Error for an open quote."""
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True))]
+
+
+def header(names: list[str]) -> list[str]:
+    """The names of the columns; raises ValueError for unknown, duplicate or missing columns."""
+    while names and not names[-1]:
+        names.pop()
+    for name in names:
+        if name not in COLUMNS:
+            raise ValueError(f"{quoted(name)} is no column; choose from {', '.join(COLUMNS)}")
+        if names.count(name) > 1:
+            raise ValueError(f"the column {name} occurs {names.count(name)} times")
+    triples = [triple for triple in (HEAD, ARMS) if any(name in names for name in triple)]
+    missing = [name for triple in triples or [HEAD] for name in triple if name not in names]
+    if TIME not in names or missing:
+        missing = [TIME] * (TIME not in names) + missing
+        raise ValueError(f"the columns lack {', '.join(missing)}")
+    return names
+
+
+def point_of(line: int, names: Sequence[str], given: Sequence[str], *, comma: bool) -> Point:
+    """The point of one line; raises ValueError, which names the column."""
+    if any(given[len(names) :]):
+        raise ValueError(f"it has {len(given)} cells, and there are {len(names)} columns")
+    row = dict(zip(names, [*given, *[""] * len(names)], strict=False))
+    t = number_of(TIME, row[TIME], comma=comma)
+    if not 0 <= t <= DAY_S:
+        raise ValueError(f"{TIME} is {t:g}: give a number of seconds from 0 to {DAY_S:.0f}")
+    filled = [triple for triple in (HEAD, ARMS) if any(row.get(name) for name in triple)]
+    if len(filled) != 1:
+        raise ValueError("give the angles of the head or those of the arms" + ", not both" * bool(filled))
+    angles = [number_of(name, row[name], comma=comma) for name in filled[0]]
+    place = HeadAngles(*angles) if filled[0] is HEAD else ArmAngles(*angles)
+    speed = None
+    if row.get(SPEED):
+        speed = number_of(SPEED, row[SPEED], comma=comma)
+        if speed <= 0:
+            raise ValueError(f"{SPEED} is {speed:g}: give a number of degrees/s above 0")
+    return Point(line, t, place, speed, row.get(FIGURE, ""))
+
+
+def number_of(name: str, text: str, *, comma: bool) -> float:
+    """A number, with `comma` also with a decimal comma; raises ValueError, which names the column."""
+    if comma:
+        text = text.replace(",", ".")
+    if not NUMBER.fullmatch(text):
+        raise ValueError(f"{name} is {quoted(text) if text else 'empty'}: give a number")
+    number = float(text)
+    if not (math.isfinite(number) and codec.fits(number)):
+        raise ValueError(f"{name} is {number:g}: no message holds a number that large")
+    return number
+
+
+def lines_of(places: Iterable[tuple[float, Place]], comments: Sequence[str] = ()) -> Iterable[str]:
+    """The lines of a path with line feeds: times in s, places in deg, all of the head or all of the arms."""
+    for comment in comments:
+        yield f"# {comment}\n"
+    first = True
+    for t, place in places:
+        if first:
+            yield ",".join((TIME, *(HEAD if isinstance(place, HeadAngles) else ARMS))) + "\n"
+            first = False
+        yield line_of(t, place)
+
+
+def line_of(t: float, place: Place) -> str:
+    """The line of one point, to ms and thousandths of a degree."""
+    return ",".join(f"{value:z.3f}" for value in (t, *place)) + "\n"

@@ -1,0 +1,130 @@
+"""The programs at a router, and the keys that they serve, publish and subscribe to: from the router's own records."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import time
+from collections import defaultdict
+from dataclasses import dataclass, field
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import NoAnswer
+
+RECORDS: Final = re.compile(r"@/[0-9a-f]+/router/(subscriber|queryable|publisher)/(.+)")
+"""Keys of the router's admin space: what is declared, and its key expression."""
+ANSWER_S: Final = 2.0
+
+
+class Sources(msgspec.Struct):
+    """A record of the admin space: the sessions that have declared a key expression."""
+
+    clients: list[str] = []
+
+
+@dataclass
+class Program:
+    """A program at the router: a node, a seat, or one that is known by its session only."""
+
+    title: str
+    robot: tuple[str, str] | None = None
+    """name and twin, if it is a node"""
+    serves: set[str] = field(default_factory=set)
+    publishes: set[str] = field(default_factory=set)
+    subscribes: set[str] = field(default_factory=set)
+
+    def watches(self, node: Program) -> list[str]:
+        """Return the publications of a node that this program subscribes to, such as `state/positions`; sorted."""
+        return sorted(
+            {
+                short(published)
+                for published in node.publishes
+                if any(matches(subscribed, published) for subscribed in self.subscribes)
+            }
+        )
+
+
+def read(client: Client) -> list[Program]:
+    """All programs at the client's router: nodes, seats, others; each sorted by title.
+
+    Raises:
+        NoAnswer: NO_ANSWER, the router does not let this seat read its admin space.
+    """
+    declared = _declarations(client)
+    if not any(declared.values()):
+        raise NoAnswer(
+            Reason.NO_ANSWER,
+            f"The router at {client.bus.endpoint} does not let this seat list its programs. In a class only the seat `teacher` may.",
+        )
+    seats = _seats(client)
+    programs: dict[str, Program] = {}
+    for session, kind, key in sorted(
+        (session, kind, key) for kind, found in declared.items() for session, key in found
+    ):
+        parts = keys.parse(key)
+        programs.setdefault(session, Program(seats.get(session, f"program {session[:8]}")))
+        program = programs[session]
+        if kind != "subscriber" and parts is not None and "*" not in (parts.robot or "*"):
+            program.robot = parts.robot, parts.twin
+        {"queryable": program.serves, "publisher": program.publishes, "subscriber": program.subscribes}[
+            kind
+        ].add(key)
+    for session, title in seats.items():
+        programs.setdefault(session, Program(title))
+    return _merged(list(programs.values()))
+
+
+def _declarations(client: Client) -> dict[str, list[tuple[str, str]]]:
+    """Session and key expression of every declaration, by kind."""
+    found: dict[str, list[tuple[str, str]]] = defaultdict(list)
+    query = client.bus.query("@/*/router/**", None, None)
+    deadline_s = time.monotonic() + ANSWER_S
+    try:
+        with contextlib.suppress(TimeoutError):
+            while (reply := query.next(deadline_s - time.monotonic())) is not None:
+                record = RECORDS.fullmatch(reply.key)
+                if record is None:
+                    continue
+                sources = msgspec.json.decode(reply.payload, type=Sources)
+                found[record[1]] += [(session, record[2]) for session in sources.clients]
+    finally:
+        query.close()
+    return found
+
+
+def _seats(client: Client) -> dict[str, str]:
+    """Title of the seat of each session that has announced one, but for this client's own session."""
+    found = map(keys.parse, client.bus.tokens(keys.seat("*", "*")))
+    return {
+        parts.session: f"seat {parts.who}"
+        for parts in found
+        if parts is not None and parts.session != client.bus.session_id
+    }
+
+
+def _merged(programs: list[Program]) -> list[Program]:
+    """One program for all sessions of a node, and one for all sessions of a seat."""
+    merged: dict[str, Program] = {}
+    for program in programs:
+        title = program.title if program.robot is None else "{} ({})".format(*program.robot)
+        whole = merged.setdefault(title, Program(title, program.robot))
+        whole.serves |= program.serves
+        whole.publishes |= program.publishes
+        whole.subscribes |= program.subscribes
+    return sorted(merged.values(), key=lambda program: (program.robot is None, program.title))
+
+
+def short(key: str) -> str:
+    """A key without `beatrix`, robot and twin: `state/positions`."""
+    return "/".join(key.split("/")[3:]) or key
+
+
+def matches(expression: str, key: str) -> bool:
+    """Return whether a key expression with `*` and `**` matches a key without wildcards."""
+    pattern = re.escape(expression).replace(r"/\*\*", "(?:/.*)?").replace(r"\*\*/", "(?:.*/)?")
+    return re.fullmatch(pattern.replace(r"\*\*", ".*").replace(r"\*", "[^/]*"), key) is not None

@@ -1,0 +1,160 @@
+"""A motion of both robots that was previewed on a copy of the simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from beatrix_zenoh._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.client.lag import furthest
+from beatrix_zenoh.client.queries import true_or_false, wait_s
+from beatrix_zenoh.client.readings import Path, arm_angles, head_angles
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.twin_motion import TwinMotion
+from beatrix_zenoh.client.twin_state import Stand, asked_stand
+from beatrix_zenoh.errors import BeatrixError, Refused
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from beatrix_zenoh.client.twin import Twin
+
+SAME_DEG = 0.1
+"""A microstep is 0.086 deg."""
+UNLIKE = (
+    " Simulation and hardware run with different values: the hardware may move otherwise, or refuse. "
+    "Start both with the same --robot-file."
+)
+Start = tuple[Stand, Stand | None]
+"""Positions of simulation and hardware at the preview; None: no hardware was on line."""
+
+
+class Plan:
+    """A previewed motion that has not been carried out yet."""
+
+    def __init__(
+        self,
+        twin: Twin,
+        query: MotionQuery | PoseQuery,
+        preview: PreviewReply,
+        start: Start,
+        *,
+        alike: bool,
+        during: TwinMotion | None = None,
+    ) -> None:
+        """Keep a preview from `start`, made `during` a motion of the same Twin or at rest."""
+        self._twin, self._query = twin, query
+        self._start, self._during = start, during
+        self.duration = preview.duration
+        """Seconds until the arms rest."""
+        self.verdict = preview.message
+        """The result of the preview in a sentence, and whether it holds for the hardware."""
+        if (elsewhere := distance(start)) > SAME_DEG:
+            self.verdict += f" The hardware stands {elsewhere:.1f}° away from the simulation, so its path was not previewed."
+        if not alike:
+            self.verdict += UNLIKE
+        self.path = Path(
+            preview.t,
+            [arm_angles(arms) for arms in preview.arms],
+            [head_angles(head) for head in preview.head],
+        )
+        self._settled = ""
+        self._motion: TwinMotion | None = None
+
+    def commit(self, lead_s: float = 0.0, *, wait: bool = True) -> TwinMotion:
+        """Carry the motion out: the simulation at once, the hardware `lead_s` (s) later.
+
+        Returns when both have arrived or, with wait=False, when the simulation has accepted it (without lead, both).
+        During the lead, `abort`, STOP at either robot or Ctrl-C stops the simulation and leaves the hardware unmoved;
+        another commit of this Twin replaces this one, and the hardware gets only the new motion. If one robot refuses
+        or is stopped, the other is stopped too.
+
+        Raises:
+            WrongUsage: `lead_s` is not a number from 0 to a day.
+            Refused: one robot refused, may not move now, or has moved since the preview.
+            NoAnswer: one robot is not on line, or has lost its board.
+            Interrupted: the motion of one robot was stopped, or this one was aborted or replaced.
+        """
+        lead_s, waits = wait_s("lead_s", lead_s), true_or_false("wait", wait)
+        self._check_open()
+        sim, hw = self._twin.sim, self._twin.hw
+        motion = self._motion = TwinMotion(sim, hw, self._query, lead_s)  # from here on `abort` can cancel it
+        try:
+            self._twin.check_ready()
+            self._settled = "committed"
+            now = self._check_unmoved(sim), self._check_unmoved(hw)
+        except BeatrixError:
+            self._motion = None
+            raise
+        if self._during is None:
+            motion.measure(*now)
+        if lead_s:
+            motion.watch(self._check_both, self._twin.state.check_there, now[0].t, now[1].t)
+        self._twin.start(motion, wait=waits)
+        return motion
+
+    @property
+    def motion(self) -> TwinMotion | None:
+        """The motion of `commit`, from its begin on; None before, or if `commit` has failed."""
+        return self._motion
+
+    def _check_both(self) -> None:
+        """Raise unless both may still move and have not moved since the preview."""
+        self._twin.check_ready()
+        self._check_unmoved(self._twin.hw)
+
+    def _check_unmoved(self, robot: Robot) -> Stand:
+        """The position of a robot, queried if need be; raises Refused (REPLACED) if it has moved since the preview."""
+        was = self._start[robot is self._twin.hw]
+        now = self._twin.state.stand(robot)
+        if not self._holds(robot, was, now):
+            now = asked_stand(robot)
+        if not self._holds(robot, was, now):
+            what = "was not on line at" if was is None else "has moved, or got another home, since"
+            raise Refused(
+                Reason.REPLACED, f"{robot} {what} this preview, so its path would differ: preview again."
+            )
+        return now
+
+    def _holds(self, robot: Robot, was: Stand | None, now: Stand) -> bool:
+        """Return whether a preview from `was` is valid: the robot rests there, or continues its motion of this Twin."""
+        if was is None or was.calibrations != now.calibrations:
+            return False
+        during = self._during
+        moves = (
+            during is not None and during.running() and (robot is not self._twin.hw or during.hardware_sent)
+        )
+        return moves or furthest(was.arms, now.arms) <= SAME_DEG
+
+    def __repr__(self) -> str:
+        return f"<plan for {self._twin.name}: {self._settled or self.verdict}>"
+
+    def abort(self) -> None:
+        """Discard the plan; if it was committed, stop the simulation, and the hardware if it moves already.
+
+        Raises:
+            Refused: the plan was aborted or carried out before.
+        """
+        if self._motion is None or not self._motion.cancel():
+            self._check_open()
+        self._settled = "aborted"
+
+    def _check_open(self) -> None:
+        if self._settled:
+            raise Refused(Reason.BAD_VALUE, f"This plan was {self._settled} already: make a new preview.")
+
+    def plot(self) -> Figure:
+        """A figure of the path; needs the extra `plot`."""
+        from beatrix_zenoh.recording import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
+
+        return plot.path_figure(self.path)
+
+
+def unlike(one: Info, other: Info) -> bool:
+    """Return whether two robots have different values; False if one has a version without fingerprint."""
+    return None not in (one.fingerprint, other.fingerprint) and one.fingerprint != other.fingerprint
+
+
+def distance(start: Start) -> float:
+    """Distance between the positions of the robots, deg; 0 without hardware."""
+    simulation, hardware = start
+    return 0.0 if hardware is None else furthest(simulation.arms, hardware.arms)

@@ -1,0 +1,98 @@
+"""Positions in degrees."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from beatrix_zenoh._generated.messages import Head, Positions, Vector3
+from beatrix_zenoh.errors import BeatrixError
+
+
+class ArmAngles(NamedTuple):
+    """One number per arm, deg or deg/s."""
+
+    short: float
+    middle: float
+    long: float
+
+    def __str__(self) -> str:
+        return f"short {self.short:z.1f}°, middle {self.middle:z.1f}°, long {self.long:z.1f}°"
+
+
+class HeadAngles(NamedTuple):
+    """Orientation of the head, deg: yaw left, pitch nose-down, roll right-ear-down positive."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+    def __str__(self) -> str:
+        return f"yaw {self.yaw:z.1f}°, pitch {self.pitch:z.1f}°, roll {self.roll:z.1f}°"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Position of a robot in degrees; `t` is the source's monotonic clock in seconds."""
+
+    t: float
+    arms: ArmAngles
+    velocity: ArmAngles
+    commanded: ArmAngles
+    head: HeadAngles
+
+    def __str__(self) -> str:
+        return f"head: {self.head}; arms: {self.arms}"
+
+
+@dataclass(frozen=True)
+class Path:
+    """A previewed path: times in s, arms and head in deg."""
+
+    t: list[float]
+    arms: list[ArmAngles]
+    head: list[HeadAngles]
+
+
+class Suggestion(NamedTuple):
+    """An accepted alternative to a refused motion: deg and deg/s; None: not part of the alternative."""
+
+    arms: ArmAngles | None
+    """for `Robot.move`"""
+    head: HeadAngles | None
+    """for `Robot.look`"""
+    speed: ArmAngles | None
+
+
+def suggestion(refusal: BeatrixError) -> Suggestion | None:
+    """The checked alternative in a refusal's `detail`, in degrees; None if it has none."""
+    other = None if refusal.detail is None else refusal.detail.alternative
+    if other is None:
+        return None
+    return Suggestion(
+        None if other.arms is None else arm_angles(other.arms),
+        None if other.head is None else head_angles(other.head),
+        None if other.speed is None else arm_angles(other.speed),
+    )
+
+
+def arm_angles(vector: Vector3) -> ArmAngles:
+    """Rad to degrees."""
+    return ArmAngles(*(math.degrees(value) for value in (vector.x, vector.y, vector.z)))
+
+
+def head_angles(head: Head) -> HeadAngles:
+    """Rad to degrees."""
+    return HeadAngles(*(math.degrees(value) for value in (head.yaw, head.pitch, head.roll)))
+
+
+def reading(positions: Positions) -> Reading:
+    """Positions of a message, in degrees."""
+    return Reading(
+        t=positions.t_mono_ns / 1e9,
+        arms=arm_angles(positions.position),
+        velocity=arm_angles(positions.velocity),
+        commanded=arm_angles(positions.commanded),
+        head=head_angles(positions.head),
+    )

@@ -1,0 +1,238 @@
+"""Queries to one robot or to many, and error messages for missing replies.
+
+A query reaches every matching queryable, also of foreign programs: only replies on the robot's own key count.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import msgspec
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.bus import Query, Reply
+from beatrix_zenoh.errors import NoAnswer
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.session import Client
+
+STALE_S = 0.02
+"""After a restart of a node, queries of an open session may have no route for this long (zenoh#2767)."""
+LATE_S = 2.0
+"""Extra lifetime of a query after its caller's time limit: a motion that is accepted late must be stopped."""
+ROUTER_S = 0.3
+"""A router that needs longer for a query of tokens counts as frozen."""
+NOTICE_S = 0.2
+"""Zenoh ends the queries of a lost connection before it reports the loss."""
+BACK_S = 0.6
+"""A lost connection is restored within this time if the router answers."""
+
+M = TypeVar("M", bound=msgspec.Struct)
+Place = tuple[str, str]
+"""Name and twin of a robot."""
+
+
+def own_place(asked: str, answered: str) -> Place | None:
+    """Name and twin of the robot if a reply has the robot's own key; else None."""
+    want, found = keys.parse(asked), keys.parse(answered)
+    if want is None or found is None or want.row != found.row or "*" in answered:
+        return None
+    same = all(wanted in ("*", given) for wanted, given in zip(want, found, strict=True))
+    return (found.robot, found.twin) if same else None
+
+
+def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Place, M] | None:
+    """The reply of a robot; None and a log record if the reply is not from a robot."""
+    if answer.error:
+        client.report(answer, f"ignored: an error reply to {asked}, {answer.payload[: codec.LONGEST]!r}.")
+        return None
+    place = own_place(asked, answer.key)
+    if place is None:
+        client.report(answer, f"ignored: a foreign reply to {asked}, not on the robot's own key.")
+        return None
+    message = client.read(answer, kind)
+    return None if message is None else (place, message)
+
+
+class Request:
+    """One query to one robot and its replies; repeated once if it has reached no queryable."""
+
+    def __init__(
+        self,
+        client: Client,
+        place: Place,
+        key: str,
+        request: msgspec.Struct | None,
+        lasts_s: float,
+    ) -> None:
+        """Send the query; replies are received for `lasts_s` and 2 s more."""
+        self._client, self._place, self._key = client, place, key
+        self._payload = None if request is None else codec.encode(request)
+        self._lasts_s = lasts_s + LATE_S
+        self._losses = client.losses
+        self._heard = self._repeated = False
+        self._query = self._ask()
+
+    def _ask(self) -> Query:
+        return self._client.bus.query(self._key, self._payload, codec.MSGPACK, timeout_s=self._lasts_s)
+
+    def next(self, kind: type[M], timeout_s: float) -> M:
+        """The robot's next reply, waiting up to `timeout_s`.
+
+        Raises:
+            NoAnswer: NO_ANSWER, NO_ROUTER, TIMED_OUT, or SHUTDOWN if this program has closed the client.
+        """
+        try:
+            return self.reply(kind, timeout_s)
+        except TimeoutError:
+            raise self._too_late(timeout_s) from None
+
+    def reply(self, kind: type[M], timeout_s: float) -> M:
+        """Return as `next`, but raise TimeoutError if no reply came within `timeout_s`."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            answer = self._query.next(deadline - time.monotonic())
+            if answer is None and not (self._heard or self._repeated or self._client.bus.closed):
+                answer = self._again(deadline)
+            if answer is None:
+                raise self._silence()
+            reply = _read(self._client, self._key, answer, kind)
+            if reply is not None:
+                self._heard = True
+                if isinstance(reply[1], MotionReply | CommandReply):
+                    self._client.replied_s[self._place] = time.monotonic()
+                return reply[1]
+
+    def _again(self, deadline: float) -> Reply | None:
+        """Repeat the query, because just after a node's restart the first can be lost."""
+        self._repeated = True
+        time.sleep(STALE_S)
+        self._query.close()
+        self._query = self._ask()
+        return self._query.next(deadline - time.monotonic())
+
+    def _too_late(self, timeout_s: float) -> NoAnswer:
+        bus = self._client.bus
+        if bus.closed:
+            return self._silence()
+        answers = bus.router_answers(ROUTER_S)
+        if answers:  # a connection that is lost just now also ends the query
+            time.sleep(NOTICE_S)
+        if self._lost():
+            return self._silence()
+        if not answers:
+            return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+        return NoAnswer(
+            Reason.TIMED_OUT,
+            f"{self._name} did not answer within {timeout_s:.1f} s: it is frozen or very busy.",
+        )
+
+    def _silence(self) -> NoAnswer:
+        bus = self._client.bus
+        if bus.closed:
+            return NoAnswer(
+                Reason.SHUTDOWN,
+                f"This program closed its connection before {self._name} had answered. Robots stop the motions of a "
+                "closed connection.",
+            )
+        if not zbus.is_listening(bus.endpoint):
+            return NoAnswer(
+                Reason.NO_ROUTER,
+                f"The router at {bus.endpoint} is lost, so the robots stop their motions. This program reconnects when the "
+                "router returns.",
+            )
+        present = [] if self._lost() else bus.robots()
+        if self._heard and not self._lost():
+            time.sleep(NOTICE_S)
+        return self._interrupted() if self._lost() else self._absence(present)
+
+    def _interrupted(self) -> NoAnswer:
+        """The error for a lost connection to a router that is still there."""
+        bus = self._client.bus
+        deadline = time.monotonic() + BACK_S
+        while not bus.connected:
+            if time.monotonic() > deadline:
+                return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+            time.sleep(STALE_S)
+        return NoAnswer(
+            Reason.NO_ROUTER,
+            f"The connection to the router at {bus.endpoint} was lost although the router is running: this program was "
+            "suspended or very busy, or the network was interrupted. Robots stop the motions of a lost connection. "
+            "This program reconnects by itself: send the request again.",
+        )
+
+    def _lost(self) -> bool:
+        """Return whether the connection is lost now, or was lost since the query was sent."""
+        return not self._client.bus.connected or self._client.losses != self._losses
+
+    def _absence(self, present: list[Place]) -> NoAnswer:
+        robot, twin = self._place
+        if self._place in present:
+            text = f"{self._name} is on line but did not answer: refused by the router, or just closing."
+        else:
+            others = ", ".join(f"{robot} ({twin})" for robot, twin in present) or "no robot"
+            text = (
+                f"{self._name} is not on line at {self._client.bus.endpoint}. On line: {others}. "
+                f"Start it with `beatrix {twin} --name {robot}`, or choose with --name and --on."
+            )
+            if self._heard and twin == "hw":
+                text += " The board stops by itself, half a second after the last frame of its node."
+        return NoAnswer(Reason.NO_ANSWER, text)
+
+    @property
+    def _name(self) -> str:
+        return f"{self._place[0]} ({self._place[1]})"
+
+    def notify(self, notify: Callable[[], None]) -> None:
+        """Call `notify` on Zenoh's thread after every reply; it must not block."""
+        self._query.notify(notify)
+
+    def stop_if_accepted(self) -> None:
+        """End the wait for this motion; stop it if the robot accepts it late."""
+
+        def stop(answer: Reply) -> None:
+            reply = _read(self._client, self._key, answer, MotionReply)
+            if reply is not None and reply[1].result:
+                self._client.put_stop(*self._place)
+
+        self._query.hand_over(stop)
+
+    def close(self) -> None:
+        """Receive no more replies."""
+        self._query.close()
+
+
+class GroupRequest(Generic[M]):
+    """One query to all robots that match a key with wildcards."""
+
+    def __init__(
+        self,
+        client: Client,
+        key: str,
+        request: msgspec.Struct | None,
+        kind: type[M],
+        lasts_s: float,
+        priority: str | None = None,
+    ) -> None:
+        """Send the query; `lasts_s` limits the time of `replies`."""
+        self._client, self._key, self._kind = client, key, kind
+        payload = None if request is None else codec.encode(request)
+        self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S)
+
+    def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:
+        """Name, twin and reply of each robot in the order of arrival within `timeout_s`."""
+        deadline = time.monotonic() + timeout_s
+        try:
+            while (answer := self._query.next(deadline - time.monotonic())) is not None:
+                reply = _read(self._client, self._key, answer, self._kind)
+                if reply is not None:
+                    yield reply
+        except TimeoutError:
+            return
+        finally:
+            self._query.close()

@@ -1,0 +1,254 @@
+"""The SDK: one robot, simulated or real. Synchronous; angles in degrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+
+from msgspec import structs
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import (
+    Command,
+    CommandQuery,
+    CommandReply,
+    Fault,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    TargetQuery,
+    TargetReply,
+)
+from beatrix_zenoh._generated.robot import ALLOWED
+from beatrix_zenoh.client.lease import Lease
+from beatrix_zenoh.client.motion import MARGIN_S, Motion
+from beatrix_zenoh.client.queries import (
+    DAY_S,
+    Speed,
+    motion_query,
+    number,
+    pose_query,
+    seconds,
+    true_or_false,
+)
+from beatrix_zenoh.client.queries import wait_s as wait_seconds
+from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
+
+LONGEST_WAY_DEG = 720.0
+"""Upper bound of one arm's travel: the head turns 180 deg either way, and arms stay between their neighbours."""
+SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
+SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
+
+
+class Robot(RobotBase):
+    """One robot: `Robot("bea1", twin="sim")`. Use it in a `with` block, or close it.
+
+    Args:
+        name: the robot; default BEATRIX_ROBOT, then beatrix.toml, then `user-host`. The first query or motion shows
+            whether it is on line.
+        twin: `sim` or `hw`.
+        connect: the router, default BEATRIX_CONNECT or tcp/127.0.0.1:7447.
+        who: your seat, default BEATRIX_WHO or the user's name.
+        timeout_s: how long to wait for an answer, s.
+        client: a session to share; the caller opens and closes it.
+
+    Raises:
+        WrongUsage: an argument is invalid.
+        NoAnswer: NO_ROUTER.
+    """
+
+    # -- commands -------------------------------------------------------------------------------
+
+    def enable(self) -> None:
+        """Motors on."""
+        self.command(Command.ENABLE)
+
+    def disable(self) -> None:
+        """Motors off; the calibration is lost."""
+        self.command(Command.ENABLE, value=False)
+
+    def calibrate(self) -> None:
+        """Declare the present position home: set the head upright first."""
+        self.command(Command.CALIBRATE)
+
+    def make_ready(self) -> None:
+        """Enable and calibrate the robot as far as needed: set the head upright first.
+
+        Raises:
+            Refused: EMERGENCY: the emergency stop is latched (check the robot, then `reset`); or the robot's reason.
+        """
+        status = self.status()
+        if status.fault is Fault.EMERGENCY:
+            raise refusals.emergency_latched()
+        if not status.enabled:
+            self.enable()
+        if not (status.enabled and status.calibrated):
+            self.calibrate()
+
+    def reset(self) -> None:
+        """Clear the latch of the emergency stop; the motors stay off."""
+        self.command(Command.RESET)
+
+    def home(self) -> None:
+        """Move all arms home and wait; raises the errors of `move`."""
+        self.move(0, 0, 0)
+
+    def stop(self) -> CommandReply:
+        """Stop the robot, also motions of other seats; returns when the arms rest."""
+        return self.press_stop()()
+
+    def press_stop(self) -> Callable[[], CommandReply]:
+        """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
+        key = keys.stop(self.name, self.twin)
+        # A foreign queryable may take the query, so STOP is also published; before it, so that the reply covers both.
+        self.client.put_stop(self.name, self.twin)
+        request = Request(self.client, self.place, key, None, self.timeout_s)
+
+        def wait() -> CommandReply:
+            try:
+                return checked(request.next(CommandReply, self.timeout_s))
+            finally:
+                request.close()
+
+        return wait
+
+    def emergency_stop(self) -> CommandReply:
+        """Motors off at once; the head falls. Afterwards set it upright, `reset`, `make_ready`."""
+        return self.command(Command.EMERGENCY_STOP)
+
+    def command(
+        self, command: Command, *, value: bool = True, timeout_s: float | None = None
+    ) -> CommandReply:
+        """Send any command; raises Refused with the robot's reason, NoAnswer after `timeout_s`."""
+        key = keys.command(self.name, self.twin, self.client.settings.who)
+        query = CommandQuery(command=command.value, value=true_or_false("value", value))
+        timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
+        return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
+
+    def lease(self, wait_s: float = 0.0) -> Lease:
+        """Take the robot: no other seat but the teacher's moves it until the lease is closed or this program ends.
+
+        `wait_s` is how long to wait in the queue while another seat holds it, s.
+
+        Raises:
+            Refused: NOT_HOLDER, another seat holds the robot; FROZEN and others, the robot's reason.
+        """
+        return Lease(self, wait_seconds("wait_s", wait_s))
+
+    # -- scene of the simulation ----------------------------------------------------------------
+
+    def target(self) -> TargetReply:
+        """Position of the simulated person in front of the robot: the middle of the eyes, m, as of `move_target`."""
+        return self._ask_target(None)
+
+    def move_target(self, x: float, y: float, z: float) -> TargetReply:
+        """Place the simulated person in front of the robot, and end the person's own path.
+
+        x forward, y left, z up: m from the neck's centre to the middle of the person's eyes. Raises Refused outside the room.
+        """
+        query = TargetQuery(x=number("x", x, "m"), y=number("y", y, "m"), z=number("z", z, "m"))
+        reply = self._ask_target(query)
+        if not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return reply
+
+    def _ask_target(self, query: TargetQuery | None) -> TargetReply:
+        """Query the simulation of this name; hardware has no scene."""
+        return self.client.ask(self.name, "sim", keys.target(self.name), query, TargetReply, self.timeout_s)
+
+    # -- motions --------------------------------------------------------------------------------
+
+    def look(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> Motion:
+        """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
+
+        `speed` is that of the fastest arm, deg/s. Returns at the goal, or at once with wait=False.
+
+        Raises:
+            Refused: the robot refused the motion; the error has the reason and an alternative.
+            Interrupted: the motion was stopped or replaced, or the robot was lost.
+        """
+        return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
+
+    def move(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: Speed | None = None,
+        wait: bool = True,
+    ) -> Motion:
+        """Turn the arms (deg, counter-clockwise from above positive).
+
+        `speed` in deg/s: one for all arms or (short, middle, long). Otherwise as `look`.
+        """
+        query = motion_query(short, middle, long, relative=relative, speed=speed)
+        return self._begin(query, wait=wait)
+
+    def _begin(self, query: MotionQuery | PoseQuery, *, wait: bool) -> Motion:
+        waits = true_or_false("wait", wait)
+        motion = self.begin(query)
+        if waits:
+            motion.wait()
+        return motion
+
+    def begin(self, query: MotionQuery | PoseQuery) -> Motion:
+        """Send a motion and return when it is accepted; raises Refused."""
+        if self.lease_number and not query.lease:
+            query = structs.replace(query, lease=self.lease_number)
+        key_of = keys.motion if isinstance(query, MotionQuery) else keys.pose
+        key = key_of(self.name, self.twin, self.client.settings.who)
+        lasts_s = max(self.timeout_s, self._longest_s(query) + MARGIN_S)
+        request = Request(self.client, self.place, key, query, lasts_s)
+        try:
+            accepted = request.next(MotionReply, self.timeout_s)
+        except BaseException:
+            request.stop_if_accepted()
+            raise
+        if not accepted.result:
+            request.close()
+            raise Refused(accepted.reason, accepted.message, accepted.detail)
+        return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
+
+    def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
+        """Upper bound of a motion's duration, s: Zenoh keeps memory for a query until its time-out."""
+        if query.speed is None:
+            if self._default_speed is None:
+                self._default_speed = max(self.info().limits.speed_default, SLOWEST_DEFAULT)
+            slowest = min(self._default_speed, SLOWEST_LIMIT)  # the teacher may limit the speed at any time
+        elif isinstance(query.speed, float):
+            slowest = query.speed
+        else:
+            slowest = min(query.speed.x, query.speed.y, query.speed.z)
+        return min(DAY_S, math.radians(LONGEST_WAY_DEG) / slowest) if slowest > 0 else 0.0
+
+
+def checked(reply: CommandReply) -> CommandReply:
+    """Return the reply; raises Refused if the robot refused."""
+    if not reply.result:
+        raise Refused(reply.reason, reply.message, reply.detail)
+    return reply
+
+
+def stop_together(robots: Iterable[Robot]) -> Iterator[tuple[Robot, CommandReply | BeatrixError]]:
+    """Send STOP to all robots, then wait for each; return each robot with its reply or error."""
+    pressed = [(robot, robot.press_stop()) for robot in robots]
+    for robot, wait in pressed:
+        try:
+            yield robot, wait()
+        except BeatrixError as error:
+            yield robot, error

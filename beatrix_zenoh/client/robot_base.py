@@ -1,0 +1,113 @@
+"""Name, session and state of one robot."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Event, Events, Info, Positions, Reason, Status
+from beatrix_zenoh.client import camera, streams
+from beatrix_zenoh.client.camera import CameraImage
+from beatrix_zenoh.client.queries import seconds
+from beatrix_zenoh.client.readings import Reading, reading
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.streams import SILENCE_S
+from beatrix_zenoh.client.subscription import Subscription, message
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.settings import resolve
+
+
+class RobotBase:
+    """The readable part of a robot; `Robot` adds commands and motions."""
+
+    def __init__(
+        self,
+        name: str | None = None,
+        twin: str = "sim",
+        *,
+        connect: str | None = None,
+        who: str | None = None,
+        timeout_s: float = 2.0,
+        client: Client | None = None,
+    ) -> None:
+        if twin not in names.TWINS:
+            raise WrongUsage(Reason.BAD_VALUE, f"twin={twin!r}: choose 'sim' or 'hw'.")
+        self.twin, self.timeout_s = twin, seconds("timeout_s", timeout_s)
+        self._shared = client is not None
+        self.client = Client(resolve(name, connect, who)) if client is None else client
+        self.name = names.check_name(name or self.client.settings.robot)
+        self._default_speed: float | None = None
+        self.lease_number = 0
+        """Number of the lease under which this object sends its motions; 0: none"""
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.twin})"
+
+    def __repr__(self) -> str:
+        return f"<robot {self} at {self.client.bus.endpoint}>"
+
+    @property
+    def place(self) -> Place:
+        """Name and twin."""
+        return self.name, self.twin
+
+    def positions(self) -> Reading:
+        """Current position of the robot, in degrees."""
+        key = keys.positions(self.name, self.twin)
+        return reading(self.client.ask(*self.place, key, None, Positions, self.timeout_s))
+
+    def status(self) -> Status:
+        """State of the robot: enabled, calibrated, holder, faults."""
+        key = keys.status(self.name, self.twin)
+        return self.client.ask(*self.place, key, None, Status, self.timeout_s)
+
+    def info(self) -> Info:
+        """Versions, limits and keys."""
+        key = keys.info(self.name, self.twin)
+        return self.client.ask(*self.place, key, None, Info, self.timeout_s)
+
+    def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
+        """Subscribe to positions in degrees, 50 per second.
+
+        Reading raises NoAnswer if no position arrives within `timeout_s`; None waits for ever.
+        """
+        key = keys.positions(self.name, self.twin)
+        return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
+
+    def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
+        """Subscribe to positions as they are published, in rad, with all fields; see `stream` for arguments and errors."""
+        return streams.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
+
+    def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
+        """Subscribe to status, on change and once a second; see `stream` for arguments and errors."""
+        return streams.status(self.client, self.name, self.twin, timeout_s=timeout_s)
+
+    def events(self, timeout_s: float | None = None) -> Subscription[Event]:
+        """Subscribe to events; see `stream` for arguments and errors."""
+        return streams.events(self.client, self.name, self.twin, timeout_s=timeout_s)
+
+    def camera(self, eye: str, timeout_s: float | None = camera.START_S) -> Subscription[CameraImage]:
+        """Subscribe to the pictures of the `left` or `right` eye; the camera works only while a client subscribes.
+
+        A simulation has a third camera, `outside`, which sees the head from the front. A slow reader gets the newest
+        pictures and misses others; see `stream` for arguments and errors.
+        """
+        return camera.images(self.client, self.name, self.twin, eye, timeout_s=timeout_s)
+
+    def past_events(self) -> list[Event]:
+        """The newest events of the robot, at most 200, oldest first."""
+        key = keys.events(self.name, self.twin)
+        return self.client.ask(*self.place, key, None, Events, self.timeout_s).events
+
+    def close(self) -> None:
+        """Close the session; a running motion of this object is stopped."""
+        if not self._shared:
+            self.client.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

@@ -1,0 +1,141 @@
+"""A client's session under one seat, shared by all robots of a program."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Self, TypeVar
+
+import msgspec
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Info, Reason
+from beatrix_zenoh.bus import CLOSED, Bus, Reply
+from beatrix_zenoh.client import tolerance
+from beatrix_zenoh.client.dispatcher import Dispatcher
+from beatrix_zenoh.client.request import GroupRequest, Place, Request
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.settings import Settings
+
+M = TypeVar("M", bound=msgspec.Struct)
+
+
+class Client:
+    """One Zenoh session under one seat; robots of this process share it.
+
+    A liveliness token announces the seat, so that a robot notices the end of the session and stops its motion. Raises
+    NoAnswer (NO_ROUTER) if the router does not answer, WrongUsage for an invalid endpoint.
+    """
+
+    def __init__(self, settings: Settings, *, announce: bool = True) -> None:
+        """Open the session; without `announce` a motion continues after the end of the session."""
+        self.settings = settings
+        self.bus: Bus = zbus.connect(settings.connect, label=settings.who, account=settings.account)
+        self.losses = 0
+        """Number of losses of the router so far; a query that was sent before a loss is lost too."""
+        self.replied_s: dict[Place, float] = {}
+        """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may not
+        show its effect."""
+        self._reporter = tolerance.Reporter()
+        self.dispatcher = Dispatcher()
+        """The thread for the user's callbacks; it starts with the first callback."""
+        self._lock = threading.Lock()
+        self._closing: list[Callable[[], None]] = []
+        self._media: Bus | None = None
+        self.bus.watch_router(self._on_router)
+        if announce:
+            self.bus.declare_token(keys.seat(settings.who, self.bus.session_id))
+
+    @property
+    def media(self) -> Bus:
+        """A second session for pictures, which must not delay replies and positions; opened at its first use.
+
+        Raises:
+            NoAnswer: NO_ROUTER.
+            WrongUsage: SHUTDOWN, the client was closed.
+        """
+        with self._lock:
+            if self._media is None:
+                if self.bus.closed:
+                    raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+                settings = self.settings
+                self._media = zbus.connect(settings.connect, label=settings.who, account=settings.account)
+            return self._media
+
+    def _on_router(self, there: bool) -> None:  # noqa: FBT001
+        if not there:
+            self.losses += 1
+
+    def ask(
+        self, robot: str, twin: str, key: str, request: msgspec.Struct | None, kind: type[M], timeout_s: float
+    ) -> M:
+        """Query one robot and return its reply.
+
+        Raises:
+            NoAnswer: NO_ANSWER, NO_ROUTER or TIMED_OUT; the message names the robots on line.
+            WrongUsage: SHUTDOWN, the client was closed.
+        """
+        query = Request(self, (robot, twin), key, request, timeout_s)
+        try:
+            return query.next(kind, timeout_s)
+        finally:
+            query.close()
+
+    def ask_all(self, key: str, kind: type[M], timeout_s: float) -> dict[Place, M]:
+        """The replies within `timeout_s` of all robots that match a key with wildcards."""
+        return dict(GroupRequest(self, key, None, kind, timeout_s).replies(timeout_s))
+
+    def infos(self, timeout_s: float = 1.0) -> dict[Place, Info]:
+        """Info of every robot that answers within `timeout_s`."""
+        return self.ask_all(keys.info("*", "*"), Info, timeout_s)
+
+    def read(self, answer: Reply, kind: type[M]) -> M | None:
+        """Decode a reply or publication; log errors once for each sender.
+
+        Returns None if it cannot be decoded.
+        """
+        try:
+            message, wrong = tolerance.decode(answer.payload, kind)
+        except tolerance.Undecodable as error:
+            self.report(answer, f"ignored: {error}. It is foreign or of another version.")
+            return None
+        if wrong:
+            self.report(answer, f"{wrong}: read as far as it is known. It is of another version.")
+        return message
+
+    def report(self, answer: Reply, what: str) -> None:
+        """Log an error of a reply or publication once for each sender."""
+        self._reporter.report(answer.sender, answer.key, what)
+
+    def put_stop(self, robot: str, twin: str) -> None:
+        """Publish STOP, for robots that a query does not reach; `*` for all robots."""
+        self.bus.put(keys.stop(robot, twin), b"", codec.MSGPACK)
+
+    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
+        """Call `do` before the session is closed; returns a function that cancels this."""
+        with self._lock:
+            self._closing.append(do)
+
+        def forget() -> None:
+            with self._lock:
+                if do in self._closing:
+                    self._closing.remove(do)
+
+        return forget
+
+    def close(self) -> None:
+        """Close the session; robots stop its running motions. May be called twice."""
+        while self._closing:
+            self._closing.pop()()
+        self.bus.close()
+        if self._media is not None:
+            self._media.close()
+        self.dispatcher.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

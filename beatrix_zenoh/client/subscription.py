@@ -1,0 +1,241 @@
+"""Subscriptions to publications of robots."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, Self, TypeVar
+
+import msgspec
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus import Bus, Received, Reply
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.names import view_title
+
+LENGTH = 3000
+"""Length of the queue: one minute of positions."""
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+M = TypeVar("M", bound=msgspec.Struct)
+
+
+@dataclass(frozen=True)
+class Arrival(Generic[T_co]):
+    """A publication and its arrival by the monotonic and wall clock of this computer, ns."""
+
+    value: T_co
+    robot: str
+    twin: str
+    t_mono_ns: int
+    t_wall_ns: int
+
+
+class Sample(NamedTuple):
+    """An undecoded publication and its arrival by the clocks of this computer, ns."""
+
+    received: Received
+    t_mono_ns: int
+    t_wall_ns: int
+
+
+Reader = Callable[[Client, Sample], T | None]
+"""Converts a sample to the value of a subscription; reports errors and returns None."""
+
+
+def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
+    """Make a reader for messages of `kind` that applies `convert`."""
+
+    def read(client: Client, sample: Sample) -> T | None:
+        key, payload, session, _ = msgspec.structs.astuple(sample.received)
+        found = client.read(Reply(key, payload, "", error=False, sender=session), kind)
+        return None if found is None else convert(found)
+
+    return read
+
+
+class Inbox:
+    """A bounded queue of publications; the oldest are dropped and counted.
+
+    Zenoh's thread enqueues them undecoded with the time of arrival.
+    """
+
+    def __init__(self, length: int) -> None:
+        self.dropped = 0
+        self.newest: Sample | None = None
+        self.closed = False
+        self._waiting: deque[Sample] = deque(maxlen=length)
+        self._wakeup = Wakeup()
+
+    def receive(self, received: Received) -> None:
+        """Enqueue a publication."""
+        if self.closed:
+            return
+        sample = Sample(received, time.monotonic_ns(), time.time_ns())
+        self.dropped += len(self._waiting) == self._waiting.maxlen
+        self._waiting.append(sample)
+        self.newest = sample
+        self._wakeup.set()
+
+    def next(self, timeout_s: float | None) -> Sample | None:
+        """The oldest publication; None after the time limit, or if the queue is closed and empty."""
+        self._wakeup.wait_for(lambda: self._waiting or self.closed, timeout_s)
+        try:
+            sample = self._waiting.popleft()
+        except IndexError:
+            sample = None
+        if self._waiting or self.closed:
+            self._wakeup.set()  # for another thread that waits
+        return sample
+
+    def close(self) -> None:
+        """Receive nothing more; a thread that waits returns."""
+        self.closed = True
+        self._wakeup.set()
+
+
+class Subscription(Generic[T]):
+    """Publications of one key: iterate, ask for the `next`, or look at the `latest`.
+
+        with robot.stream() as readings:
+            for reading in readings:
+                print(reading.head.yaw)
+
+    The reading thread decodes publications; undecodable ones are skipped and logged once. A slow reader loses the
+    oldest: see `dropped`. The iteration ends when the subscription or its client is closed.
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        key: str,
+        read: Reader[T],
+        *,
+        timeout_s: float | None = None,
+        length: int = LENGTH,
+        bus: Bus | None = None,
+    ) -> None:
+        """Subscribe to `key`.
+
+        Args:
+            client: the session.
+            key: the key of a publication, with the names of one robot or with wildcards.
+            read: converts samples to values, for example `message(Status, convert)`.
+            timeout_s: longest wait for a publication until NoAnswer is raised; None: for ever.
+            length: length of the queue; older publications are dropped.
+            bus: another session than the client's own.
+
+        Raises:
+            WrongUsage: the client was closed.
+        """
+        self._client, self._key, self._timeout_s = client, key, timeout_s
+        self._inbox = Inbox(length)
+        self._reader = read
+        self._latest: tuple[Sample, Arrival[T] | None] | None = None
+        self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._inbox.receive)
+        self._forget = client.at_close(self.close)
+
+    @property
+    def dropped(self) -> int:
+        """Number of publications that were dropped because they were not read in time."""
+        return self._inbox.dropped
+
+    @property
+    def latest(self) -> T | None:
+        """The newest publication, read or not; None if none has arrived."""
+        arrival = self.latest_arrival
+        return None if arrival is None else arrival.value
+
+    @property
+    def latest_arrival(self) -> Arrival[T] | None:
+        """As `latest`, with the time of its arrival."""
+        newest = self._inbox.newest
+        if newest is None:
+            return None
+        if self._latest is None or self._latest[0] is not newest:
+            self._latest = newest, self._read(newest)
+        return self._latest[1]
+
+    def next(self, timeout_s: float | None = None) -> T:
+        """The oldest unread publication; waits up to `timeout_s`, by default that of the subscription.
+
+        Raises:
+            NoAnswer: TIMED_OUT after the time limit, SHUTDOWN if the subscription is closed.
+        """
+        return self.next_arrival(timeout_s).value
+
+    def next_arrival(self, timeout_s: float | None = None) -> Arrival[T]:
+        """As `next`, with the time of its arrival."""
+        timeout_s = self._timeout_s if timeout_s is None else timeout_s
+        deadline = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            left = None if deadline is None else max(0.0, deadline - time.monotonic())
+            sample = self._inbox.next(left)
+            if sample is None:
+                raise self._silence(timeout_s or 0.0)
+            arrival = self._read(sample)
+            if arrival is not None:
+                return arrival
+
+    def take(self, timeout_s: float = 0.0) -> list[T]:
+        """All unread publications, oldest first; waits up to `timeout_s` for the first."""
+        return [arrival.value for arrival in self.take_arrivals(timeout_s)]
+
+    def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:
+        """As `take`, with the times of their arrival."""
+        arrivals = []
+        sample = self._inbox.next(timeout_s)
+        while sample is not None:
+            if (arrival := self._read(sample)) is not None:
+                arrivals.append(arrival)
+            sample = self._inbox.next(0.0)
+        return arrivals
+
+    def arrivals(self) -> Iterator[Arrival[T]]:
+        """Iterate over publications with the times of their arrival."""
+        while True:
+            try:
+                yield self.next_arrival()
+            except NoAnswer as error:
+                if error.reason is Reason.SHUTDOWN:
+                    return
+                raise
+
+    def __iter__(self) -> Iterator[T]:
+        return (arrival.value for arrival in self.arrivals())
+
+    def _read(self, sample: Sample) -> Arrival[T] | None:
+        parts = keys.parse(sample.received.key)
+        value = None if parts is None else self._reader(self._client, sample)
+        if parts is None or value is None:
+            return None
+        return Arrival(value, parts.robot, parts.twin, sample.t_mono_ns, sample.t_wall_ns)
+
+    def _silence(self, timeout_s: float) -> NoAnswer:
+        if self._inbox.closed:
+            return NoAnswer(Reason.SHUTDOWN, f"The subscription to {self._key} was closed by this program.")
+        parts = keys.parse(self._key)
+        twin = "" if parts is None or parts.twin == "*" else f" ({parts.twin})"
+        name = self._key if parts is None else f"{parts.robot}{twin}"
+        if parts is not None and parts.eye:
+            text = f"{name}: no picture from the {view_title(parts.eye)} for {timeout_s:g} s. The `cameras` of the robot's status say why; an eye that is not among them has no camera."
+            return NoAnswer(Reason.TIMED_OUT, text)
+        return NoAnswer(Reason.TIMED_OUT, f"{name}: nothing for {timeout_s:g} s. It is frozen, or has gone.")
+
+    def close(self) -> None:
+        """End the subscription; a thread that waits for a publication returns. May be called twice."""
+        self._forget()
+        self._undeclare()
+        self._inbox.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

@@ -1,0 +1,284 @@
+"""The SDK: both robots of one name. A motion is previewed, carried out by the simulation, then by the hardware."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, Self
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
+from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_or_false
+from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
+from beatrix_zenoh.client.twin_state import Stand, TwinState, may_switch
+from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
+from beatrix_zenoh.settings import resolve
+
+PREVIEW_S = 10.0
+CLOSE_S = 2.0
+
+
+class TwinReading(NamedTuple):
+    """Positions of both robots, in degrees."""
+
+    sim: Reading
+    hw: Reading
+
+
+class Twin:
+    """Simulation and hardware of one name; arguments as of `Robot`.
+
+    `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a
+    preview, for programs that send a new target many times a second. `sim` and `hw` are the robots.
+    """
+
+    def __init__(
+        self,
+        name: str | None = None,
+        *,
+        connect: str | None = None,
+        who: str | None = None,
+        timeout_s: float = 2.0,
+        client: Client | None = None,
+    ) -> None:
+        self._shared = client is not None
+        self.client = Client(resolve(name, connect, who)) if client is None else client
+        self.sim = Robot(name, "sim", timeout_s=timeout_s, client=self.client)
+        self.hw = Robot(name, "hw", timeout_s=timeout_s, client=self.client)
+        self.name = self.sim.name
+        self.state = TwinState(self.client, self.name)
+        """Published state of both robots."""
+        self._starting = threading.RLock()
+        self._motion: TwinMotion | None = None
+
+    # -- switching -------------------------------------------------------------------------------
+
+    def enable(self) -> None:
+        """Switch the motors of both robots on; of neither if one is not reachable or another seat drives it."""
+        switch_both(self, Robot.enable)
+
+    def make_ready(self) -> None:
+        """Enable and calibrate both robots as far as needed; raises the errors of `Robot.make_ready`."""
+        each((self.sim, self.hw), Robot.make_ready)
+
+    def reset(self) -> None:
+        """Clear the emergency latch of both robots; the motors stay off."""
+        each((self.sim, self.hw), Robot.reset)
+
+    def disable(self) -> None:
+        """Switch the motors of both robots off."""
+        each((self.sim, self.hw), Robot.disable)
+
+    def calibrate(self) -> None:
+        """Calibrate both robots at their present positions; neither if one is not reachable or another seat drives it."""
+        switch_both(self, Robot.calibrate)
+
+    def stop(self) -> None:
+        """Send STOP to both robots at once, then raise the first error of `Robot.stop`, if any."""
+        for _, reply in list(stop_together((self.hw, self.sim))):
+            if isinstance(reply, BeatrixError):
+                raise reply
+
+    # -- motions with a preview ------------------------------------------------------------------
+
+    def preview(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> Plan:
+        """Preview a head motion (deg, deg/s as `Robot.look`) on a copy of the simulation.
+
+        Raises:
+            Refused: the motion would be refused; the error has the reason.
+        """
+        return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
+
+    def preview_arms(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: Speed | None = None,
+    ) -> Plan:
+        """Preview an arm motion (deg, deg/s as `Robot.move`); raises the errors of `preview`."""
+        return self.preview_query(motion_query(short, middle, long, relative=relative, speed=speed))
+
+    def preview_query(self, query: MotionQuery | PoseQuery) -> Plan:
+        """Preview a motion (rad, rad/s); raises the errors of `preview`."""
+        motion = self._motion
+        during = motion if motion is not None and motion.running() else None
+        start = self._start()
+        if not query.absolute and (apart := distance(start)) > SAME_DEG:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: bring both to "
+                "one place first, with home or without relative.",
+            )
+        key = keys.preview(self.name, self.client.settings.who)
+        reply = self.client.ask(*self.sim.place, key, query, PreviewReply, PREVIEW_S)
+        if not reply.result:
+            raise Refused(reply.reason, f"{self.sim}: {reply.message}", reply.detail)
+        plan = Plan(self, query, reply, start, alike=start[1] is None or alike(self), during=during)
+        if start[1] is not None:
+            try:
+                self.state.check_may_move(self.hw)
+            except BeatrixError as error:
+                why = error.message.removeprefix(f"{self.hw}: ")
+                plan.verdict += f" But the hardware may not move now: {why}"
+        return plan
+
+    def _start(self) -> Start:
+        hardware: Stand | None = None
+        # A preview needs only the simulation; commit reports a missing robot.
+        with contextlib.suppress(NoAnswer):
+            hardware = self.state.stand(self.hw)
+        return self.state.stand(self.sim), hardware
+
+    def home(self) -> None:
+        """Preview the motion home and commit it."""
+        self.preview_arms(0, 0, 0).commit()
+
+    # -- motions without one ---------------------------------------------------------------------
+
+    def look(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> TwinMotion:
+        """Turn both heads without a preview, the simulation first (deg, deg/s as `Robot.look`).
+
+        Returns when both have arrived or, with wait=False, when both have accepted the motion. A newer motion replaces a
+        running one, for example 20 times a second. Each robot checks its limits.
+
+        Raises:
+            Refused: one robot refused; the other is stopped.
+            NoAnswer: one robot is not on line, or has lost its board; the other is stopped.
+            Interrupted: one motion was stopped or replaced; unless replaced, the other is stopped.
+        """
+        return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
+
+    def move(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: Speed | None = None,
+        wait: bool = True,
+    ) -> TwinMotion:
+        """Turn the arms of both without a preview (deg, deg/s as `Robot.move`); see `look` for arguments and errors."""
+        return self._begin(motion_query(short, middle, long, relative=relative, speed=speed), wait=wait)
+
+    def _begin(self, query: MotionQuery | PoseQuery, *, wait: bool) -> TwinMotion:
+        waits = true_or_false("wait", wait)
+        motion = TwinMotion(self.sim, self.hw, query)
+        self.start(motion, wait=waits)
+        return motion
+
+    def start(self, motion: TwinMotion, *, wait: bool) -> None:
+        """Start a motion of both robots, which replaces a running one; raises the errors of `TwinMotion.start`."""
+        with self._starting:
+            before, self._motion = self._motion, motion
+        held = before is not None and before.hold()
+        try:
+            motion.start(wait=wait, begun=lambda: replace(before) if held else None)
+        except BaseException:
+            if held and before is not None:
+                before.cancel()  # The simulation has refused the new motion, so the old one must not reach the hardware alone.
+            raise
+
+    # -- state -----------------------------------------------------------------------------------
+
+    def positions(self) -> TwinReading:
+        """Last published positions of both robots, in degrees; raises NoAnswer as `Robot.positions`."""
+        return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))
+
+    def check_ready(self) -> None:
+        """Raise unless both robots may move now; otherwise one would start and be stopped again.
+
+        Raises:
+            Refused: motors off, not calibrated, or another seat drives.
+            NoAnswer: one robot is not on line, or has lost its board.
+        """
+        for robot in (self.sim, self.hw):
+            self.state.check_may_move(robot)
+
+    def close(self) -> None:
+        """Close the session: the robots stop running motions, and a motion in its lead is not sent to the hardware.
+
+        A shared session stays open; then STOP ends the last motion of this object.
+        """
+        motion = self._motion
+        if motion is not None:
+            motion.hold()
+        self.state.close()
+        if not self._shared:
+            self.client.close()
+        if motion is not None and motion.running():
+            motion.end(
+                Interrupted(
+                    Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
+                )
+            )
+            with contextlib.suppress(TimeoutError):
+                motion.exception(CLOSE_S)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def switch_both(twin: Twin, do: Callable[[Robot], None]) -> None:
+    """Send a command to both robots, or to neither if this seat may not switch one of them."""
+    for robot in (twin.sim, twin.hw):
+        twin.state.check_may_switch(robot)
+    each((twin.sim, twin.hw), do)
+
+
+def alike(twin: Twin) -> bool:
+    """Return whether both robots have the same values, if both answer."""
+    with contextlib.suppress(NoAnswer):
+        return not unlike(twin.state.info(twin.sim), twin.state.info(twin.hw))
+    return True
+
+
+def replace(before: TwinMotion | None) -> None:
+    """End a motion in its lead because a newer one has begun."""
+    if before is not None:
+        before.end(Interrupted(Reason.REPLACED, REPLACED))
+
+
+def check_reachable(robots: Iterable[Robot], seat: str) -> None:
+    """Raise unless a seat may switch all these robots, so that either all or none are switched.
+
+    Raises:
+        Refused: another seat drives.
+        NoAnswer: one robot is not on line, or has lost its board.
+    """
+    each(robots, lambda robot: may_switch(robot.status(), seat))
+
+
+def each(robots: Iterable[Robot], do: Callable[[Robot], None]) -> None:
+    """Call a function for one robot after the other; errors begin with the robot's name."""
+    for robot in robots:
+        with naming(str(robot)):
+            do(robot)

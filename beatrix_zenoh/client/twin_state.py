@@ -1,0 +1,183 @@
+"""State of the robots of one name from their publications; a query is sent only if those are too old."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Reason, Status
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.readings import ArmAngles, Reading
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import NoAnswer, Refused, naming
+from beatrix_zenoh.names import TEACHER, TWINS
+
+NEW_S = 0.1
+"""Largest age of positions, which come every 20 ms."""
+TICK_S = 0.03
+"""A node publishes a changed status with the positions of the same 20 ms: positions this long after a reply to a
+request, and the status before them, show the effect of the request."""
+WAIT_S = 0.15
+"""Longest wait for a new state before the robot is queried."""
+POLL_S = 0.004
+LEASE_S = 2.0
+"""Longest lease of a robot at rest."""
+
+
+class Stand(NamedTuple):
+    """Arm angles of a robot (deg), the number of its calibration, and the time (s, the source's monotonic clock)."""
+
+    arms: ArmAngles
+    calibrations: int
+    t: float
+
+
+class TwinState:
+    """Published state of both robots: one subscription to positions and one to status, opened at the first use.
+
+    Several threads may use it.
+    """
+
+    def __init__(self, client: Client, name: str) -> None:
+        self._client, self._name = client, name
+        self._lock = threading.Lock()
+        self._monitor: Monitor | None = None
+        self._infos: dict[str, Info] = {}
+
+    def status(self, robot: Robot) -> Status:
+        """Status of a robot; raises NoAnswer as `Robot.status`."""
+        state = self._published(robot)
+        return robot.status() if state is None or state.status is None else state.status
+
+    def positions(self, robot: Robot) -> Reading:
+        """Positions of a robot; raises NoAnswer as `Robot.positions`."""
+        state = self._published(robot)
+        reading = None if state is None else state.reading
+        return robot.positions() if reading is None else reading
+
+    def stand(self, robot: Robot) -> Stand:
+        """Position of a robot for a plan; raises NoAnswer as `Robot.positions`."""
+        state = self._published(robot)
+        reading = None if state is None else state.reading
+        if state is None or reading is None or state.status is None:
+            return asked_stand(robot)
+        return Stand(reading.commanded, state.status.calibrations, reading.t)
+
+    def info(self, robot: Robot) -> Info:
+        """Info of a robot, queried once."""
+        if robot.twin not in self._infos:
+            self._infos[robot.twin] = robot.info()
+        return self._infos[robot.twin]
+
+    def check_may_move(self, robot: Robot) -> None:
+        """Raise unless this seat may move a robot; a query confirms a refusal.
+
+        Raises:
+            Refused, NoAnswer: as `may_move`; the message begins with the robot's name.
+        """
+        self._check(robot, may_move)
+
+    def check_may_switch(self, robot: Robot) -> None:
+        """Raise unless this seat may switch a robot: raises the errors of `may_switch`, confirmed as in `check_may_move`."""
+        self._check(robot, may_switch)
+
+    def _check(self, robot: Robot, may: Callable[[Status, str], None]) -> None:
+        seat = self._client.settings.who
+        with naming(str(robot)):
+            try:
+                may(self.status(robot), seat)
+            except (Refused, NoAnswer):
+                may(robot.status(), seat)
+
+    def check_there(self) -> None:
+        """Raise NoAnswer if a robot has no liveliness token; sends no query."""
+        monitor = self._monitor
+        if monitor is None:
+            return
+        present = monitor.present()
+        for twin in TWINS:
+            if (self._name, twin) not in present:
+                raise NoAnswer(
+                    Reason.NO_ANSWER,
+                    f"{self._name} ({twin}) is no longer on line. Start it, make it ready, and preview again.",
+                )
+
+    def _published(self, robot: Robot) -> RobotState | None:
+        """The published state if it is newer than the last reply to a request; waits for it up to WAIT_S."""
+        deadline_s = time.monotonic() + WAIT_S
+        with self._lock:
+            if self._monitor is None:
+                self._monitor = Monitor(self._client, self._name)
+            while True:
+                state = self._monitor.robot(*robot.place)
+                if state.presence in (Presence.ABSENT, Presence.LOST):
+                    return None
+                if state.status is not None and self._new(state, robot):
+                    return state
+                if time.monotonic() > deadline_s:
+                    return None
+                time.sleep(POLL_S)
+
+    def _new(self, state: RobotState, robot: Robot) -> bool:
+        age_s = state.positions_age_s
+        if age_s is None or age_s > NEW_S:
+            return False
+        replied_s = self._client.replied_s.get(robot.place)
+        return replied_s is None or time.monotonic() - age_s >= replied_s + TICK_S
+
+    def close(self) -> None:
+        """End the subscriptions."""
+        with self._lock:
+            if self._monitor is not None:
+                self._monitor.close()
+
+
+def asked_stand(robot: Robot) -> Stand:
+    """Position of a robot for a plan, by a query."""
+    reading = robot.positions()
+    return Stand(reading.commanded, robot.status().calibrations, reading.t)
+
+
+def may_move(status: Status, seat: str) -> None:
+    """Raise unless a seat may move a robot with this status, with the robot's own rules.
+
+    Raises:
+        Refused: EMERGENCY, NOT_ENABLED, NOT_CALIBRATED or NOT_HOLDER.
+        NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
+    """
+    check_board(status)
+    refusals.check_ready(
+        emergency=status.fault is Fault.EMERGENCY, enabled=status.enabled, calibrated=status.calibrated
+    )
+    check_holder(status, seat)
+
+
+def may_switch(status: Status, seat: str) -> None:
+    """Raise unless a seat may switch or calibrate a robot with this status.
+
+    Raises:
+        Refused: NOT_HOLDER.
+        NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
+    """
+    check_board(status)
+    check_holder(status, seat)
+
+
+def check_board(status: Status) -> None:
+    """Raise NoAnswer unless the robot is connected to its board."""
+    if not status.board.connected:
+        reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
+        raise NoAnswer(
+            reason, " ".join(status.warnings[:1]) or FAULT_TEXT.get(status.fault, str(status.fault))
+        )
+
+
+def check_holder(status: Status, seat: str) -> None:
+    """Raise Refused if another seat drives; the teacher outranks it."""
+    if status.holder not in ("", seat) and seat != TEACHER:
+        raise refusals.driven_by(status.holder, None if status.moving else LEASE_S)

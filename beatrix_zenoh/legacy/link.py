@@ -1,0 +1,151 @@
+"""The way of a line to the board: permission of the node, sending, and lines that the board will never answer."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.legacy.interface import NodeInterface
+from beatrix_zenoh.legacy.line import REFUSED, Effect, Line
+from beatrix_zenoh.legacy.outcomes import Outcomes
+
+SEQS = 256
+SHOWN_S = 0.3
+"""Telemetry shows within this long that a line has switched the motors."""
+SILENT_S = 3.0
+"""A line was lost on the serial link if the board has not answered it for this long, with the arms at rest."""
+COUNTED_S = 340.0
+"""The same for a motion with the motors off, which is only counted: from -32767 to 32767 at 200 steps a second."""
+AUTHORIZED = (Effect.MOVE, Effect.ENABLE, Effect.DISABLE)
+"""Effects that need permission; @CALNOW needs it only if it sets the robot's home."""
+
+
+class TextLink:
+    """Sends lines to the board; on the controller's thread, except `openings` and `silent`."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        self.openings = 0
+        """Number of times that the firmware has forgotten a program; earlier answers belong to no line."""
+        self.zero_forgotten = False
+        """The firmware has forgotten the program's zero without a request of the program."""
+        self._lines_lost = False
+        """The board may still answer lines for which this port no longer waits; it must drop them before the next line."""
+        self._next_seq: int | None = None
+        """Number of the board's next TEXT; None: any number."""
+        self._before_switch: Telemetry | None = None
+        """The newest telemetry at the moment a line switched the motors; None: newer telemetry has come since."""
+        self._heard_s = 0.0
+
+    def open(self) -> None:
+        """Let the firmware forget the program before this one; raises BeatrixError."""
+        self.zero_forgotten, self._lines_lost = False, True
+        self._reopen()
+
+    def _reopen(self) -> None:
+        self.openings += 1
+        self._next_seq = None
+        self._board.request(FrameType.TEXT_OPEN)
+        self._lines_lost = False
+
+    def prepare(self) -> None:
+        """Make sure that the next answer belongs to the next line; raises BeatrixError."""
+        self._board.check_connected()
+        if self._lines_lost:
+            self._reopen()
+            self.zero_forgotten = True
+
+    def send(self, line: Line) -> None:
+        """Send a line; raises BeatrixError."""
+        self._board.send_text(line.text)
+        self._heard_s = line.sent_s = time.monotonic()
+
+    def switch_off(self) -> None:
+        """Switch the motors off at once; raises BeatrixError."""
+        self._board.enable(on=False)
+
+    def received(self, seq: int) -> bool:
+        """Note the number of a TEXT or warning of the board; True if earlier ones were lost."""
+        lost = self._next_seq not in (None, seq)
+        self._next_seq = (seq + 1) % SEQS
+        self._heard_s = time.monotonic()
+        return lost
+
+    def switched(self) -> None:
+        """Note that the board has answered a line that switches the motors."""
+        self._before_switch = self._board.telemetry
+
+    def sets_home(self) -> bool:
+        """Return whether @CALNOW would set the robot's home: motors on, home unknown. May wait SHOWN_S for telemetry."""
+        before, self._before_switch = self._before_switch, None
+        if before is not None:
+            self._board.wait_for(lambda new: new is not before, SHOWN_S)
+        return self._board.state & (State.ENABLED | State.CALIBRATED) == State.ENABLED
+
+    # -- lines that were lost -------------------------------------------------------------------------
+
+    def silent(self) -> bool:
+        """Return whether the board has not answered for SILENT_S; any thread may call it."""
+        return time.monotonic() - self._heard_s > SILENT_S
+
+    def gave_up(self, under_way: Sequence[Line]) -> bool:
+        """Return whether the board will never answer these lines: the board was lost or reset, or the lines were lost."""
+        connected, state = self._board.connected, self._board.state
+        if not connected:
+            self._next_seq = None
+        if state & State.MOVING:
+            self._heard_s = time.monotonic()  # the board answers when the arms rest
+        only_counted = not state & State.ENABLED and any(line.effect is Effect.MOVE for line in under_way)
+        patience_s = COUNTED_S if only_counted else SILENT_S
+        lost = bool(under_way) and (not connected or time.monotonic() - self._heard_s > patience_s)
+        self._lines_lost |= lost
+        return lost
+
+
+class LineSender:
+    """Sends lines to the board if the node and the board allow it; on the controller's thread."""
+
+    def __init__(self, link: TextLink, node: NodeInterface, outcomes: Outcomes) -> None:
+        self._link, self._node, self._outcomes = link, node, outcomes
+
+    def send(self, line: Line) -> None:
+        """Send a line, or refuse it."""
+        try:
+            if line.effect in AUTHORIZED:
+                self._node.authorize(line.effect)
+            self._link.prepare()
+            if line.effect is Effect.CALIBRATE:
+                self._prepare_calibration()
+            self._link.send(line)
+        except BeatrixError as error:
+            line.refusal = REFUSED
+            self._outcomes.failed(line, error)
+        else:
+            self._outcomes.accepted(line)
+
+    def _prepare_calibration(self) -> None:
+        """Request permission for @CALNOW if it sets the robot's home; else it only sets the zero of this program."""
+        if self._link.sets_home():
+            self._node.authorize(Effect.CALIBRATE)
+            self._node.set_home()
+        self._link.zero_forgotten = False
+
+    def switch_off_now(self, line: Line) -> None:
+        """Switch the motors off by a request of the node, because the firmware is about to forget the line."""
+        try:
+            self._node.authorize(Effect.DISABLE)
+            self._link.switch_off()
+        except BeatrixError as error:
+            self._outcomes.failed(line, error)
+        else:
+            self._outcomes.done(line)
+
+    def open(self) -> None:
+        """Let the firmware forget the program before this one."""
+        try:
+            self._link.open()
+        except BeatrixError as error:
+            self._node.warn(f"old program: {error.message}")

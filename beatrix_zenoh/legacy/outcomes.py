@@ -1,0 +1,183 @@
+"""The outcome of each line: warnings in the status, events for lines that act on the robot, and why a line was refused."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import Final
+
+from beatrix_zenoh._generated.messages import Detail, Phase, Reason
+from beatrix_zenoh._generated.serial import WARNING_TEXT, WarningCode
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.legacy.interface import NodeInterface
+from beatrix_zenoh.legacy.line import Cause, Effect, Line
+
+EXPLAINED_S = 0.1
+"""After a NACK the board sends the warning that explains it within this long, if there is one."""
+STEPS_MAX: Final = 32767
+"""The largest number of steps in a line, either way."""
+
+UNREADABLE: Final = Cause(Reason.BAD_VALUE, "the line was refused: at most 127 ASCII characters are allowed.")
+BUSY: Final = Cause(Reason.BUSY, WARNING_TEXT[WarningCode.BUSY])
+STOPPED: Final = Cause(Reason.STOPPED, "STOP was pressed.")
+CUT_SHORT: Final = Cause(Reason.STOPPED, "the motion ended before its goal.")
+LOST: Final = Cause(Reason.BOARD_LOST, "the board has not answered the line.")
+PORT_CLOSED: Final = Cause(Reason.CLIENT_LOST, "the program closed its port before the line was sent.")
+PORT_REOPENED: Final = Cause(Reason.CLIENT_LOST, "another program opened the port.")
+REFUSED_BY_BOARD: Final = Cause(Reason.FAULT, "the board has refused the line.")
+CALNOW_FIRST: Final = Cause(
+    Reason.NOT_CALIBRATED,
+    "the motion was refused: @CALNOW must come before it, after each @ENMOTORS again.",
+)
+ZERO_FORGOTTEN: Final = Cause(
+    Reason.NOT_CALIBRATED,
+    "the motion was refused: the board did not answer for a while and has lost its zero for this program. "
+    "Restart the program, or let it send @CALNOW.",
+)
+WARNING_REASON: Final = {
+    WarningCode.BUSY: Reason.BUSY,
+    WarningCode.HOME_UNKNOWN: Reason.NOT_CALIBRATED,
+    WarningCode.EMERGENCY: Reason.EMERGENCY,
+}
+"""Reasons of the warnings that explain a refusal; after other warnings the line is carried out with changes."""
+
+
+class Outcomes:
+    """Reports outcomes to the node; on the controller's thread, except `overdue`."""
+
+    def __init__(self, node: NodeInterface) -> None:
+        self._node = node
+        self._unexplained: Line | None = None
+        """The line that the board has refused, until a warning of the board explains why."""
+        self._presumed = REFUSED_BY_BOARD
+        """The cause that is reported if no warning comes."""
+        self._refused_s = 0.0
+
+    def accepted(self, line: Line) -> None:
+        """Report a line that was sent to the board."""
+        if line.effect is Effect.MOVE:
+            self._record(line, Cause(Reason.OK, ""), Phase.ACCEPTED)
+
+    def declined(
+        self, line: Line, cause: Cause, *, silent: bool = False, detail: Detail | None = None
+    ) -> None:
+        """Report a line that was refused before it was sent; `silent`: without a warning."""
+        if not silent:
+            self._warn(cause)
+        phase = Phase.ACCEPTED if line.effect is Effect.MOVE else None
+        self._record(line, cause, phase, detail)
+
+    def failed(self, line: Line, error: BeatrixError) -> None:
+        """Report a line that could not be sent, or that the program may not send."""
+        self.declined(line, Cause(error.reason, error.message), detail=error.detail)
+
+    def dropped(self, line: Line) -> None:
+        """Report a line that is dropped because the program has gone."""
+        if line.sent:
+            self._end(line, PORT_REOPENED)
+        else:
+            self.declined(line, PORT_CLOSED, silent=True)
+
+    def done(self, line: Line) -> None:
+        """Report a line that was carried out."""
+        cause = line.cause or Cause(Reason.OK, "")
+        if cause.reason is not Reason.OK:
+            cause = Cause(Reason.OK, "")  # the motion had just ended when STOP was pressed
+        if cause.message:
+            self._warn(
+                cause
+            )  # repeated, because the status may have dropped the warning during a long motion
+        self._end(line, cause)
+
+    def not_done(self, line: Line, *, unknown: bool, zero_forgotten: bool) -> None:
+        """Report a line that the board answered NACK; `unknown`: NACK alone, which means an unknown line."""
+        if line.effect is Effect.MOVE and not self._node.move_refused() and not refuses(line.cause):
+            line.cause = CUT_SHORT
+        cause = line.cause if refuses(line.cause) else explain(line, unknown=unknown)
+        if cause is not None:
+            self._explained(line, cause)
+        elif line.effect is not Effect.NONE:
+            self.settle()
+            self._unexplained, self._refused_s = line, time.monotonic()
+            self._presumed = REFUSED_BY_BOARD
+            if line.effect is Effect.MOVE:
+                self._presumed = ZERO_FORGOTTEN if zero_forgotten else CALNOW_FIRST
+
+    def board_warned(self, line: Line | None, code: int) -> None:
+        """Report a warning that the board has sent before its answer to `line`."""
+        cause = board_warning(code)
+        if self._unexplained is not None and refuses(cause):
+            refused, self._unexplained = self._unexplained, None
+            self._explained(refused, cause)
+            return
+        self._warn(cause)
+        if line is not None and not refuses(line.cause):
+            line.cause = cause
+
+    def overdue(self) -> bool:
+        """Return whether the board has not explained a refusal within EXPLAINED_S; any thread may call it."""
+        return self._unexplained is not None and time.monotonic() - self._refused_s > EXPLAINED_S
+
+    def settle(self) -> None:
+        """Report the refusal that the board has not explained."""
+        line, self._unexplained = self._unexplained, None
+        if line is not None:
+            self._explained(line, self._presumed)
+
+    def _explained(self, line: Line, cause: Cause) -> None:
+        if cause.reason is not Reason.STOPPED:
+            self._warn(cause)
+        self._end(line, cause)
+
+    def _end(self, line: Line, cause: Cause) -> None:
+        self._record(line, cause, Phase.DONE if line.effect is Effect.MOVE else None)
+
+    def _warn(self, cause: Cause) -> None:
+        self._node.warn(f"old program: {cause.message}")
+
+    def _record(self, line: Line, cause: Cause, phase: Phase | None, detail: Detail | None = None) -> None:
+        if line.effect is Effect.NONE:
+            return
+        text = line.text.decode("ascii", "replace")
+        message = f"{text}: {cause.message}" if cause.message else text
+        moved_s = time.monotonic() - line.sent_s if phase is Phase.DONE and line.sent_s is not None else 0.0
+        outcome = Cause(cause.reason, message)
+        self._node.record(line.effect, line.word, outcome, phase=phase, detail=detail, duration_s=moved_s)
+
+
+def refuses(cause: Cause | None) -> bool:
+    """Return whether it explains why a line was not carried out."""
+    return cause is not None and cause.reason is not Reason.OK
+
+
+def board_warning(code: int) -> Cause:
+    """The cause that a warning of the firmware gives."""
+    if code not in WARNING_TEXT:
+        return Cause(Reason.OK, f"unknown warning {code}")
+    known = WarningCode(code)
+    return Cause(WARNING_REASON.get(known, Reason.OK), WARNING_TEXT[known])
+
+
+def explain(line: Line, *, unknown: bool) -> Cause | None:
+    """Return the cause of a NACK that the text of the line reveals, else None; `unknown`: the board sent NACK alone."""
+    words = line.text.split(b" ")
+    if line.effect is Effect.ENABLE and words[1:2] != [b"ON"]:
+        return Cause(Reason.BAD_VALUE, "the line was refused: @ENMOTORS needs ON or OFF behind it.")
+    if line.effect is not Effect.MOVE:
+        return None
+    if unknown:
+        text = line.text.decode("ascii", "replace")
+        return Cause(
+            Reason.BAD_VALUE,
+            f"the motion was refused: the board does not understand `{text}`. docs/how-to/old-programs.md lists the words.",
+        )
+    numbers = [abs(steps(word)) for word in words[1:4]]
+    if (sum(numbers[:2]) if line.word.startswith("@MOVTO") else max(numbers, default=0)) > STEPS_MAX:
+        return Cause(Reason.BAD_VALUE, f"the motion was refused: no number in it may be beyond {STEPS_MAX}.")
+    return None
+
+
+def steps(word: bytes) -> int:
+    """A number as the firmware reads it: a sign and digits, up to the first other character."""
+    found = re.match(rb"[+-]?[0-9]+", word)
+    return int(found[0]) if found else 0

@@ -1,0 +1,217 @@
+"""A pseudo-terminal that programs of 2023 open as if it were the board's serial port."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import sys
+import threading
+import time
+from itertools import islice
+from pathlib import Path
+from typing import Protocol
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated import serial as wire
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.legacy.terminal_path import claim, link, share, unlink
+
+try:
+    import termios
+    import tty
+except ImportError:  # Windows has no pseudo-terminals
+    POSSIBLE = False
+else:
+    POSSIBLE = True
+
+LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
+"""A line that has begun is forgotten after this long without a byte."""
+TURN_S = 0.02
+"""Period of the checks whether a program has opened the terminal, or reads again [s]."""
+CHUNK = 512
+"""Bytes that are read in one period at most: 25 kB/s, as fast as the board's serial line."""
+UNREAD_MAX = 1 << 16
+"""Bytes: the most that the system keeps of what a program has written, and the most that the node keeps of answers that
+the program has not read; further answers are dropped as whole lines."""
+BLANKS = b" \t"
+"""The firmware skips these at the begin of a line."""
+LOCAL = 3
+"""Index of the local modes, which include echo, in the settings of termios."""
+
+
+class Listener(Protocol):
+    """Receives the lines of programs; called on the terminal's thread, in order."""
+
+    def opened(self) -> None:
+        """Handle a program that has opened the terminal; `write` drops all answers until `begin_answers` is called once."""
+
+    def received(self, line: bytes) -> None:
+        """Handle a line of the program; `line` has no line end and no leading blanks, and is never empty."""
+
+    def closed(self) -> None:
+        """Handle the end of the program, or a program that has closed the terminal."""
+
+
+class Terminal:
+    """Lines from and to the program that has opened `path`; never waits for a program that does not read.
+
+    Programs that follow each other within TURN_S count as one program.
+
+    Raises:
+        Refused: BAD_VALUE: there can be no terminal at `path`; the message names what to choose instead.
+    """
+
+    def __init__(self, path: Path) -> None:
+        if not POSSIBLE:
+            raise Refused(
+                Reason.BAD_VALUE,
+                "--legacy needs a pseudo-terminal, which Windows does not have: run this node on Linux or macOS.",
+            )
+        self.path = path
+        self._claim = claim(path)
+        self._master, slave = os.openpty()
+        self._device = os.ttyname(slave)
+        tty.setraw(slave)
+        share(self._device)
+        os.close(slave)
+        os.set_blocking(self._master, False)
+        try:
+            link(path, self._device)
+        except Refused:
+            os.close(self._master)
+            self._claim.close()
+            raise
+        self._lock = threading.Lock()
+        self._open = False
+        self._pending_openings = 0
+        """Openings without a call of `begin_answers`: answers still belong to the program before."""
+        self._unread = b""
+        """Answers that the system does not take yet."""
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self, listener: Listener) -> None:
+        """Begin to listen."""
+        self._thread = threads.start(lambda: self._run(listener), "terminal")
+
+    def write(self, lines: bytes) -> None:
+        """Give the program whole lines; they are dropped while it leaves UNREAD_MAX bytes unread."""
+        with self._lock:
+            if self._open and not self._pending_openings and len(self._unread) < UNREAD_MAX:
+                self._unread += lines
+                self._flush()
+
+    def begin_answers(self) -> None:
+        """Pass on answers from now on: they belong to the program that has opened the terminal last."""
+        with self._lock:
+            self._pending_openings -= 1
+
+    def _flush(self) -> None:
+        try:
+            self._unread = self._unread[os.write(self._master, self._unread) :]
+        except BlockingIOError:
+            return
+        except OSError:  # no program has it open
+            self._unread = b""
+
+    # -- the terminal's own thread --------------------------------------------------------------
+
+    def _run(self, listener: Listener) -> None:
+        poll = select.poll()
+        poll.register(self._master, select.POLLIN)
+        while not self._closing.wait(TURN_S):
+            events = poll.poll(0)
+            if not hung_up(events) or events[0][1] & select.POLLIN:
+                self._program_came()
+                listener.opened()
+                self._serve(poll, listener)
+                listener.closed()
+
+    def _serve(self, poll: select.poll, listener: Listener) -> None:
+        """Pass lines on until the program has gone and all its lines are handed over."""
+        splitter = LineSplitter()
+        gone = False
+        while not (gone or self._closing.is_set()):
+            gone = hung_up(poll.poll(round(TURN_S * 1000)))
+            data = self._read()
+            if gone:  # beyond UNREAD_MAX the bytes belong to the next program
+                data += b"".join(islice(iter(self._read, b""), UNREAD_MAX // CHUNK))
+                self._program_went()
+            for line in splitter.split(data):
+                listener.received(line)
+            with self._lock:
+                self._flush()
+            if len(data) == CHUNK:
+                self._closing.wait(TURN_S)
+
+    def _read(self) -> bytes:
+        """The next bytes; empty if there are none."""
+        try:
+            return os.read(self._master, CHUNK)
+        except OSError:
+            return b""
+
+    def _program_came(self) -> None:
+        """Keep the program's settings, but switch echo off: with it the node would read its own answers."""
+        with self._lock, contextlib.suppress(OSError, termios.error):
+            self._open = True
+            self._pending_openings += 1
+            settings = termios.tcgetattr(self._master)
+            if settings[LOCAL] & termios.ECHO:
+                settings[LOCAL] &= ~termios.ECHO
+                termios.tcsetattr(self._master, termios.TCSANOW, settings)
+
+    def _program_went(self) -> None:
+        """Discard the program's settings and the answers it has not read, so that the next program does not get them.
+
+        Linux keeps 4 kB for the program, which only a change of the settings discards, and 16 kB before that; other
+        systems have one queue.
+        """
+        with self._lock, contextlib.suppress(OSError, termios.error):
+            self._open = False
+            self._unread = b""
+            if sys.platform == "linux":
+                termios.tcflush(self._master, termios.TCOFLUSH)
+                tty.setraw(self._master, termios.TCSAFLUSH)
+            else:
+                termios.tcflush(self._master, termios.TCIFLUSH)
+                tty.setraw(self._master, termios.TCSANOW)
+
+    def close(self) -> None:
+        """Close the terminal and remove the link."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+        unlink(self.path, self._device)
+        with self._lock:
+            self._open = False
+            self._unread = b""
+            os.close(self._master)
+        self._claim.close()
+
+
+def hung_up(events: list[tuple[int, int]]) -> bool:
+    """Return whether no program has the terminal open."""
+    return any(event & select.POLLHUP for _, event in events)
+
+
+class LineSplitter:
+    """Splits what a program writes into lines."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+        self._written_s = 0.0
+
+    def split(self, data: bytes) -> list[bytes]:
+        """Lines that end in `data`, without their ends and leading blanks; `data` is empty if nothing was written."""
+        now_s = time.monotonic()
+        if not data and now_s - self._written_s >= LINE_END_S:
+            self._begun = b""
+        if not data:
+            return []
+        self._written_s = now_s
+        *lines, rest = (self._begun + data).replace(b"\n", b"\r").split(b"\r")
+        self._begun = rest.lstrip(BLANKS)[: wire.TEXT_LINE_MAX + 1]
+        return [line for text in lines if (line := text.lstrip(BLANKS))]

@@ -1,0 +1,84 @@
+"""The path at which programs of 2023 find the pseudo-terminal: claimed, linked, open to other users."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import Final
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+
+try:
+    import grp
+except ImportError:  # Windows, which has no pseudo-terminals either
+    grp = None  # type: ignore[assignment]
+
+LINK_PREFIX: Final = "/dev/.."
+"""Stands in the target of our links, in front of the device's own name: nothing else writes it so."""
+GROUP: Final = "dialout"
+"""On Linux the group of users who may open serial ports."""
+GROUP_MAY: Final = 0o660
+
+
+def claim(path: Path) -> socket.socket:
+    """Hold `path` against other nodes for as long as this process lives and the socket is open.
+
+    Raises:
+        Refused: BAD_VALUE: another node holds it.
+    """
+    held = socket.socket(socket.AF_UNIX)
+    where = str(path.parent.resolve() / path.name)
+    try:
+        if sys.platform == "linux":  # elsewhere there are no names that go with their process
+            held.bind(b"\0beatrix-legacy-" + hashlib.sha256(os.fsencode(where)).hexdigest().encode())
+    except OSError as error:
+        held.close()
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"--legacy {path} belongs to another node that runs: choose another path for this robot.",
+        ) from error
+    return held
+
+
+def link(path: Path, device: str) -> None:
+    """Let `path`, which is claimed, lead to `device`; a link of ours that was left behind is replaced.
+
+    Raises:
+        Refused: BAD_VALUE: another file has this path, or this user may not write there.
+    """
+    try:
+        if sys.platform == "linux" and path.is_symlink() and str(path.readlink()).startswith(LINK_PREFIX):
+            path.unlink()
+        path.symlink_to(LINK_PREFIX + device)
+    except FileExistsError as error:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"--legacy {path} already exists: choose another path, or remove it if nothing uses it.",
+        ) from error
+    except OSError as error:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"--legacy {path}: {error.strerror}. Choose a path you may write, for example /tmp/beatrix; a link such as "
+            "/dev/ttyACM9, which programs find by themselves, needs an administrator.",
+        ) from error
+
+
+def unlink(path: Path, device: str) -> None:
+    """Remove `path` if it still leads to `device`."""
+    with contextlib.suppress(OSError):
+        if str(path.readlink()) == LINK_PREFIX + device:
+            path.unlink()
+
+
+def share(device: str) -> None:
+    """Let the users who may open serial ports open `device`, as far as this process may allow it."""
+    if grp is None:
+        return
+    with contextlib.suppress(KeyError, OSError):  # no such group, or this user is not in it
+        os.chown(device, -1, grp.getgrnam(GROUP).gr_gid)
+        Path(device).chmod(GROUP_MAY)  # after chown: never open to another group

@@ -1,0 +1,43 @@
+"""A font of 5 x 7 points, for test pictures and for signs in simulated pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+COLUMNS: Final = 5
+ROWS: Final = 7
+_GLYPHS: Final = {
+    " ": "00 00 00 00 00 00 00",
+    "0": "0e 11 11 11 11 11 0e",
+    "1": "04 0c 04 04 04 04 0e",
+    "2": "0e 11 01 02 04 08 1f",
+    "3": "1f 02 04 02 01 11 0e",
+    "4": "02 06 0a 12 1f 02 02",
+    "5": "1f 10 1e 01 01 11 0e",
+    "6": "06 08 10 1e 11 11 0e",
+    "7": "1f 01 02 04 08 08 08",
+    "8": "0e 11 11 0e 11 11 0e",
+    "9": "0e 11 11 0f 01 02 0c",
+    "-": "00 00 00 1f 00 00 00",
+    ".": "00 00 00 00 00 0c 0c",
+    ":": "00 04 04 00 04 04 00",
+    "E": "1f 10 10 1e 10 10 1f",
+    "F": "1f 10 10 1e 10 10 10",
+    "G": "0e 11 10 17 11 11 0f",
+    "H": "11 11 11 1f 11 11 11",
+    "I": "0e 04 04 04 04 04 0e",
+    "L": "10 10 10 10 10 10 1f",
+    "N": "11 19 15 15 15 13 11",
+    "O": "0e 11 11 11 11 11 0e",
+    "P": "1e 11 11 1e 10 10 10",
+    "R": "1e 11 11 1e 14 12 11",
+    "T": "1f 04 04 04 04 04 04",
+}
+"""The letters in use: one byte per row, whose bit 4 is the left column."""
+
+
+def points(letter: str) -> Sequence[Sequence[bool]]:
+    """Return the rows of a letter from the top, True for ink; raises KeyError for an unknown letter."""
+    rows = (int(row, 16) for row in _GLYPHS[letter].split())
+    return [[bool(row >> bit & 1) for bit in reversed(range(COLUMNS))] for row in rows]

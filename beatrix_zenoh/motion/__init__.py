@@ -1,0 +1,1 @@
+"""Kinematics, gear, trajectories and limits of the neck: calculation only."""

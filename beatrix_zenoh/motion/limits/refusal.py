@@ -1,0 +1,210 @@
+"""Refusals of motions: the exceeded limit, its value, where, and an accepted alternative."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from beatrix_zenoh._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits.alternatives import furthest, in_single, nearest_pose, typed_speed
+from beatrix_zenoh.motion.limits.motion import PlannedMotion
+from beatrix_zenoh.motion.limits.path_check import GAP, TILT, Bounds, PathChecker, Violation
+from beatrix_zenoh.motion.rotation import tilt_of
+from beatrix_zenoh.motion.trajectory import Trajectory
+
+_SAMPLES: Final = 24
+_PAIRS: Final = (["short", "middle"], ["middle", "long"], ["long", "short"])
+_SHORT_OF_VIOLATION: Final = 0.97
+"""Share of the path to a violation that is tried first."""
+
+
+class Rules(NamedTuple):
+    """The rules for motions of one robot."""
+
+    neck: Neck
+    bounds: Bounds
+    checker: PathChecker
+    acceleration: float
+    """rad/s2"""
+    slowest: float
+    """rad/s, of an arm"""
+    accepts: Callable[[PlannedMotion], bool]
+    """whether a motion keeps all limits"""
+
+
+class RefusalBuilder:
+    """Builds the refusals of one robot's motions and poses."""
+
+    def __init__(self, rules: Rules) -> None:
+        self._neck, self._bounds, self._checker = rules.neck, rules.bounds, rules.checker
+        self._acceleration, self._slowest, self._accepts = rules.acceleration, rules.slowest, rules.accepts
+
+    def of_rest(self, index: int, arms: Arms) -> Refused:
+        """Refusal of a head at rest at these arm angles (rad), which exceeds the limit of this index."""
+        return _refused(index, self._detail(index, arms, at_goal=True))
+
+    def of_pose(self, index: int, pose: Arms, motion: PlannedMotion) -> Refused:
+        """Refusal of a head orientation (rad) that exceeds the limit of this index wherever it starts.
+
+        motion: the motion to it; its goal is not used.
+        """
+        value = tilt_of(pose[1], pose[2]) if index == TILT else pose[0]
+        return _refused(
+            index,
+            self._detail(
+                index, motion.start, value=value, at_goal=True, alternative=self.for_pose(pose, motion)
+            ),
+        )
+
+    def of_motion(self, violation: Violation, motion: PlannedMotion) -> Refused:
+        """Refusal of a motion that leaves the limits."""
+        index, at_goal = self._exceeded_limit(violation, motion)
+        arms = motion.target
+        if not at_goal:
+            trajectory = motion.trajectory(self._acceleration)
+            arms = max(_after(violation, trajectory), key=lambda arms: self._excess(index, arms))
+        return _refused(
+            index,
+            self._detail(
+                index,
+                arms,
+                at_goal=at_goal,
+                violation=violation,
+                alternative=self._alternative(violation, motion, at_goal=at_goal),
+            ),
+        )
+
+    def of_start(self, start: Arms) -> Refused:
+        """Return the refusal of any motion while no head orientation is possible at the present arm angles (rad)."""
+        detail = Detail(
+            limit=Limit.TILT, unit="rad", at_goal=False, leaves_s=0.0, leaves_arms=Vector3(*start)
+        )
+        return Refused(Reason.OUT_OF_REACH, detail=detail)
+
+    def for_pose(self, pose: Arms, motion: PlannedMotion) -> Alternative | None:
+        """The accepted head orientation found nearest to `pose` (rad), None if there is none."""
+        try:
+            start = self._neck.forward(motion.start)
+        except BeatrixError:
+            return None
+
+        def motion_to(head: Arms) -> PlannedMotion:
+            return motion.to(self._neck.inverse(*head))
+
+        goal = nearest_pose(pose, self._bounds.tilt_max, self._bounds.yaw_max)
+        head = furthest(start, goal, lambda head: self._accepts(motion_to(head)))
+        if head is None:
+            return None
+        arms = in_single(motion_to(head).target)
+        alone = PlannedMotion(motion.start, motion.velocity, arms, motion.speed, straight=False)
+        return Alternative(head=Head(*head), arms=Vector3(*arms) if self._accepts(alone) else None)
+
+    def for_arms(self, goal: Arms, motion: PlannedMotion, first: float = 1.0) -> Alternative | None:
+        """The accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
+        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)), first)
+        return None if arms is None else Alternative(arms=Vector3(*arms))
+
+    def _exceeded_limit(self, violation: Violation, motion: PlannedMotion) -> tuple[int, bool]:
+        """Index of the limit to name, and whether the goal exceeds it.
+
+        A gap has priority: a goal with close arms usually also tilts too far, but users see the arms.
+        """
+        at_goal = self._checker.exceeded(motion.target, motion.start)
+        if not at_goal:
+            return violation.index, False
+        if max(at_goal) >= GAP or violation.index not in at_goal:
+            return max(at_goal), True
+        return violation.index, True
+
+    def _alternative(
+        self, violation: Violation, motion: PlannedMotion, *, at_goal: bool
+    ) -> Alternative | None:
+        if not motion.straight:
+            if not at_goal and (speed := self._speed(motion)) is not None:
+                return Alternative(speed=Vector3(*speed))
+            travel = math.dist(motion.start, motion.target)
+            share = math.dist(motion.start, violation.arms) / travel if travel else 0.0
+            return self.for_arms(motion.target, motion, min(1.0, share) * _SHORT_OF_VIOLATION)
+        try:
+            pose = self._neck.forward(motion.target)
+        except BeatrixError:
+            return None
+        return self.for_pose(pose, motion)
+
+    def _speed(self, motion: PlannedMotion) -> Arms | None:
+        """Speeds (rad/s) in proportion to the paths of the arms, if the motion keeps the limits with them."""
+        x, y, z = (typed_speed(speed, self._slowest, math.inf) for speed in motion.proportional_speed())
+        speed = in_single((x, y, z))
+        return speed if self._accepts(motion.at_speed(speed)) else None
+
+    def _detail(
+        self,
+        index: int,
+        arms: Arms,
+        *,
+        at_goal: bool,
+        value: float | None = None,
+        violation: Violation | None = None,
+        alternative: Alternative | None = None,
+    ) -> Detail:
+        """Detail of the limit of this index at these arm angles (rad); `value` (rad) if it is known already."""
+        low, high, limit = None, None, _limit(index)
+        if limit is Limit.TILT:
+            high = self._bounds.tilt_max
+        elif limit is Limit.YAW:
+            low, high = -self._bounds.yaw_max, self._bounds.yaw_max
+        else:
+            low = self._bounds.gap_min
+        return Detail(
+            limit=limit,
+            value=self._value(index, arms) if value is None else value,
+            low=low,
+            high=high,
+            unit="rad",
+            arms=_PAIRS[index - GAP] if index >= GAP else [],
+            at_goal=at_goal,
+            leaves_s=None if violation is None else violation.t,
+            leaves_arms=None if violation is None else Vector3(*violation.arms),
+            alternative=alternative,
+        )
+
+    def _value(self, index: int, arms: Arms) -> float | None:
+        """Return tilt, yaw or gap (rad); None if no head orientation is possible."""
+        if index >= GAP:
+            return self._neck.gaps(arms)[index - GAP]
+        try:
+            yaw, pitch, roll = self._neck.forward(arms)
+        except BeatrixError:
+            return None
+        return tilt_of(pitch, roll) if index == TILT else yaw
+
+    def _excess(self, index: int, arms: Arms) -> float:
+        """A number that grows with the violation of the limit of this index."""
+        value = self._value(index, arms)
+        if value is None:
+            return math.inf
+        return -value if index >= GAP else abs(value)
+
+
+def _after(violation: Violation, trajectory: Trajectory) -> list[Arms]:
+    span = trajectory.duration - violation.t
+    return [trajectory.at(violation.t + span * i / _SAMPLES)[0] for i in range(_SAMPLES + 1)]
+
+
+def _limit(index: int) -> Limit:
+    if index == TILT:
+        return Limit.TILT
+    return Limit.ARM_GAP if index >= GAP else Limit.YAW
+
+
+def _refused(index: int, detail: Detail) -> Refused:
+    reasons = {
+        Limit.TILT: Reason.OUT_OF_REACH,
+        Limit.YAW: Reason.YAW_LIMIT,
+        Limit.ARM_GAP: Reason.ARM_GAP,
+    }
+    return Refused(reasons[_limit(index)], detail=detail)

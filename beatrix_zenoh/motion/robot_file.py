@@ -1,0 +1,203 @@
+"""The values of a lab's own robot: a TOML file that overrides the default values."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from beatrix_zenoh import files
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, Range, RobotData
+from beatrix_zenoh.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, Limits, known_tilt
+from beatrix_zenoh.motion.rotation import leaning
+
+Tables = dict[str, dict[str, object]]
+
+LONGEST_FILE = 1 << 20
+"""Bytes; longer files are refused."""
+LEAST_TILT = ALLOWED["limits"]["tilt_max"].low
+NEAR = math.radians(2.0)
+"""Angle (rad) that every robot must reach from home, in any direction."""
+GRID, DIRECTIONS = math.radians(1.5), 48
+"""Spacing of the tested poses in tilt (rad), and number of directions: about 30 ms."""
+SAME = math.radians(0.01)
+ROUNDING = 1e-9
+HOME: Arms = (0.0, 0.0, 0.0)
+AS_BUILT = (
+    "is compiled into the firmware. To build it for another robot, in the folder of BEATRIX: change schemas/robot.toml, "
+    "then `make generate`, `make firmware`, `beatrix flash`; nodes and simulations that start from there count alike."
+)
+SIGN = "cannot be changed: reverse the plug of the motor that turns the wrong way."
+PINS = "is how the firmware is wired: firmware/beatrix/src/mega/pins.h."
+ANGLES = "arm_angle, rod_twist and mount_angle"
+FIRMWARE = "the firmware is built for no wider ones"
+
+
+def load(path: Path | None) -> RobotData:
+    """The default robot with the values of this file, if any: tables and names as in docs/reference/robot.md.
+
+    Raises:
+        WrongUsage: BAD_VALUE; the message names the wrong entry and the allowed ones.
+    """
+    if path is None:
+        return ROBOT
+    tables: Tables = msgspec.to_builtins(ROBOT)
+    called = f"--robot-file {path}"
+    try:
+        held = files.content(path, LONGEST_FILE, called=called, form="TOML", nothing="no robot's values are")
+        given = tomllib.loads(held.decode())
+    except (OSError, ValueError, RecursionError) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
+    try:
+        fields = set()
+        for table, field, value in entries(given, tables):
+            tables[table][field] = value
+            fields.add(field)
+        robot = msgspec.convert(tables, RobotData)
+        check(robot, fields)
+        check_motions(robot)
+    except (Refused, msgspec.ValidationError) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error}") from error
+    return robot
+
+
+def fingerprint(robot: RobotData) -> str:
+    """Eight hex digits that are the same for the same values."""
+    return hashlib.sha256(msgspec.json.encode(robot)).hexdigest()[:8]
+
+
+def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str, object]]:
+    """Table, field and value of each entry; raises Refused for unknown or fixed fields and for wrong types."""
+    for table, values in given.items():
+        if table not in known or not isinstance(values, dict):
+            raise Refused(Reason.BAD_VALUE, f"{quoted(table)} is no table. There are: {', '.join(known)}.")
+        for field, value in values.items():
+            if field not in known[table]:
+                raise Refused(
+                    Reason.BAD_VALUE,
+                    f"[{table}] has no {quoted(field)}. There are: {', '.join(known[table])}.",
+                )
+            if field not in ALLOWED[table]:
+                why = SIGN if field == "sign" else PINS if table == "pins" else AS_BUILT
+                raise Refused(Reason.BAD_VALUE, f"[{table}] {field} {why}")
+            whole = isinstance(known[table][field], int)
+            if isinstance(value, bool) or not isinstance(value, int if whole else int | float):
+                raise outside(table, field, repr(value), ALLOWED[table][field], whole=whole)
+            yield table, field, value
+
+
+def check(robot: RobotData, given: set[str]) -> None:
+    """Raise Refused for values out of range, alone or in combination."""
+    check_table(robot, "geometry", given, {})
+    try:
+        reach = math.degrees(Neck(robot.geometry).reach)
+    except Refused as error:
+        raise Refused(error.reason, f"[geometry] {ANGLES}: {error.message}") from error
+    most = math.floor(10 * (reach - 1) + ROUNDING) / 10
+    if most < LEAST_TILT:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"[geometry] {ANGLES} let the head tilt {reach:.1f}° in every direction; "
+            f"{LEAST_TILT + 1:g}° are needed.",
+        )
+    shipped = ROBOT.limits
+    ends: dict[str, tuple[float, str]] = {
+        "tilt_max": (most, f"the rods reach {reach:.1f}° in every direction, less a degree"),
+        "gap_min": (shipped.gap_min, FIRMWARE),
+        "yaw_max": (shipped.yaw_max, FIRMWARE),
+        "speed_max": (shipped.speed_max, FIRMWARE),
+        "speed_default": (robot.limits.speed_max, "no more than speed_max"),
+    }
+    for table in ALLOWED:
+        check_table(robot, table, given, ends if table == "limits" else {})
+
+
+def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, tuple[float, str]]) -> None:
+    """Check one table; `ends` are the limits that follow from other values, with their reasons."""
+    for field, (low, high, unit) in ALLOWED[table].items():
+        value = getattr(getattr(robot, table), field)
+        end, why = ends.get(field, (0.0, ""))
+        allowed = Range(end if low == -math.inf else low, end if high == math.inf else high, unit)
+        whole = isinstance(value, int)
+        fits = value in allowed[:2] if whole else allowed.low <= value <= allowed.high
+        if not fits:
+            text = f"{value}" + ("" if field in given else ", as shipped")
+            raise outside(table, field, text, allowed, why, whole=whole)
+
+
+def outside(table: str, field: str, value: str, allowed: Range, why: str = "", *, whole: bool) -> Refused:
+    """The error for a value out of range."""
+    low, high, unit = allowed
+    if whole:
+        text = f"{low} or {high} is allowed"
+    elif math.isfinite(low + high):
+        shown = unit.replace("deg", "°") if unit.startswith("deg") else f" {unit}".rstrip()
+        text = f"{low:g} to {high:g}{shown} is allowed"
+    else:
+        shown = unit.replace("deg", "degrees")
+        text = f"a number of {shown} is needed"
+    because = f" ({why})" if why else ""
+    return Refused(Reason.BAD_VALUE, f"[{table}] {field} = {value[:QUOTED]}: {text}{because}.")
+
+
+def check_motions(robot: RobotData) -> None:
+    """Raise Refused for a robot that cannot move around home, or whose neck could snap into another assembly."""
+    try:
+        neck = Neck(robot.geometry)
+        snaps = snaps_at(neck, known_tilt(neck, math.radians(robot.limits.tilt_max)))
+        if snaps is None:
+            limits = Limits(robot)
+            speed = (limits.default_speed,) * 3
+            for yaw, pitch, roll in near_home():
+                limits.check_motion(HOME, HOME, neck.inverse(yaw, pitch, roll), speed, straight=True)
+    except BeatrixError as error:
+        field = (
+            f"[limits] gap_min = {robot.limits.gap_min:g}"
+            if error.reason is Reason.ARM_GAP
+            else f"[geometry] {ANGLES}"
+        )
+        raise Refused(
+            Reason.BAD_VALUE, f"{field}: the head could not turn by 2° from home. {error.message}"
+        ) from error
+    if snaps is not None:
+        most = math.degrees(snaps - GRID - TILT_KNOWN_BEYOND)
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another position "
+            f"where the head tilts by {math.degrees(snaps):.0f}°: at most {math.floor(most)}° may be allowed.",
+        )
+
+
+def snaps_at(neck: Neck, most: float) -> float | None:
+    """The least tilt (rad), up to this, at which the arms of a head also fit another; None if there is none."""
+    for level in range(1, math.ceil(most / GRID) + 1):
+        tilt = min(level * GRID, most)
+        around = (leaning(tilt, math.tau * index / DIRECTIONS) for index in range(DIRECTIONS))
+        if not all(stands(neck, pitch, roll) for pitch, roll in around):
+            return tilt
+    return None
+
+
+def stands(neck: Neck, pitch: float, roll: float) -> bool:
+    """Return whether the arm angles calculated from this pose (rad) give the same pose again."""
+    try:
+        there = neck.forward(neck.inverse(0.0, pitch, roll))
+    except BeatrixError:
+        return False
+    return math.dist(there, (0.0, pitch, roll)) < SAME
+
+
+def near_home() -> Iterator[Arms]:
+    """Poses (rad) close to home, on all sides."""
+    for yaw in (-NEAR, NEAR):
+        for pitch in (-NEAR, 0.0, NEAR):
+            for roll in (-NEAR, 0.0, NEAR):
+                yield yaw, pitch, roll

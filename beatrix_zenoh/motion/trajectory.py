@@ -1,0 +1,161 @@
+"""The firmware's time law in continuous form: per-arm trapezoids of speed that may start in motion."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from beatrix_zenoh.motion.gear import Arms
+
+_REST: Arms = (0.0, 0.0, 0.0)
+_SHORTEST: Final = 1e-9
+"""Sections shorter than this (s) are rounding."""
+_SLOWEST_SHARE: Final = 1 / 16
+"""An arm in motion keeps at least this share of the speed, so that an arm that has to reverse arrives."""
+
+
+class Section(NamedTuple):
+    """Part of a trajectory with constant accelerations."""
+
+    begin: float
+    """s after the start"""
+    duration: float
+    """s"""
+    arms: Arms
+    """rad, at its begin"""
+    velocity: Arms
+    """rad/s, at its begin"""
+    acceleration: Arms
+    """rad/s2"""
+
+    def at(self, t: float) -> tuple[Arms, Arms]:
+        """Angles (rad) and velocities (rad/s) t seconds after its begin."""
+        (x, y, z), (u, v, w), (a, b, c) = self.arms, self.velocity, self.acceleration
+        h = t / 2
+        velocity = (u + a * t, v + b * t, w + c * t)
+        return (x + (u + velocity[0]) * h, y + (v + velocity[1]) * h, z + (w + velocity[2]) * h), velocity
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Angles of the arms over time; before the start and after the end the arms rest."""
+
+    sections: tuple[Section, ...]
+    target: Arms
+    """rad"""
+    duration: float
+    """s"""
+
+    def at(self, t: float) -> tuple[Arms, Arms]:
+        """Angles (rad) and velocities (rad/s) of the arms t seconds after the start."""
+        if t >= self.duration:
+            return self.target, _REST
+        section = self.sections[max(0, bisect_right(self.sections, t, key=lambda section: section.begin) - 1)]
+        return section.at(max(0.0, t - section.begin))
+
+
+class _Piece(NamedTuple):
+    begin: float
+    position: float
+    velocity: float
+    acceleration: float
+
+
+_Profile = tuple[_Piece, ...]
+
+
+def plan(
+    start: Arms, velocity: Arms, target: Arms, speed: Arms, acceleration: float, *, straight: bool
+) -> Trajectory:
+    """Trajectory from `start` (rad), moving with `velocity` (rad/s), to rest at `target` (rad).
+
+    speed: top speed of each arm (rad/s), > 0. acceleration: rad/s2, > 0. An arm that cannot stop before its target
+    stops behind it and returns; an arm above its new top speed slows down to it.
+    straight: speed[0] is the speed of the arm with the longest way, the others are slower in proportion; from rest the
+    accelerations are as well, so that all arms start and arrive together on a straight line. In motion that is
+    impossible, and every arm brakes and accelerates at its limit.
+    """
+    travel = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
+    longest = max(map(abs, travel))
+    if straight and longest and velocity == _REST:
+        shares = (travel[0] / longest, travel[1] / longest, travel[2] / longest)
+        sections = _shared(_profile(0.0, 0.0, longest, speed[0], acceleration), start, shares)
+    else:
+        if straight and longest:
+            x, y, z = (speed[0] * max(_SLOWEST_SHARE, abs(way) / longest) for way in travel)
+            speed = (x, y, z)
+        axes = zip(start, velocity, target, speed, strict=True)
+        sections = _sections([_profile(p, v, goal, top, acceleration) for p, v, goal, top in axes])
+    end = sections[-1].begin + sections[-1].duration if sections else 0.0
+    return Trajectory(sections, target, end)
+
+
+def _profile(start: float, velocity: float, target: float, speed: float, acceleration: float) -> _Profile:
+    """Time-optimal motion of one arm to rest at its target, with limited speed and acceleration.
+
+    The sign of the remaining way after braking gives the direction; with u the velocity and d the way in that
+    direction the peak p follows from (p^2 - u^2) / 2a + p^2 / 2a = d, unless the speed limit cuts it off.
+    """
+    left = target - start - velocity * abs(velocity) / (2 * acceleration)
+    sign = math.copysign(1.0, left)
+    u, way = sign * velocity, sign * (target - start)
+    peak = min(speed, math.sqrt(max(0.0, acceleration * way + u * u / 2)))
+    first = abs(peak - u) / acceleration
+    ramp = math.copysign(acceleration, peak - u)
+    cruise = 0.0
+    if peak == speed:
+        cruise = max(0.0, way - (u + peak) / 2 * first - peak * peak / (2 * acceleration)) / peak
+    pieces = []
+    t, p, v = 0.0, start, velocity
+    for duration, rate in ((first, sign * ramp), (cruise, 0.0), (peak / acceleration, -sign * acceleration)):
+        if duration > 0:
+            pieces.append(_Piece(t, p, v, rate))
+            t, p, v = t + duration, p + (v + rate * duration / 2) * duration, v + rate * duration
+    return (*pieces, _Piece(t, target, 0.0, 0.0))
+
+
+def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
+    """The leading arm's profile, scaled for each arm."""
+    (x, y, z), (a, b, c) = start, shares
+    return tuple(
+        Section(
+            t,
+            following.begin - t,
+            (x + a * p, y + b * p, z + c * p),
+            (a * v, b * v, c * v),
+            (a * rate, b * rate, c * rate),
+        )
+        for (t, p, v, rate), following in itertools.pairwise(leader)
+        if following.begin - t > _SHORTEST
+    )
+
+
+def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
+    """Sections of constant acceleration of all three arms."""
+    cuts = sorted({piece.begin for profile in profiles for piece in profile})
+    cuts = [
+        cut for cut, following in zip(cuts, [*cuts[1:], math.inf], strict=True) if following - cut > _SHORTEST
+    ]
+    one, two, three = profiles
+    sections = []
+    for begin, end in itertools.pairwise(cuts):
+        (p, u, a), (q, v, b), (r, w, c) = _state(one, begin), _state(two, begin), _state(three, begin)
+        sections.append(Section(begin, end - begin, (p, q, r), (u, v, w), (a, b, c)))
+    return tuple(sections)
+
+
+def _state(profile: _Profile, t: float) -> tuple[float, float, float]:
+    piece = profile[0]
+    for following in profile[1:]:
+        if following.begin > t + _SHORTEST:
+            break
+        piece = following
+    since = t - piece.begin
+    return (
+        piece.position + (piece.velocity + piece.acceleration * since / 2) * since,
+        piece.velocity + piece.acceleration * since,
+        piece.acceleration,
+    )

@@ -1,0 +1,265 @@
+"""Access rules of one robot: lease, pause after STOP, emergency latch. No I/O and no clock of its own.
+
+`Access.authorize` decides about every request of every client on every port, in this order:
+
+1. STOP, EMERGENCY_STOP and RESET are allowed for every client.
+2. Requests of a session that has ended are refused.
+3. Under the emergency latch motions, ENABLE and CALIBRATE are refused.
+4. While the teacher has frozen the robot, the same requests are refused for all other seats.
+5. While a seat holds the robot, requests of all other seats except the teacher are refused.
+6. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum, auto
+from functools import wraps
+from typing import Concatenate, ParamSpec, TypeVar
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.node.lease import QUIET_S, Caller, Lease
+
+QUIET_OLD_PROGRAM_S = 5.0
+"""QUIET_S of programs of 2023, which cannot read the reason of a refusal."""
+ENDED_SESSIONS = 256
+"""Number of ended sessions to remember, because their last requests may still arrive."""
+TEXT_SESSION = "text-port"
+"""Session of programs of 2023, which have no Zenoh session."""
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Action(Enum):
+    """A request, as far as access depends on it."""
+
+    MOVE = auto()
+    ENABLE = auto()
+    DISABLE = auto()
+    CALIBRATE = auto()
+    RESET = auto()
+    LEASE = auto()
+    GOVERN = auto()
+    """Freeze the robot, or limit its speed."""
+    STOP = auto()
+    EMERGENCY_STOP = auto()
+
+
+ALWAYS = (Action.STOP, Action.EMERGENCY_STOP, Action.RESET)
+MOVING = (Action.MOVE, Action.ENABLE, Action.CALIBRATE)
+"""Refused under the emergency latch and while the robot is frozen."""
+
+
+@dataclass
+class _Pause:
+    """The pause of a stopped seat."""
+
+    requested_s: float
+    """time of its last motion request"""
+    session: str
+    """session whose motion was stopped"""
+    stopped_by: str
+    """session that pressed STOP"""
+
+
+class Pauses:
+    """Pauses of stopped seats: such a seat may move again after QUIET_S without a motion request."""
+
+    def __init__(self) -> None:
+        self._pauses: dict[str, _Pause] = {}
+
+    def begin(self, mover: Caller | None, stopped_by: str, now_s: float) -> None:
+        """Begin a pause: a session (empty: unknown) has stopped `mover`. A second STOP never shortens a pause."""
+        if mover is not None:
+            pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover.session, stopped_by))
+            pause.requested_s, pause.session = now_s, mover.session
+        for pause in self._pauses.values():
+            if stopped_by != pause.session:
+                pause.stopped_by = stopped_by
+
+    def restart(self, caller: Caller, now_s: float) -> float:
+        """Restart the pause of a seat that requests a motion; return its time (s), 0 if the seat need not pause.
+
+        The session that pressed STOP need not pause. Its seat keeps the pause, for a stopped stream in another session.
+        """
+        pause = self._pauses.get(caller.seat)
+        if pause is None or (caller.session and caller.session == pause.stopped_by):
+            return 0.0
+        quiet_s = QUIET_OLD_PROGRAM_S if caller.seat == OLD_PROGRAMS else QUIET_S
+        if now_s - pause.requested_s >= quiet_s:
+            del self._pauses[caller.seat]
+            return 0.0
+        pause.requested_s = now_s
+        return quiet_s
+
+    def end(self, seat: str) -> None:
+        """End the pause of a seat."""
+        self._pauses.pop(seat, None)
+
+
+def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate[Access, P], R]:
+    """Hold the lock of Access while a method runs."""
+
+    @wraps(method)
+    def under_lock(self: Access, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        with self.lock:
+            return method(self, *args, **kwargs)
+
+    return under_lock
+
+
+class Access:
+    """Access state of one robot; thread-safe, but use `lease` with `lock` held. All times are monotonic, s."""
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+        self.lease, self._pauses = Lease(), Pauses()
+        self._stopped_by = ""
+        self._stop_sent = self._resting = True
+        self._latched_s: float | None = None
+        self.frozen = False
+        """Whether the teacher has frozen the robot."""
+        self._ended: dict[Caller, None] = {}
+
+    @_locked
+    def authorize(
+        self, action: Action, caller: Caller, now_s: float, *, resting: bool = True, lease: int = 0
+    ) -> None:
+        """Raise Refused unless the caller may carry out the action now.
+
+        `resting`: whether the arms rest; `lease`: number of the lease in the request, 0 if none. A motion request during
+        a pause restarts the pause, also if it is refused for another reason.
+
+        Raises:
+            Refused: CLIENT_LOST, TEACHER_ONLY, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
+        """
+        if action in ALWAYS:
+            return
+        paused_s = self._pauses.restart(caller, now_s) if action is Action.MOVE else 0.0
+        if caller in self._ended:
+            raise refusals.session_ended()
+        if action is Action.GOVERN:
+            if caller.seat != TEACHER:
+                raise refusals.teacher_only(caller.seat)
+            return
+        if action in MOVING:
+            if self._latched_s is not None:
+                raise refusals.emergency_latched()
+            if self.frozen and caller.seat != TEACHER:
+                raise refusals.frozen()
+        self.lease.check(caller, lease, now_s)
+        if action is not Action.MOVE:
+            return
+        # The firmware delays a motion of a program of 2023 until the STOP of that program has ended.
+        if not self._resting and not self._stopped_by == caller.session == TEXT_SESSION:
+            if not (self._stop_sent and resting):
+                raise refusals.coming_to_rest()
+            self._resting = True
+        if paused_s > 0:
+            raise refusals.stopped_pause(caller.seat, paused_s)
+
+    @_locked
+    def take(self, caller: Caller) -> None:
+        """Make the authorised caller the holder, just before its motion is sent to the board.
+
+        Raises:
+            Refused: EMERGENCY, STOPPED or FROZEN, since `authorize`.
+        """
+        if self._latched_s is not None:
+            raise refusals.emergency_latched()
+        if not self._resting and caller.session != TEXT_SESSION:
+            raise refusals.coming_to_rest()
+        if self.frozen and caller.seat != TEACHER:
+            raise refusals.frozen()
+        self.lease.motion.begin(caller)
+
+    @_locked
+    def undo_take(self) -> None:
+        """Undo the last `take`: restore the previous holder."""
+        self.lease.motion.undo_begin()
+
+    @_locked
+    def rested(self, now_s: float) -> None:
+        """Record the end of the holder's motion, from which its lease expires."""
+        self.lease.motion.rested(now_s)
+
+    @_locked
+    def release(self, now_s: float) -> None:
+        """Free the robot at once, because the holder is gone."""
+        self.lease.motion.release(now_s)
+
+    @_locked
+    def holder(self, now_s: float) -> str:
+        """Return the seat that holds the robot; empty if it is free."""
+        return self.lease.holder(now_s)
+
+    @_locked
+    def freeze(self, *, on: bool) -> None:
+        """Let only the teacher move the robot, or all seats again."""
+        self.frozen = on
+
+    @_locked
+    def stop_pressed(self, session: str, now_s: float, *, emergency: bool = False) -> None:
+        """Record a STOP or EMERGENCY_STOP of a session (empty: unknown): no motion begins before `stop_sent` and rest.
+
+        The seat whose motion is running, or ended less than QUIET_S ago, must pause.
+        """
+        self._stopped_by = session
+        self._stop_sent = self._resting = False
+        self._pauses.begin(self.lease.motion.driver(now_s), session, now_s)
+        if emergency:
+            self._latched_s = now_s
+
+    @_locked
+    def stop_sent(self, now_s: float) -> None:
+        """Record that the board has acknowledged STOP, or does not answer; pause the seat of a motion that overtook STOP."""
+        self._stop_sent = True
+        self._pauses.begin(self.lease.motion.driver(now_s), self._stopped_by, now_s)
+        if self._latched_s is not None:
+            self.lease.motion.release(now_s)
+
+    @property
+    def latched(self) -> bool:
+        """Whether EMERGENCY_STOP is latched."""
+        return self._latched_s is not None
+
+    @_locked
+    def latch(self, now_s: float) -> None:
+        """Latch, because the board reports EMERGENCY_STOP, for example from an earlier node."""
+        if self._latched_s is None:
+            self._latched_s = now_s
+
+    @_locked
+    def reset(self, received_s: float) -> None:
+        """Clear the latch for a RESET that was received at `received_s`.
+
+        Raises:
+            Refused: EMERGENCY, EMERGENCY_STOP was pressed after that.
+        """
+        if self._latched_s is not None and received_s < self._latched_s:
+            raise refusals.emergency_latched()
+        self._latched_s = None
+
+    @_locked
+    def session_changed(self, caller: Caller, *, alive: bool) -> bool:
+        """Record that a client's session has begun, returned or ended; return True if a running motion lost its client.
+
+        A session counts under its own seat only: in a class no other seat can declare its token.
+        """
+        if alive or not caller.session:
+            self._ended.pop(caller, None)
+            return False
+        self._ended[caller] = None
+        if len(self._ended) > ENDED_SESSIONS:
+            del self._ended[next(iter(self._ended))]
+        self.lease.session_ended(caller)
+        return self.lease.motion.runs(caller)
+
+    @_locked
+    def old_program_began(self) -> None:
+        """End the pause of programs of 2023: a program has opened the port, so the stopped one has ended."""
+        self._pauses.end(OLD_PROGRAMS)

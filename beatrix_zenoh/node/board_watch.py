@@ -1,0 +1,106 @@
+"""The board of the node: callbacks, status fields, and observers of its changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from beatrix_zenoh._generated import messages as msg
+from beatrix_zenoh._generated.messages import Fault
+from beatrix_zenoh._generated.serial import State, Telemetry, Text, TextWarning
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.state import NO_TELEMETRY
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.node.access import Access
+from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.hardware import HardwareInterface
+from beatrix_zenoh.node.request_queue import RequestQueue
+
+BOARD_READY_S = 1.7
+"""Time within which a board that was reset by opening its port sends telemetry."""
+
+
+class Observer(NamedTuple):
+    """A part of the node that follows the board; `observe` runs on the controller's thread."""
+
+    observe: Callable[[], None]
+    overdue: Callable[[], bool]
+    """whether to call `observe` although nothing has changed; called on the board's thread"""
+    urgent: bool = True
+    """call `observe` before all waiting requests"""
+
+
+class BoardWatch(Component):
+    """Owns the board. Its callbacks run on the board's threads and only enqueue."""
+
+    def __init__(self, hardware: HardwareInterface, access: Access, queue: RequestQueue) -> None:
+        self._hardware, self._access, self._queue = hardware, access, queue
+        self._observers: list[Observer] = []
+        self._on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None
+        self._last_state: tuple[int, ...] = ()
+        self.board = Board(hardware.open_port, self._telemetry, self._link, self._text)
+
+    def observe(self, observer: Observer) -> None:
+        """Add an observer; before `start`."""
+        self._observers.append(observer)
+
+    def on_text(self, handle: Callable[[int, Text | TextWarning], None]) -> None:
+        """Pass lines of the text port to `handle`, on the board's thread; before `start`."""
+        self._on_text = handle
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        self.board.start()
+        self.board.wait_for(lambda _: True, BOARD_READY_S)
+
+    def contribute(self, status: StatusFields) -> None:
+        telemetry, link = self.board.telemetry or NO_TELEMETRY, self.board.link
+        state = telemetry.state if link.connected else 0
+        status.values |= {
+            "enabled": bool(state & State.ENABLED),
+            "calibrated": bool(state & State.CALIBRATED),
+            "moving": bool(state & State.MOVING),
+            "motion": telemetry.motion,
+            "fault": self._fault(telemetry),
+            "board": msg.BoardStatus(
+                connected=link.connected,
+                port=link.port,
+                name=link.name,
+                firmware=link.version,
+                contract="" if link.hello is None else f"{link.hello.contract:08x}",
+                boot=link.boot,
+                rejected_frames=link.rejected + telemetry.rejected,
+                retries=link.retries,
+                overflowed_bytes=link.overflowed,
+            ),
+        }
+        if link.trouble:
+            status.warnings.insert(0, link.trouble)
+
+    def _fault(self, telemetry: Telemetry) -> Fault:
+        link = self.board.link
+        if link.foreign:
+            return Fault.CONTRACT_MISMATCH
+        if not link.connected:
+            return Fault.BOARD_LOST
+        if telemetry.state & State.EMERGENCY or self._access.latched:
+            return Fault.EMERGENCY
+        return self._hardware.fault()
+
+    # -- the board's threads ----------------------------------------------------------------------
+
+    def _telemetry(self, telemetry: Telemetry) -> None:
+        state = (telemetry.state, telemetry.outcome, telemetry.motion, telemetry.boot)
+        changed, self._last_state = state != self._last_state, state
+        for observer in self._observers:
+            if observer.overdue() or (changed and observer.urgent):
+                self._enqueue(observer)
+
+    def _link(self) -> None:
+        for observer in self._observers:
+            self._enqueue(observer)
+
+    def _enqueue(self, observer: Observer) -> None:
+        (self._queue.post_urgent if observer.urgent else self._queue.post_event)(observer.observe)
+
+    def _text(self, seq: int, frame: Text | TextWarning) -> None:
+        self._on_text(seq, frame)

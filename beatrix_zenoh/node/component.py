@@ -1,0 +1,68 @@
+"""The interface of the node's components, and the context that they share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+from beatrix_zenoh._generated.messages import CameraStatus
+from beatrix_zenoh.bus import Sessions
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.node.access import Access
+    from beatrix_zenoh.node.board_watch import BoardWatch
+    from beatrix_zenoh.node.controller import MotionController
+    from beatrix_zenoh.node.diagnostics import Diagnostics
+    from beatrix_zenoh.node.events import EventLog
+    from beatrix_zenoh.node.hardware import HardwareInterface
+    from beatrix_zenoh.node.planner import Planner
+    from beatrix_zenoh.node.request_queue import RequestQueue
+    from beatrix_zenoh.node.snapshot import Snapshot
+
+
+@dataclass
+class StatusFields:
+    """Fields of a Status under construction; `warnings` are sentences for the user, the most important first."""
+
+    values: dict[str, object] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    cameras: list[CameraStatus] = field(default_factory=list)
+
+
+class Component(Protocol):
+    """A part of a node; it implements the methods that it needs. Its constructor starts no thread and does not wait.
+
+    A node starts its components in the order of its list and closes them in reverse order. A new component needs a file,
+    a line in `node.components`, and rows in schemas for its publications and queries.
+    """
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        """Start threads, declare keys."""
+        return
+
+    def contribute(self, status: StatusFields) -> None:  # noqa: ARG002
+        """Add fields and warnings to a status; called on several threads, so it must be quick and must not wait."""
+        return
+
+    def close(self) -> None:
+        """End threads and reply to every open request, also after a `start` that failed. The node undeclares the keys later."""
+        return
+
+
+@dataclass(frozen=True)
+class Context:
+    """Objects that the components of one node share."""
+
+    name: str
+    twin: str
+    hardware: HardwareInterface
+    planner: Planner
+    access: Access
+    events: EventLog
+    diagnostics: Diagnostics
+    queue: RequestQueue
+    board_watch: BoardWatch
+    controller: MotionController
+    snapshot: Snapshot
+    seats: dict[str, str] = field(default_factory=dict)
+    """Seats by session, from the tokens of clients; for STOP, whose key contains no seat."""

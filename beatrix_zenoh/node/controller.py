@@ -1,0 +1,192 @@
+"""The motion controller: begins, follows and ends the running motion."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.serial import FrameType, Outcome, State, Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node import replies
+from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.diagnostics import Diagnostics
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.planner import Goal, Planner
+from beatrix_zenoh.node.readiness import ready_telemetry
+
+NUMBERS = 65535
+"""The highest number of a motion."""
+LATE_S = 2.0
+"""Time after the planned end at which a motion without an outcome counts as not carried out."""
+CLOSE_S = 0.8
+"""Time for which a closing node waits for the arms to rest."""
+
+Ended = Callable[[int, Reason, str, float], None]
+"""Callback at the end of a motion: its number, reason, sentence, and time taken (s)."""
+
+
+@dataclass(frozen=True)
+class Running:
+    """The motion that the firmware is carrying out."""
+
+    number: int
+    caller: Caller
+    goal: Goal
+    boot: int
+    """boot number of the board when the motion began"""
+    began_s: float
+    overdue_s: float
+    """time at which a motion without an outcome counts as not carried out"""
+    ended: Ended
+
+
+class MotionController:
+    """State of the motion; all methods except `arms` and `overdue` run on the controller's thread."""
+
+    def __init__(self, board: Board, planner: Planner, access: Access, diagnostics: Diagnostics) -> None:
+        self._board, self._planner = board, planner
+        self._access, self._diagnostics = access, diagnostics
+        self._running: Running | None = None
+        self._number = secrets.randbelow(NUMBERS)  # differs from the last number of an earlier node
+        self._stop_cause = Reason.STOPPED
+        self._lost = True
+        self.text_moves = False
+        """A motion of the text port is under way or about to begin."""
+
+    def arms(self) -> Arms:
+        """Return the firmware's set points, rad."""
+        telemetry = self._board.telemetry
+        return (0.0, 0.0, 0.0) if telemetry is None else self._planner.gear.to_rad(telemetry.position)
+
+    @property
+    def running(self) -> Running | None:
+        """The running motion of a query."""
+        return self._running
+
+    @property
+    def driven(self) -> bool:
+        """Whether a motion of a query or of the text port is running."""
+        return self._running is not None or self.text_moves
+
+    @property
+    def moving(self) -> bool:
+        """Whether the board reports that the arms move."""
+        return self._board.connected and bool(self._board.state & State.MOVING)
+
+    def begin(
+        self,
+        query: MotionQuery | PoseQuery,
+        caller: Caller,
+        ended: Ended,
+        accepted: Callable[[int, Goal], None] = lambda *_: None,
+    ) -> None:
+        """Check a motion and send it to the board; `accepted` is called before the replaced motion ends.
+
+        Raises:
+            BeatrixError: the motion was refused; a running motion continues.
+        """
+        now_s = time.monotonic()
+        resting = not self.moving and self._running is None
+        self._access.authorize(Action.MOVE, caller, now_s, resting=resting, lease=query.lease)
+        goal = self._planner.goal(query, ready_telemetry(self._board))
+        self._access.take(caller)
+        try:
+            number, boot = self._send(goal)
+        except BeatrixError:
+            self._access.undo_take()
+            raise
+        replaced = self._running
+        self._running = Running(number, caller, goal, boot, now_s, now_s + goal.duration + LATE_S, ended)
+        self._stop_cause = Reason.STOPPED
+        accepted(number, goal)
+        self._board.wake()
+        if replaced is not None:
+            text = f"A newer motion ({number}, from {caller.seat}) took over."
+            replaced.ended(replaced.number, Reason.REPLACED, text, now_s - replaced.began_s)
+
+    def _send(self, goal: Goal) -> tuple[int, int]:
+        """Send a goal to the board; return the number of the motion and the boot number of the board."""
+        telemetry = self._board.telemetry
+        # A new number also after a failure: the board may have received that motion, and ignores a repeated number.
+        self._number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
+        try:
+            self._board.move(goal.frame(self._number))
+        except NoAnswer:
+            # The board may have received the motion, although the client gets a refusal.
+            self.stop(Reason.STOPPED)
+            raise
+        return self._number, 0 if telemetry is None else telemetry.boot
+
+    def stop(self, cause: Reason) -> None:
+        """Decelerate; a board that does not answer stops by itself, because it misses the heartbeat."""
+        self._stop_cause = cause
+        try:
+            self._board.request(FrameType.STOP)
+        except BeatrixError as error:
+            self._diagnostics.warn(error.message, error.reason)
+
+    def client_lost(self) -> None:
+        """The holder or the router was lost: stop the motion and free the robot."""
+        if self.driven:
+            self.stop(Reason.CLIENT_LOST)
+            self._access.release(time.monotonic())
+
+    def overdue(self) -> bool:
+        """Return whether the running motion should have ended by now; any thread may call it."""
+        running = self._running
+        return running is not None and time.monotonic() > running.overdue_s
+
+    def observe(self) -> None:
+        """Follow a change of the board: finish the motion if it has ended."""
+        telemetry, lost = self._board.telemetry, not self._board.connected
+        if telemetry is None:
+            return
+        self._diagnostics.follow_boot(telemetry.boot, calibrated=bool(telemetry.state & State.CALIBRATED))
+        if telemetry.state & State.EMERGENCY and not lost:
+            self._access.latch(time.monotonic())
+        running = self._running
+        known = running is not None and telemetry.motion == running.number
+        if self._lost and not lost and self.moving and not known:
+            self.stop(self._stop_cause)  # the node has reported to the client that this motion has ended
+        self._lost = lost
+        if running is not None:
+            self._observe_running(running, telemetry, lost=lost)
+
+    def _observe_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
+        if lost or telemetry.boot != running.boot:
+            text = replies.board_lost(reset=self._board.link.reset or not lost)
+            self._end(running, Reason.BOARD_LOST, text)
+        elif telemetry.state & State.MOVING:
+            return
+        elif telemetry.motion == self._number != running.number:
+            self._end(running, Reason.BOARD_LOST, replies.SUPERSEDED)
+        elif telemetry.motion == running.number and telemetry.outcome != Outcome.NONE:
+            self._end(running, *replies.motion_end(telemetry.outcome, self._stop_cause, self.arms()))
+        elif self.overdue():
+            self._end(running, Reason.BOARD_LOST, replies.NOT_CARRIED_OUT)
+
+    def _end(self, running: Running, reason: Reason, text: str) -> None:
+        now_s = time.monotonic()
+        self._running = None
+        self._access.rested(now_s)
+        running.ended(running.number, reason, text, now_s - running.began_s)
+
+    def close(self) -> None:
+        """Stop the arms, wait until they rest, and end the running motion."""
+        if self.driven:
+            self.stop(Reason.SHUTDOWN)
+            self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, CLOSE_S)
+            self.observe()
+        if self._running is not None:
+            self._end(self._running, Reason.SHUTDOWN, "The node is closing.")
+
+
+def next_number(last: int, on_board: int) -> int:
+    """Return a number that differs from the last one and from the board's, which an earlier node may have chosen."""
+    number = last % NUMBERS + 1
+    return number % NUMBERS + 1 if number == on_board else number

@@ -1,0 +1,151 @@
+"""The event log of the robot: keeps the newest events, counts equal events of a flood, feeds the publisher."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh._generated.messages import Detail, Event, EventKind, Events, Phase, Reason
+from beatrix_zenoh.node.lease import NO_CALLER, Caller
+
+KEPT: Final = 200
+"""Events that a query returns."""
+BURST: Final = 10
+"""Equal events per second that are published one by one; further ones are counted and published as one."""
+WINDOW_S: Final = 1.0
+SEAT_LENGTH: Final = 32
+"""Characters of a seat that an event shows; requests of longer seats are refused."""
+_SEQS: Final = 2**32
+
+_PRINTED: Final = (EventKind.BOARD, EventKind.ROUTER, EventKind.CAMERA, EventKind.WARNING)
+"""Kinds that are logged as warnings, which a process prints; the others only reach the log file."""
+
+log = logging.getLogger("beatrix_zenoh.node.events")
+
+
+@dataclass
+class _Window:
+    """Equal events of the last second."""
+
+    began_s: float
+    passed: int = 0
+    held: Event | None = None
+    """the newest unpublished event, with the count of all of them"""
+
+
+class EventLog:
+    """The event log; any thread adds events, the publisher takes them, queries read the newest ones."""
+
+    def __init__(self, monotonic_s: Callable[[], float] = time.monotonic) -> None:
+        self._monotonic_s = monotonic_s
+        self._lock = threading.Lock()
+        self._seq = 0
+        self._windows: dict[tuple[object, ...], _Window] = {}
+        self._latest: deque[Event] = deque(maxlen=KEPT)
+        self._unpublished: deque[Event] = deque(maxlen=KEPT)
+
+    def add(
+        self,
+        kind: EventKind,
+        *,
+        action: str = "",
+        caller: Caller = NO_CALLER,
+        phase: Phase | None = None,
+        reason: Reason = Reason.OK,
+        message: str = "",
+        motion: int = 0,
+        duration_s: float = 0.0,
+        detail: Detail | None = None,
+    ) -> None:
+        """Record an event with the present time."""
+        event = Event(
+            seq=0,
+            t_mono_ns=time.monotonic_ns(),
+            t_wall_ns=time.time_ns(),
+            kind=kind,
+            action=action,
+            seat=printable(caller.seat),
+            session=caller.session,
+            phase=phase,
+            reason=reason,
+            message=message,
+            motion=motion,
+            duration=duration_s,
+            detail=detail,
+        )
+        emitted = []
+        now_s = self._monotonic_s()
+        with self._lock:
+            window = self._windows.setdefault((kind, action, caller, phase, reason), _Window(now_s))
+            if now_s - window.began_s >= WINDOW_S:
+                emitted += self._flush(window, now_s)
+            if window.passed < BURST:
+                window.passed += 1
+                emitted.append(self._emit(event))
+            else:
+                count = 1 if window.held is None else window.held.count + 1
+                window.held = msgspec.structs.replace(event, count=count)
+        write(emitted)  # after releasing the lock, because a log handler may wait
+
+    def take(self) -> list[Event]:
+        """Return the events to publish now, oldest first."""
+        now_s, emitted = self._monotonic_s(), []
+        with self._lock:
+            for key, window in list(self._windows.items()):
+                if now_s - window.began_s >= WINDOW_S:
+                    emitted += self._flush(window, now_s)
+                    if not window.passed:
+                        del self._windows[key]
+            events = list(self._unpublished)
+            self._unpublished.clear()
+        write(emitted)
+        return events
+
+    def latest(self) -> Events:
+        """Return the newest events."""
+        with self._lock:
+            return Events(events=list(self._latest))
+
+    def _flush(self, window: _Window, now_s: float) -> list[Event]:
+        held, window.held = window.held, None
+        window.began_s, window.passed = now_s, int(held is not None)
+        return [] if held is None else [self._emit(held)]
+
+    def _emit(self, event: Event) -> Event:
+        self._seq = (self._seq + 1) % _SEQS
+        numbered = msgspec.structs.replace(event, seq=self._seq)
+        self._latest.append(numbered)
+        self._unpublished.append(numbered)
+        return numbered
+
+
+def printable(seat: str) -> str:
+    """Return a seat from a key without control characters, for terminals and log files."""
+    return "".join(letter if letter.isprintable() else "?" for letter in seat[:SEAT_LENGTH])
+
+
+def write(events: list[Event]) -> None:
+    """Write events to Python's log, except those that came from it."""
+    for event in events:
+        if event.kind in _PRINTED:
+            log.warning("%s", event.message)
+        elif event.kind is not EventKind.LOG and log.isEnabledFor(logging.INFO):
+            log.info("%s", sentence(event))
+
+
+def sentence(event: Event) -> str:
+    """Return an event as one line for a log file or a terminal."""
+    refused = event.reason is not Reason.OK and event.phase is not Phase.DONE
+    words = dict.fromkeys((str(event.kind), event.action, "refused" if refused else str(event.phase or "")))
+    subject = " ".join(word for word in words if word)
+    seat = f" of {event.seat}" if event.seat else ""
+    times = f" ({event.count} times)" if event.count > 1 else ""
+    outcome = "" if event.reason is Reason.OK else f"{event.reason}: "
+    return f"{subject}{seat}{times}: {outcome}{event.message}"

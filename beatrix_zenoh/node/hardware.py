@@ -1,0 +1,71 @@
+"""The interface of a node to its robot, which hardware and simulation implement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from beatrix_zenoh._generated.messages import Fault, PlantStatus
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.motion.gear import Arms
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.node.component import Component, Context
+
+PREVIEW_MAX_S = 60.0
+"""Longest motion that a preview computes."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Angles (rad) and speeds (rad/s) of the arms at one time, and the firmware's step counters."""
+
+    t_mono_ns: int
+    """monotonic clock of this computer at that time"""
+    position: Arms
+    velocity: Arms
+    steps: tuple[int, int, int]
+    head: Arms | None = None
+    """yaw, pitch, roll (rad) if the robot measures them"""
+
+
+@dataclass(frozen=True)
+class Preview:
+    """Result of a motion on a copy of the robot: times (s), arms and head (yaw, pitch, roll) in rad."""
+
+    duration_s: float
+    tilt_max: float
+    gap_min: float
+    t: list[float]
+    arms: list[Arms]
+    head: list[Arms]
+
+
+class HardwareInterface(Protocol):
+    """A robot: a board on a port, with real or simulated physics."""
+
+    @property
+    def twin(self) -> str:
+        """`hw` or `sim`."""
+
+    def open_port(self) -> Port:
+        """Open the port of the board; raises OSError or BeatrixError if that is not possible now."""
+
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:
+        """Return the pose of the arms: measured if possible, else counted by the firmware at `t_mono_ns`."""
+
+    def straighten(self) -> None:
+        """Set a simulated head upright before calibration; on hardware a person does this."""
+
+    def components(self, context: Context) -> list[Component]:
+        """Return the components that only this kind of robot has: previews, cameras."""
+
+    def plant(self) -> PlantStatus | None:
+        """Return the state of the simulated physics; None for hardware."""
+
+    def fault(self) -> Fault:
+        """Return the fault of the robot apart from its board."""
+
+    def close(self) -> None:
+        """Stop the physics."""

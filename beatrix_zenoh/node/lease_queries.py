@@ -1,0 +1,166 @@
+"""Lease queries: a seat takes the robot and gives it back; the teacher freezes it and limits its speed."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Final, NamedTuple
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Detail, EventKind, LeaseAction, LeaseQuery, LeaseReply, Reason
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.component import Component, Context, StatusFields
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.own_key import check_own_key
+from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_queue import Task
+
+GOVERNS: Final = (LeaseAction.FREEZE, LeaseAction.UNFREEZE, LeaseAction.LIMIT)
+
+
+class Standing(NamedTuple):
+    """The holder of the robot and the waiting seats."""
+
+    holder: str
+    """seat; empty: the robot is free"""
+    lease: int
+    """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
+    waiting: tuple[str, ...]
+    """seats, the next first"""
+    frozen: bool
+
+
+def standing(access: Access, now_s: float) -> Standing:
+    """Return the holder of the robot and the waiting seats."""
+    with access.lock:
+        holder, number = access.lease.holder(now_s), access.lease.number(now_s)
+        return Standing(holder, number, tuple(access.lease.waiting()), access.frozen)
+
+
+def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) -> int:
+    """Let the caller take the robot; return the number of its lease, 0 if it now waits in the queue.
+
+    Raises:
+        Refused: as `Access.authorize`; NOT_HOLDER only without `wait`; BUSY if too many wait.
+    """
+    with access.lock:
+        try:
+            access.authorize(Action.LEASE, caller, now_s)
+        except Refused as error:
+            if not wait or error.reason is not Reason.NOT_HOLDER:
+                raise
+            access.lease.wait(caller)
+            return 0
+        return access.lease.take(caller, now_s)
+
+
+def give_back(access: Access, caller: Caller) -> bool:
+    """End the lease and the waiting of the caller's seat; return whether anything has ended."""
+    with access.lock:
+        return access.lease.give_back(caller.seat)
+
+
+class LeaseHandler(Component):
+    """Answers lease queries; each is carried out on the controller's thread."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._key = keys.lease(context.name, context.twin, "*")
+
+    def start(self, sessions: Sessions) -> None:
+        sessions.serve(self._key, self._query)
+
+    def contribute(self, status: StatusFields) -> None:
+        now = standing(self._context.access, time.monotonic())
+        status.values["holder"] = now.holder
+        status.values["lease"] = now.lease
+        status.values["waiting"] = list(now.waiting)
+        status.values["frozen"] = now.frozen
+        status.values["speed_limit"] = self._context.planner.speed_limit
+
+    # -- on Zenoh's thread ----------------------------------------------------------------------------
+
+    def _query(self, incoming: Incoming) -> None:
+        handle = request_handle(incoming, self._key, "", self._context.events, EventKind.LEASE)
+        try:
+            names.check_seat(handle.caller.seat)
+            check_own_key(incoming.key, self._key)
+            query = query_forms.read(incoming.raw, LeaseQuery)
+        except BeatrixError as error:
+            self._decline(handle, error)
+            return
+        handle = request_handle(
+            incoming, self._key, query.action.value, self._context.events, EventKind.LEASE
+        )
+
+        def decline(error: BeatrixError) -> None:
+            self._decline(handle, error)
+
+        self._context.queue.post(Task(lambda: self._run(query, handle), decline))
+
+    def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
+        handle.end(self._reply(error.reason, error.message, handle.caller, error.detail))
+
+    # -- on the controller's thread -------------------------------------------------------------------
+
+    def _run(self, query: LeaseQuery, handle: RequestHandle) -> None:
+        try:
+            if query.action in GOVERNS:
+                text = self._govern(query, handle.caller)
+            elif query.action is LeaseAction.GIVE_BACK:
+                held = give_back(self._context.access, handle.caller)
+                text = "Given back." if held else "This seat neither holds the robot nor waits for it."
+            else:
+                text = self._take(handle.caller, wait=query.action is LeaseAction.WAIT)
+        except BeatrixError as error:
+            self._decline(handle, error)
+            return
+        handle.end(self._reply(Reason.OK, text, handle.caller))
+
+    def _take(self, caller: Caller, *, wait: bool) -> str:
+        """Let the caller take the robot or wait for it; stop a motion of another seat if the teacher takes the robot."""
+        access, controller = self._context.access, self._context.controller
+        take(access, caller, time.monotonic(), wait=wait)
+        now = standing(access, time.monotonic())
+        if caller.seat in now.waiting:
+            place = now.waiting.index(caller.seat) + 1
+            return f"{now.holder} holds the robot; you are number {place} of {len(now.waiting)} in the queue."
+        running = controller.running
+        if running is not None and running.caller.seat != caller.seat:
+            controller.stop(Reason.STOPPED)
+        return f"{caller.seat} holds the robot until it is given back."
+
+    def _govern(self, query: LeaseQuery, caller: Caller) -> str:
+        """Carry out a request that only the teacher may send; return the new state as a sentence."""
+        access, controller, planner = self._context.access, self._context.controller, self._context.planner
+        access.authorize(Action.GOVERN, caller, time.monotonic())
+        if query.action is LeaseAction.LIMIT:
+            planner.limit_speed(query.speed)
+            if not planner.speed_limit:
+                return "No speed limit but the robot's own."
+            return f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
+        access.freeze(on=query.action is LeaseAction.FREEZE)
+        if query.action is LeaseAction.UNFREEZE:
+            return "Every seat may move the robot again."
+        if controller.driven and not self._teacher_drives():
+            controller.stop(Reason.STOPPED)
+        return "Frozen: only the teacher moves the robot."
+
+    def _teacher_drives(self) -> bool:
+        running = self._context.controller.running
+        return running is not None and running.caller.seat == names.TEACHER
+
+    def _reply(self, reason: Reason, text: str, caller: Caller, detail: Detail | None = None) -> LeaseReply:
+        now = standing(self._context.access, time.monotonic())
+        return LeaseReply(
+            result=reason is Reason.OK,
+            reason=reason,
+            message=text,
+            lease=now.lease if now.holder == caller.seat else 0,
+            holder=now.holder,
+            waiting=list(now.waiting),
+            detail=detail,
+        )

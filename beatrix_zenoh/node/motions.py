@@ -1,0 +1,79 @@
+"""Motion and pose queries."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import MotionQuery, Phase, PoseQuery, Reason
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.node import replies
+from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.own_key import check_own_key
+from beatrix_zenoh.node.planner import Goal
+from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_queue import Task
+
+RADIANS_HINT: Final = " (Over Zenoh angles are in rad: 10° = 0.1745 rad.)"
+"""Added to a refusal if the query was text and a value is outside a limit."""
+LIMIT_REASONS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
+
+
+class MotionHandler(Component):
+    """Answers motion and pose queries; a newer query on the same key replaces a waiting one."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._kinds: dict[str, tuple[str, type[MotionQuery | PoseQuery]]] = {
+            "motion": (keys.motion(context.name, context.twin, "*"), MotionQuery),
+            "pose": (keys.pose(context.name, context.twin, "*"), PoseQuery),
+        }
+
+    def start(self, sessions: Sessions) -> None:
+        for action, (key, _) in self._kinds.items():
+            sessions.serve(key, lambda incoming, action=action: self._query(incoming, action))  # type: ignore[misc]
+
+    def _query(self, incoming: Incoming, action: str) -> None:
+        """Queue the query, on Zenoh's thread. It is decoded later, because in a flood of queries most are replaced."""
+        key, _ = self._kinds[action]
+
+        def decline(error: BeatrixError) -> None:
+            self._decline(request_handle(incoming, key, action, self._context.events), error)
+
+        task = Task(lambda: self._run(incoming, action), decline)
+        self._context.queue.post_latest((action, incoming.key), task)
+
+    def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
+        handle.end(replies.motion_refusal(error, self._context.controller.arms()))
+
+    # -- on the controller's thread -------------------------------------------------------------------
+
+    def _run(self, incoming: Incoming, action: str) -> None:
+        key, kind = self._kinds[action]
+        handle = request_handle(incoming, key, action, self._context.events)
+        try:
+            check_own_key(incoming.key, key)
+            names.check_seat(handle.caller.seat)
+            begin(self._context.controller, query_forms.read(incoming.raw, kind), handle)
+        except BeatrixError as error:
+            typed = error.reason in LIMIT_REASONS and not incoming.raw.binary
+            hint = RADIANS_HINT if typed else ""
+            self._decline(handle, BeatrixError(error.reason, error.message + hint, error.detail))
+
+
+def begin(controller: MotionController, query: MotionQuery | PoseQuery, handle: RequestHandle) -> None:
+    """Begin a motion; reply accepted now and done when it ends. Raises BeatrixError if it is refused."""
+
+    def accepted(number: int, goal: Goal) -> None:
+        text = f"Accepted: {goal.duration:.1f} s."
+        handle.reply(
+            replies.motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target)
+        )
+
+    def ended(number: int, reason: Reason, text: str, took_s: float) -> None:
+        handle.end(replies.motion_reply(Phase.DONE, reason, text, number, took_s, controller.arms()))
+
+    controller.begin(query, handle.caller, ended, accepted)

@@ -1,0 +1,34 @@
+"""The seat in the key of a query. A key with wildcards may match several robots, so it does not move any."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from beatrix_zenoh import refusals
+
+ANONYMOUS = "anonymous"
+"""Seat in the key of a reply if the query had none."""
+CACHED_KEYS = 256
+
+
+@lru_cache(maxsize=CACHED_KEYS)
+def seat_of(key: str, served: str) -> str:
+    """Return the seat in a query's key: the chunk that is `*` in the served key; empty if it is a wildcard."""
+    chunks, pattern = key.split("/"), served.split("/")
+    if len(chunks) != len(pattern) or "*" not in pattern:
+        return ""
+    seat = chunks[pattern.index("*")]
+    return "" if "*" in seat else seat
+
+
+@lru_cache(maxsize=CACHED_KEYS)
+def own_key(served: str, seat: str) -> str:
+    """Return the served key with this seat."""
+    return served.replace("/*/", f"/{seat or ANONYMOUS}/")
+
+
+def check_own_key(key: str, served: str) -> None:
+    """Raise Refused (BAD_VALUE) unless `key` is the served key with a concrete seat."""
+    own = own_key(served, seat_of(key, served) or "me")
+    if key != own:
+        raise refusals.wildcard_key(key, own)

@@ -1,0 +1,44 @@
+"""Claim of a robot's name: if several nodes start at once under one name, only one of them serves."""
+
+from __future__ import annotations
+
+import time
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus import Bus
+from beatrix_zenoh.errors import Refused
+
+WAIT_S = 3.0
+"""Time for another claimant to withdraw or to serve; a node starts in less than two seconds."""
+POLL_S = 0.02
+
+
+def claim_name(bus: Bus, name: str, twin: str) -> None:
+    """Claim the name for the lifetime of the session; two robots with one name would both obey.
+
+    Each node first declares its claim, then looks for other claims, so of two nodes at least one sees the other. The
+    node with the larger session id withdraws. The other one waits for that, because the first may have looked earlier.
+
+    Raises:
+        Refused: NAME_TAKEN; the claim was withdrawn.
+    """
+    alive, own = keys.alive(name, twin), keys.claim(name, twin, bus.session_id)
+    if bus.tokens(alive):
+        raise taken(bus, name, twin)
+    bus.declare_token(own)
+    deadline = time.monotonic() + WAIT_S
+    while others := [other for other in bus.tokens(keys.claim(name, twin, "*")) if other != own]:
+        if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:
+            bus.undeclare_token(own)
+            raise taken(bus, name, twin)
+        time.sleep(POLL_S)
+
+
+def taken(bus: Bus, name: str, twin: str) -> Refused:
+    """Return the refusal of a second node with the same name."""
+    return Refused(
+        Reason.NAME_TAKEN,
+        f"A {twin} robot named {name!r} is already on line at {bus.endpoint}. Give this one another name "
+        "(--name), or end the other; `beatrix ls` lists the robots.",
+    )

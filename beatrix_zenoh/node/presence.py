@@ -1,0 +1,72 @@
+"""Presence: the token of the robot, the tokens of clients, the connection to the router."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import EventKind, Reason
+from beatrix_zenoh.bus import Sessions, SessionWatchdog
+from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.lease import Caller
+
+
+class Presence(Component):
+    """Declares the robot's token, follows clients and router, and runs the session watchdog."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._watchdog: SessionWatchdog | None = None
+        self._endpoint = ""
+        self._router_connected = True
+        self._closed = False
+
+    def start(self, sessions: Sessions) -> None:
+        bus = sessions.control
+        self._endpoint = bus.endpoint
+        bus.watch_tokens(keys.seat("*", "*"), self._seat)
+        bus.watch_router(self._router)
+        bus.declare_token(keys.alive(self._context.name, self._context.twin))
+        self._watchdog = SessionWatchdog(sessions, self._renewed)
+
+    def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
+        """Handle a client's session that has begun or ended, on Zenoh's thread."""
+        parts = keys.parse(key)
+        if parts is not None:
+            caller = Caller(parts.who, parts.session)
+            if alive:
+                self._context.seats[caller.session] = caller.seat
+            elif self._context.seats.get(caller.session) == caller.seat:
+                del self._context.seats[caller.session]
+            self._context.queue.post_event(lambda: self._session_changed(caller, alive=alive))
+
+    def _session_changed(self, caller: Caller, *, alive: bool) -> None:
+        if self._context.access.session_changed(caller, alive=alive):
+            self._context.controller.client_lost()
+
+    def _router(self, connected: bool) -> None:  # noqa: FBT001
+        """Handle a lost or reconnected router, on Zenoh's thread."""
+        if self._closed or connected == self._router_connected:
+            return
+        self._router_connected = connected
+        if connected:
+            text = f"The router at {self._endpoint} is connected again."
+            self._context.events.add(EventKind.ROUTER, message=text)
+            return
+        text = f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests until it is back."
+        self._context.events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
+        self._context.queue.post_event(self._context.controller.client_lost)
+
+    def _renewed(self, traffic: str) -> None:
+        """Stop motions, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""
+
+        def end() -> None:
+            text = f"The router had forgotten the {traffic} session; the node has connected again."
+            self._context.diagnostics.warn(text)
+            self._context.controller.client_lost()
+
+        self._context.queue.post_event(end)
+
+    def close(self) -> None:
+        """End the watchdog; the tokens end with the session."""
+        self._closed = True
+        if self._watchdog is not None:
+            self._watchdog.close()

@@ -1,0 +1,96 @@
+"""The publisher's thread: positions at 50 Hz, status on change and once a second, events at once."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import msgspec
+
+from beatrix_zenoh import codec, threads
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import NOT_ON_CHANGE
+from beatrix_zenoh.bus import Publication, Sessions
+from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.status_events import StatusEvents
+
+PERIOD_S = 1 / keys.POSITIONS_HZ
+STATUS_S = 1 / keys.STATUS_HZ
+ON_CHANGE = {
+    kind: [name for name in kind.__struct_fields__ if name not in quiet]
+    for kind, quiet in NOT_ON_CHANGE.items()
+}
+"""Fields whose change is published at once, of messages that also have fields that change all the time."""
+
+
+class Stream:
+    """Publications of one message in msgpack, and as JSON text while a client subscribes to that."""
+
+    def __init__(self, sessions: Sessions, key: str, json_key: str) -> None:
+        self._packed: Publication = sessions.publication(key, codec.MSGPACK)
+        self._json: Publication = sessions.publication(json_key, codec.JSON)
+
+    def put(self, message: msgspec.Struct) -> None:
+        """Publish; dropped for a subscriber that cannot keep up."""
+        self._packed.put(codec.encode(message))
+        if self._json.subscribed:
+            self._json.put(codec.encode_json(message))
+
+
+class Publisher(Component):
+    """Publishes positions, status and events until closed."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._changes = StatusEvents(context.events)
+        self._published: object = None
+        self._status_due_s = 0.0
+        self._closed = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        name, twin = self._context.name, self._context.twin
+        self._positions = Stream(sessions, keys.positions(name, twin), keys.positions_json(name, twin))
+        self._status = Stream(sessions, keys.status(name, twin), keys.status_json(name, twin))
+        self._events = Stream(sessions, keys.events(name, twin), keys.events_json(name, twin))
+        self._thread = threads.start(self._run, "publisher")
+
+    def _run(self) -> None:
+        due_s = time.monotonic()
+        while not self._closed.wait(max(0.0, due_s - time.monotonic())):
+            self._positions.put(self._context.snapshot.positions(count=True))
+            self._publish_status()
+            self._publish_events()
+            # After a stall of the process: no burst of publications.
+            due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
+
+    def _publish_status(self, *, always: bool = False) -> None:
+        status = self._context.snapshot.status()
+        values = change_fields(status)
+        now_s = time.monotonic()
+        if values != self._published:
+            self._changes.record(status)
+        if always or values != self._published or now_s >= self._status_due_s:
+            self._published, self._status_due_s = values, now_s + STATUS_S
+            self._status.put(status)
+
+    def _publish_events(self) -> None:
+        for event in self._context.events.take():
+            self._events.put(event)
+
+    def close(self) -> None:
+        """End the thread; publish a last status and the last events."""
+        self._closed.set()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+            self._publish_status(always=True)
+            self._publish_events()
+
+
+def change_fields(value: object) -> object:
+    """Return the fields of a status, and of its parts, whose change is published at once."""
+    if isinstance(value, list):
+        return [change_fields(one) for one in value]
+    if isinstance(value, msgspec.Struct) and type(value) in ON_CHANGE:
+        return [change_fields(getattr(value, name)) for name in ON_CHANGE[type(value)]]
+    return value

@@ -1,0 +1,53 @@
+"""State queries: the newest positions, status and events, info and clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import msgspec
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus import Incoming, Sessions
+from beatrix_zenoh.node.component import Component, Context
+
+
+class StateQueries(Component):
+    """Answers state queries on a thread of its own."""
+
+    def __init__(self, context: Context) -> None:
+        name, twin, snapshot = context.name, context.twin, context.snapshot
+        self._answers: dict[str, Callable[[], msgspec.Struct]] = {
+            keys.positions(name, twin): snapshot.positions,
+            keys.positions_json(name, twin): snapshot.positions,
+            keys.status(name, twin): snapshot.status,
+            keys.status_json(name, twin): snapshot.status,
+            keys.events(name, twin): context.events.latest,
+            keys.events_json(name, twin): context.events.latest,
+            keys.info(name, twin): snapshot.info,
+            keys.clock(name, twin): snapshot.clock,
+        }
+        self._worker: ThreadPoolExecutor | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        self._worker = ThreadPoolExecutor(1, "beatrix-queries")
+        self._worker.submit(lambda: None).result()
+        for key in self._answers:
+            sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
+
+    def _query(self, incoming: Incoming, key: str) -> None:
+        """Let the worker answer a query, on Zenoh's thread."""
+        try:
+            if self._worker is not None:
+                self._worker.submit(self._answer, incoming, key)
+        except RuntimeError:  # the worker is closed: answer on this thread
+            self._answer(incoming, key)
+
+    def _answer(self, incoming: Incoming, key: str) -> None:
+        incoming.reply(key, *incoming.raw.answer(self._answers[key]()))
+        incoming.finish()
+
+    def close(self) -> None:
+        """Answer the waiting queries, then end."""
+        if self._worker is not None:
+            self._worker.shutdown()

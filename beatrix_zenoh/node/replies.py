@@ -1,0 +1,158 @@
+"""Replies of the node, and the sentences about the end of a motion or a STOP."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import (
+    CommandReply,
+    Detail,
+    Head,
+    MotionReply,
+    Phase,
+    PreviewReply,
+    Reason,
+)
+from beatrix_zenoh._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, Outcome, State
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node.hardware import Preview
+from beatrix_zenoh.node.planner import degrees, vector
+
+STOPPED_BY = {
+    Reason.STOPPED: OUTCOME_TEXT[Outcome.STOPPED],
+    Reason.SHUTDOWN: "by its node, which is closing",
+    Reason.CLIENT_LOST: "by its node, because the client that requested it is gone",
+}
+"""Sender of the STOP that has ended a motion, by the cause of the STOP."""
+POWERLESS = (Outcome.DISABLED, Outcome.EMERGENCY)
+RESET = (
+    "The board was reset: its motors are off, and home is not known. Set the head upright, enable, calibrate."
+)
+SILENT = (
+    "The board does not answer any more. If it has power, it stops the arms by itself, half a second after the last "
+    "frame of its node; if they still move, switch the motor power off."
+)
+SUPERSEDED = "The board carries out a newer motion, which it has not acknowledged."
+NOT_CARRIED_OUT = "The board acknowledged the motion and does not carry it out."
+
+
+def motion_reply(
+    phase: Phase,
+    reason: Reason,
+    text: str,
+    motion: int,
+    duration_s: float,
+    position: Arms,
+    detail: Detail | None = None,
+) -> MotionReply:
+    """Return a reply to a motion; its result follows from the reason."""
+    return MotionReply(
+        result=reason is Reason.OK,
+        phase=phase,
+        reason=reason,
+        message=text,
+        motion=motion,
+        duration=duration_s,
+        position=vector(position),
+        detail=detail,
+    )
+
+
+def motion_refusal(error: BeatrixError, position: Arms) -> MotionReply:
+    """Return the reply to a refused motion; `position`: set point of the arms (rad)."""
+    return motion_reply(Phase.ACCEPTED, error.reason, error.message, 0, 0.0, position, error.detail)
+
+
+def command_reply(reason: Reason, text: str, position: Arms, detail: Detail | None = None) -> CommandReply:
+    """Return a reply to a command; its result follows from the reason."""
+    return CommandReply(
+        result=reason is Reason.OK, reason=reason, message=text, position=vector(position), detail=detail
+    )
+
+
+def command_refusal(error: BeatrixError, position: Arms) -> CommandReply:
+    """Return the reply to a refused command; `position`: set point of the arms (rad)."""
+    return command_reply(error.reason, error.message, position, error.detail)
+
+
+def preview_reply(preview: Preview) -> PreviewReply:
+    """Return the reply to a preview."""
+    return PreviewReply(
+        result=True,
+        reason=Reason.OK,
+        message=f"Possible: {preview.duration_s:.1f} s.",
+        duration=preview.duration_s,
+        tilt_max=preview.tilt_max,
+        gap_min=preview.gap_min,
+        t=preview.t,
+        arms=[vector(arms) for arms in preview.arms],
+        head=[Head(*head) for head in preview.head],
+    )
+
+
+def preview_refusal(error: BeatrixError) -> PreviewReply:
+    """Return the reply to a preview of a motion that would be refused."""
+    return PreviewReply(
+        result=False,
+        reason=error.reason,
+        message=error.message,
+        duration=0.0,
+        tilt_max=0.0,
+        gap_min=0.0,
+        t=[],
+        arms=[],
+        head=[],
+        detail=error.detail,
+    )
+
+
+def motion_end(code: int, cause: Reason, arms: Arms) -> tuple[Reason, str]:
+    """Return reason and sentence for an outcome other than NONE; `cause`: why the node sent STOP; arms in rad."""
+    where = degrees(arms)
+    if code not in OUTCOME_TEXT:
+        return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
+    outcome = Outcome(code)
+    if outcome is Outcome.DONE:
+        return Reason.OK, f"Arrived; the arms rest at {where}."
+    if outcome in POWERLESS:
+        first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
+        return OUTCOME_REASON[outcome], (
+            f"Ended {OUTCOME_TEXT[outcome]}. The arms were at {where}; without power the head may have sunk: set it "
+            f"upright, {first}, calibrate."
+        )
+    if outcome is Outcome.STOPPED:
+        return cause, f"Ended {STOPPED_BY[cause]}; the arms rest at {where}."
+    return OUTCOME_REASON[outcome], f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {where}."
+
+
+def board_lost(*, reset: bool) -> str:
+    """Return the sentence about a motion that ended because the board was lost or reset."""
+    return RESET if reset else SILENT
+
+
+def not_stopped(error: BeatrixError) -> BeatrixError:
+    """Return the error about a STOP without effect, with what to do."""
+    return BeatrixError(
+        error.reason,
+        f"NOT stopped. {error.message} Without frames of its node a board stops the arms after half a second; if they "
+        "still move, switch the motor power off.",
+    )
+
+
+def lost_while_stopping(*, reset: bool) -> BeatrixError:
+    """Return the error about a STOP whose effect is unknown: the board was lost while the arms moved."""
+    if reset:
+        return NoAnswer(
+            Reason.BOARD_LOST, "The board was reset meanwhile: its motors are off, and home is not known."
+        )
+    return not_stopped(NoAnswer(Reason.BOARD_LOST, "The board was lost while stopping."))
+
+
+def at_rest(board: Board, how: str, arms: Arms) -> str:
+    """Return the state after an acknowledged STOP as a sentence; arms in rad."""
+    link = board.link
+    if not link.connected:
+        return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
+    if board.state & State.EMERGENCY:
+        return "Motors off, latched until reset; home is forgotten."
+    return f"{how}; the arms rest at {degrees(arms)}."

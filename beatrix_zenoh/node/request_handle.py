@@ -1,0 +1,67 @@
+"""The handle of one request: its caller, and how to reply."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import msgspec
+
+from beatrix_zenoh._generated.messages import CommandReply, EventKind, LeaseReply, MotionReply, PreviewReply
+from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.own_key import own_key, seat_of
+
+Reply = MotionReply | CommandReply | LeaseReply | PreviewReply
+
+
+@dataclass(frozen=True)
+class RequestHandle:
+    """A request of one caller. `reply` may be called several times; `end` sends the last reply. Replies become events."""
+
+    caller: Caller
+    action: str
+    """`motion`, `pose`, or the name of a command"""
+    events: EventLog | None
+    """None: do not record replies"""
+    send: Callable[[msgspec.Struct], None] = field(default=lambda _: None)
+    finish: Callable[[], None] = field(default=lambda: None)
+    kind: EventKind = EventKind.MOTION
+
+    def reply(self, message: Reply) -> None:
+        """Send a reply and record it."""
+        self.send(message)
+        if self.events is None or isinstance(message, PreviewReply):
+            return
+        motion = message if isinstance(message, MotionReply) else None
+        self.events.add(
+            self.kind,
+            action=self.action,
+            caller=self.caller,
+            phase=None if motion is None else motion.phase,
+            reason=message.reason,
+            message=message.message,
+            motion=0 if motion is None else motion.motion,
+            duration_s=0.0 if motion is None else motion.duration,
+            detail=message.detail,
+        )
+
+    def end(self, message: Reply) -> None:
+        """Send the last reply."""
+        self.reply(message)
+        self.finish()
+
+
+def request_handle(
+    incoming: Incoming, key: str, action: str, events: EventLog, kind: EventKind = EventKind.MOTION
+) -> RequestHandle:
+    """Return the handle of a query; the key of its replies is the served `key` with the seat in place of `*`."""
+    seat = seat_of(incoming.key, key)
+    reply_key = own_key(key, seat)
+    raw = incoming.raw
+
+    def send(message: msgspec.Struct) -> None:
+        incoming.reply(reply_key, *raw.answer(message))
+
+    return RequestHandle(Caller(seat, incoming.session), action, events, send, incoming.finish, kind)

@@ -1,0 +1,156 @@
+"""Snapshots of the robot: positions, status, info and clock, built on any thread."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from collections.abc import Sequence
+from importlib import metadata
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated import messages as msg
+from beatrix_zenoh._generated.messages import Head, Info, Positions, Status, Steps
+from beatrix_zenoh._generated.robot import Geometry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.state import NO_TELEMETRY, Sample
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.motion.robot_file import fingerprint
+from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.hardware import HardwareInterface
+from beatrix_zenoh.node.planner import Planner, vector
+
+NO_SAMPLE = Sample(NO_TELEMETRY, 0)
+_SEQS = 2**32
+
+
+class Snapshot:
+    """Builds the messages of one robot; `components` contribute the fields of its status."""
+
+    components: Sequence[Component] = ()
+
+    def __init__(
+        self, name: str, hardware: HardwareInterface, board: Board, planner: Planner, endpoint: str
+    ) -> None:
+        self._name, self._endpoint = name, endpoint
+        self._hardware, self._board, self._planner = hardware, board, planner
+        self._head = Head(0.0, 0.0, 0.0)
+        self._lock = threading.Lock()
+        self._seq = 0
+
+    def positions(self, *, count: bool = False) -> Positions:
+        """Return the positions; `count`: with the next sequence number, for a publication; else with the last one.
+
+        All values belong to the time `t_mono_ns`; for a lost board that of its last telemetry.
+        """
+        sample = self._board.sample or NO_SAMPLE
+        telemetry = sample.telemetry
+        if not self._board.connected:
+            telemetry = telemetry._replace(velocity=(0, 0, 0))
+        pose = self._hardware.pose(telemetry, sample.t_mono_ns)
+        wall_minus_mono_ns = time.time_ns() - time.monotonic_ns()
+        with self._lock:
+            self._seq = (self._seq + count) % _SEQS
+            with contextlib.suppress(
+                BeatrixError
+            ):  # no head orientation is possible; the status reports a fault
+                self._head = Head(*self._planner.neck.forward(pose.position))
+            return Positions(
+                seq=self._seq,
+                t_mono_ns=pose.t_mono_ns,
+                t_wall_ns=pose.t_mono_ns + wall_minus_mono_ns,
+                position=vector(pose.position),
+                velocity=vector(pose.velocity),
+                commanded=vector(self._planner.gear.to_rad(pose.steps)),
+                steps=Steps(*pose.steps),
+                head=self._head,
+                head_measured=None if pose.head is None else Head(*pose.head),
+            )
+
+    def status(self) -> Status:
+        """Return the status, from the contributions of all components."""
+        fields = StatusFields()
+        for component in self.components:
+            component.contribute(fields)
+        values: dict[str, object] = {
+            "t_mono_ns": time.monotonic_ns(),
+            "t_wall_ns": time.time_ns(),
+            "robot": self._name,
+            "twin": self._hardware.twin,
+            "plant": self._hardware.plant(),
+            "warnings": fields.warnings,
+            "cameras": fields.cameras,
+            **fields.values,
+        }
+        return Status(**values)  # type: ignore[arg-type]  # the constructor checks the names
+
+    def clock(self) -> msg.Clock:
+        """Return the clocks of this computer, ns."""
+        return msg.Clock(t_mono_ns=time.monotonic_ns(), t_wall_ns=time.time_ns())
+
+    def info(self) -> Info:
+        """Return everything that a client of another program needs to drive this robot."""
+        limits, twin = self._planner.limits, self._hardware.twin
+        open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session")}
+        names = {"robot": self._name, "twin": twin, **open_names}
+        return Info(
+            robot=self._name,
+            twin=twin,
+            version=metadata.version("beatrix-zenoh"),
+            contract=msg.CONTRACT,
+            firmware=self._board.link.version,
+            steps_per_turn=self._planner.gear.steps_per_turn,
+            arms=["short", "middle", "long"],
+            limits=msg.LimitInfo(
+                tilt_max=limits.tilt_max,
+                gap_min=limits.gap_min,
+                yaw_max=limits.yaw_max,
+                speed_default=limits.default_speed,
+                speed_max=limits.speed_max,
+                acceleration=limits.acceleration,
+            ),
+            geometry=geometry_info(self._planner.robot.geometry),
+            fingerprint=fingerprint(self._planner.robot),
+            commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
+            reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],
+            keys=[
+                msg.KeyInfo(
+                    key=row.key.format_map(names),
+                    kind=row.kind,
+                    payload=row.payload,
+                    reply=row.reply,
+                    doc_=row.doc,
+                )
+                for row in keys.KEYS.values()
+                if twin in row.twins
+            ],
+            examples=examples(self._name, twin, self._endpoint),
+        )
+
+
+def examples(name: str, twin: str, endpoint: str) -> list[str]:
+    """Return commands for Zenoh's own example programs."""
+    client = f"-m client -e {endpoint}"
+    base = keys.motion(name, twin, "me").rpartition("/")[0]
+    return [
+        f"z_get.py {client} -s '{base}/command?command=enable'",
+        f"z_get.py {client} -s '{base}/command?command=calibrate'",
+        f"z_get.py {client} -s '{base}/pose?yaw=0.35;pitch=-0.17'",
+        f"z_get.py {client} -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
+        f"z_get.py {client} -s '{keys.stop(name, twin)}'",
+        f"z_get.py {client} -s '{keys.events_json(name, twin)}'",
+        f"z_sub.py {client} -k '{keys.positions_json(name, twin)}'",
+    ]
+
+
+def geometry_info(shape: Geometry) -> msg.GeometryInfo:
+    """Return the geometry in radians."""
+    return msg.GeometryInfo(
+        arm_angle=math.radians(shape.arm_angle),
+        rod_twist=math.radians(shape.rod_twist),
+        mount_angle=math.radians(shape.mount_angle),
+        arm0_azimuth=math.radians(shape.arm0_azimuth),
+        arm_spacing=math.radians(shape.arm_spacing),
+        hand=shape.hand,
+    )

@@ -1,0 +1,242 @@
+"""STOP from the key to the board, before all queued requests, and the reply when the arms rest.
+
+1. Zenoh's thread (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
+2. The stop thread: one request to the board for all presses that wait, EMERGENCY_STOP before STOP.
+3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
+4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from beatrix_zenoh import refusals, threads
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, Reason
+from beatrix_zenoh._generated.serial import FrameType, State
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.bus import Incoming, Received, Sessions
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.node import replies
+from beatrix_zenoh.node.board_watch import Observer
+from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+
+FRAMES: Final = {
+    Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP,
+    Command.STOP: FrameType.STOP,
+}
+"""Frames in the order in which they are sent."""
+REST_S: Final = 2.0
+"""Time after which arms that still move are a fault. Arms at full speed rest much earlier; the client waits longer."""
+SAME_PRESS_S: Final = 0.5
+"""A put and a query of one session within this time are one press and one event."""
+LATCHED_S: Final = 0.3
+"""Time within which the telemetry shows the emergency latch."""
+STOPPED, AT_REST = "Stopped", "Nothing moves"
+STILL_MOVING: Final = NoAnswer(
+    Reason.FAULT, "The board has acknowledged STOP and reports that the arms still move."
+)
+
+
+class StopHandler(Component):
+    """STOP and EMERGENCY_STOP of one robot."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._board = context.board_watch.board
+        self._pressed: dict[Command, list[RequestHandle]] = {}
+        self._changed = threading.Condition()
+        self._closed = False
+        self._recorded = "", "", float("-inf")
+        """Session, form (put or query) and time (s, monotonic) of the last recorded press."""
+        self._thread: threading.Thread | None = None
+        self._on_stop: list[Callable[[], None]] = []
+        self._rest = Rest(self._board, context.controller)
+        context.board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
+
+    def start(self, sessions: Sessions) -> None:
+        key = keys.stop(self._context.name, self._context.twin)
+        self._thread = threads.start(self._run, "stop")
+        sessions.serve(key, self._query)
+        sessions.subscribe(key, self._put)
+
+    def on_stop(self, callback: Callable[[], None]) -> None:
+        """Call `callback` on the controller's thread after each STOP, to discard motions that wait elsewhere."""
+        self._on_stop.append(callback)
+
+    # -- 1. pressed, on Zenoh's thread --------------------------------------------------------------
+
+    def _query(self, incoming: Incoming) -> None:
+        if is_stop(incoming.key):
+            key = keys.stop(self._context.name, self._context.twin)
+            handle = request_handle(incoming, key, Command.STOP.name, self._context.events, EventKind.STOP)
+            session = handle.caller.session
+            events = self._events(session, "query")
+            self.press(Command.STOP, replace(handle, caller=self._caller(session), events=events))
+        else:
+            incoming.finish()
+
+    def _put(self, received: Received) -> None:
+        """Our clients put STOP before their query, in case a queryable of another program takes the query."""
+        if is_stop(received.key):
+            caller = self._caller(received.session)
+            events = self._events(received.session, "put")
+            self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
+
+    def _events(self, session: str, form: str) -> EventLog | None:
+        """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before."""
+        last_session, last_form, last_s = self._recorded
+        now_s = time.monotonic()
+        if session and session == last_session and form != last_form and now_s - last_s < SAME_PRESS_S:
+            return None
+        self._recorded = session, form, now_s
+        return self._context.events
+
+    def _caller(self, session: str) -> Caller:
+        """Return the caller with the seat of the session's token, because the stop key contains no seat."""
+        return Caller(self._context.seats.get(session, ""), session)
+
+    def press(self, command: Command, handle: RequestHandle) -> None:
+        """Handle a requested STOP or EMERGENCY_STOP; once closed, send nothing, because the controller stops the arms."""
+        emergency = command is Command.EMERGENCY_STOP
+        self._context.access.stop_pressed(handle.caller.session, time.monotonic(), emergency=emergency)
+        with self._changed:
+            closed = self._closed
+            if not closed:
+                self._pressed.setdefault(command, []).append(handle)
+                self._changed.notify()
+        if closed:
+            handle.end(replies.command_refusal(refusals.node_closing(), self._context.controller.arms()))
+
+    # -- 2. sent, on the stop thread ----------------------------------------------------------------
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._pressed or self._closed)
+                if not self._pressed:
+                    return
+                command = next(command for command in FRAMES if command in self._pressed)
+                handles = self._pressed.pop(command)
+            self._hand_over(command, handles, self._send(command))
+
+    def _send(self, command: Command) -> BeatrixError | None:
+        try:
+            self._board.request(FRAMES[command])
+        except BeatrixError as error:
+            return error
+        return None
+
+    def _hand_over(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
+        def decline(closing: BeatrixError) -> None:
+            refusal = closing if error is None else replies.not_stopped(error)
+            end_all(handles, replies.command_refusal(refusal, self._context.controller.arms()))
+
+        self._context.queue.post_urgent(lambda: self.settle(command, handles, error), decline)
+
+    # -- 3. settled, on the controller's thread -----------------------------------------------------
+
+    def settle(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
+        """Continue after the board has acknowledged STOP or has not answered (`error`)."""
+        controller = self._context.controller
+        for callback in self._on_stop:
+            callback()
+        self._context.access.stop_sent(time.monotonic())
+        if error is None and controller.driven:
+            controller.stop(Reason.STOPPED)  # a motion may have overtaken STOP
+        if error is None and command is Command.EMERGENCY_STOP:
+            error = self._check_latch()
+        if error is None:
+            self._rest.wait(handles)
+        else:
+            end_all(handles, replies.command_refusal(replies.not_stopped(error), controller.arms()))
+
+    def _check_latch(self) -> BeatrixError | None:
+        board = self._board
+        if not board.connected or board.wait_for(
+            lambda telemetry: bool(telemetry.state & State.EMERGENCY), LATCHED_S
+        ):
+            return None
+        return NoAnswer(Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again.")
+
+    def close(self) -> None:
+        """Send the STOPs that wait, then end the thread."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+        self._rest.close()
+
+
+class Rest:
+    """Step 4, on the controller's thread: the clients that wait for the arms to rest, and their replies."""
+
+    def __init__(self, board: Board, controller: MotionController) -> None:
+        self._board, self._controller = board, controller
+        self._waiting: list[RequestHandle] = []
+        self._until_s = float("inf")
+        self._how = AT_REST
+        """Outcome of the last press."""
+
+    @property
+    def _moving(self) -> bool:
+        # Telemetry may lag behind the motion that runs.
+        return self._controller.moving or self._controller.running is not None
+
+    def wait(self, handles: list[RequestHandle]) -> None:
+        """Reply to these clients when the arms rest."""
+        if not self._moving:
+            same_press = all(
+                handle.events is None for handle in handles
+            )  # queries after the puts that have just ended
+            self._end(handles, self._how if same_press else AT_REST)
+            return
+        if not self._waiting:
+            self._until_s = time.monotonic() + REST_S
+        self._waiting += handles
+
+    def overdue(self) -> bool:
+        """Return whether the arms should rest by now; any thread may call it."""
+        return bool(self._waiting) and time.monotonic() > self._until_s
+
+    def observe(self) -> None:
+        """Follow a change of the board: reply if the arms rest, or should rest by now."""
+        if self._waiting and (not self._moving or self.overdue()):
+            handles, self._waiting = self._waiting, []
+            self._end(handles, STOPPED)
+
+    def _end(self, handles: list[RequestHandle], how: str) -> None:
+        self._how = how
+        arms, link = self._controller.arms(), self._board.link
+        if how == STOPPED and not link.connected:
+            lost = replies.lost_while_stopping(reset=link.reset)
+            end_all(handles, replies.command_refusal(lost, arms))
+        elif self._moving:
+            end_all(handles, replies.command_refusal(replies.not_stopped(STILL_MOVING), arms))
+        else:
+            text = replies.at_rest(self._board, how, arms)
+            end_all(handles, replies.command_reply(Reason.OK, text, arms))
+
+    def close(self) -> None:
+        """Reply that the node closes before the arms rest."""
+        end_all(self._waiting, replies.command_refusal(refusals.node_closing(), self._controller.arms()))
+
+
+def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
+    """Send the same last reply to all."""
+    for handle in handles:
+        handle.end(reply)
+
+
+def is_stop(key: str) -> bool:
+    """Return whether a key is a STOP, possibly of several robots; a query on `beatrix/**` is none."""
+    return key.endswith("/stop")

@@ -1,0 +1,132 @@
+"""Programs of 2023: the access rules also hold for their lines, although the firmware carries them out."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Final
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh._generated.messages import Command, Detail, EventKind, Phase, Reason
+from beatrix_zenoh._generated.serial import State
+from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.legacy import Cause, Effect
+from beatrix_zenoh.names import OLD_PROGRAMS
+from beatrix_zenoh.node.access import TEXT_SESSION, Action
+from beatrix_zenoh.node.board_watch import Observer
+from beatrix_zenoh.node.commands import CommandHandler
+from beatrix_zenoh.node.component import Context
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.stop import StopHandler
+
+CALLER: Final = Caller(OLD_PROGRAMS, TEXT_SESSION)
+ACTIONS: Final = {
+    Effect.MOVE: Action.MOVE,
+    Effect.ENABLE: Action.ENABLE,
+    Effect.DISABLE: Action.DISABLE,
+    Effect.CALIBRATE: Action.CALIBRATE,
+}
+KINDS: Final = {Effect.MOVE: EventKind.MOTION, Effect.STOP: EventKind.STOP}
+"""Kinds of events; events of other effects are commands."""
+
+
+class TextDriving:
+    """Implements `legacy.NodeInterface`; `has_router` returns whether a router is connected, without which no STOP arrives."""
+
+    def __init__(
+        self,
+        context: Context,
+        stop: StopHandler,
+        commands: CommandHandler,
+        has_router: Callable[[], bool],
+    ) -> None:
+        self._context, self._stop, self._commands = context, stop, commands
+        self._has_router = has_router
+        self._moved = False
+        """Whether the arms have moved since the last line that may move them."""
+        context.board_watch.observe(Observer(self._observe, lambda: False))
+
+    def _observe(self) -> None:
+        state = self._context.board_watch.board.state
+        self._moved |= self._context.controller.text_moves and bool(state & State.MOVING)
+
+    def program_began(self) -> None:
+        """End the pause of a stopped program: another program has opened the port."""
+        self._context.access.old_program_began()
+
+    def authorize(self, effect: Effect) -> None:
+        """Check that the program may act now; with MOVE it becomes the holder.
+
+        Raises:
+            Refused: as `Access.authorize`; BUSY while a motion of another seat is running.
+            NoAnswer: BOARD_LOST; NO_ROUTER for a motion, because no client could stop it.
+        """
+        access, controller = self._context.access, self._context.controller
+        access.authorize(ACTIONS[effect], CALLER, time.monotonic(), resting=not controller.moving)
+        self._context.board_watch.board.check_connected()
+        if effect is not Effect.MOVE:
+            return
+        if not self._has_router():
+            raise NoAnswer(Reason.NO_ROUTER, "The router is lost, so no client could stop a motion.")
+        if controller.running is not None:
+            raise refusals.motion_running(controller.running.caller.seat)
+        access.take(CALLER)
+        controller.text_moves, self._moved = True, False
+
+    def move_declined(self) -> None:
+        """Restart the pause after STOP: the text port refused a motion and did not call `authorize`."""
+        with contextlib.suppress(Refused):
+            self._context.access.authorize(Action.MOVE, CALLER, time.monotonic())
+
+    def move_refused(self) -> bool:
+        """Follow a motion that the firmware refused or ended; if no arm moved, free the robot and return True."""
+        if self._context.controller.text_moves and not self._moved:
+            self._context.controller.text_moves = False
+            self._context.access.undo_take()
+        return not self._moved
+
+    def moves_ended(self) -> None:
+        """Let the lease expire: no motion of the program is running or waiting."""
+        if self._context.controller.text_moves:
+            self._context.controller.text_moves = False
+            self._context.access.rested(time.monotonic())
+
+    def set_home(self) -> None:
+        """Prepare the robot for @CALNOW, which sets home."""
+        self._context.hardware.straighten()
+        self._commands.calibrations += 1
+
+    def stop_pressed(self) -> None:
+        """Block new motions, because the program has sent @STOPALL; any thread may call it."""
+        self._context.access.stop_pressed(TEXT_SESSION, time.monotonic())
+
+    def stop_sent(self) -> None:
+        """Continue after @STOPALL was sent to the firmware."""
+        self._stop.settle(Command.STOP, [], None)
+
+    def warn(self, text: str) -> None:
+        """Show a sentence in the status for some seconds."""
+        self._context.diagnostics.warn(text)
+
+    def record(
+        self,
+        effect: Effect,
+        word: str,
+        outcome: Cause,
+        *,
+        phase: Phase | None = None,
+        detail: Detail | None = None,
+        duration_s: float = 0.0,
+    ) -> None:
+        """Record the outcome of a line that begins with `word` as an event of the seat of old programs."""
+        self._context.events.add(
+            KINDS.get(effect, EventKind.COMMAND),
+            action=word,
+            caller=CALLER,
+            phase=phase,
+            reason=outcome.reason,
+            message=outcome.message,
+            duration_s=duration_s,
+            detail=detail,
+        )

@@ -1,0 +1,1 @@
+"""Recordings: written, read, compared, drawn, and played again."""

@@ -1,0 +1,149 @@
+"""Compare two recordings of one movement: differences and lag."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from beatrix_zenoh.recording.lag import MovedPart, lag, moved_parts, without_lag
+from beatrix_zenoh.recording.series import (
+    ARMS,
+    AXES,
+    HEAD,
+    Flags,
+    Floats,
+    Recording,
+    Regularity,
+    common_grid,
+    heads_apart,
+    regularity,
+    resample,
+    resting,
+    turned,
+    unbroken,
+)
+
+HEADS = "head"
+"""Name of the last row: the angle between both heads."""
+
+
+@dataclass(frozen=True)
+class AxisDifference:
+    """Differences between two robots in one axis, or between their heads: s and deg."""
+
+    axis: str
+    lag_s: float
+    """by which the second is behind the first; NaN: the axis did not move, or moved differently"""
+    largest: float
+    rms: float
+    largest_after: float
+    """after removal of each motion's lag"""
+    rms_after: float
+    at_rest: float
+    """largest while both rest; NaN: they never rest together"""
+    offset: float
+    """mean of second minus first while both rest; NaN: they never rest together"""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A second recording against a first, on a common grid."""
+
+    lag_s: float
+    """by which the set points of the second are behind those of the first (its positions, where no set points were
+    recorded); NaN if nothing moved"""
+    moved: tuple[MovedPart, ...]
+    """the motions, each with the lag of its positions"""
+    t: Floats
+    first: Floats
+    second: Floats
+    second_after: Floats
+    """the second, after removal of each motion's lag"""
+    axes: tuple[AxisDifference, ...]
+    """arms, head, and the angle between both heads"""
+    off_set_points: tuple[float, float]
+    """largest distance of each from its own set points at rest, deg; NaN: not known. A lost full step is 0.69 deg."""
+    regularity: tuple[Regularity, Regularity]
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the compared part: the longest without a hole in either recording, s."""
+        return float(self.t[-1] - self.t[0])
+
+    @property
+    def arms_at_rest(self) -> float:
+        """Largest difference of any arm while both rest, deg; NaN if they never rest together."""
+        return max(axis.at_rest for axis in self.axes[: len(ARMS)])
+
+    @property
+    def anything_moved(self) -> bool:
+        """Whether an arm of either robot moved."""
+        return not (resting(self.first) & resting(self.second)).all()
+
+
+def compare(first: Recording, second: Recording) -> Comparison:
+    """Compare the common part of two recordings without holes; their clocks must agree.
+
+    Raises:
+        ValueError: they overlap by less than a second.
+    """
+    whole = first, second
+    first, second = unbroken(first, second)
+    t = common_grid(first, second)
+    whole_s = lag(first, second)
+    parts = [] if math.isnan(whole_s) else moved_parts(first, second, whole_s)
+    shift_s = 0.0 if math.isnan(whole_s) else whole_s
+    kept = t[(t + shift_s >= second.t[0]) & (t + shift_s <= second.t[-1])]
+    a, b = resample(first, t), resample(second, t)
+    before, rest = differences(a, b), resting(a) & resting(b)
+    after = differences(resample(first, kept), without_lag(second, kept, shift_s, parts))
+    return Comparison(
+        lag_s=lag(first.arms, second.arms),
+        moved=tuple(parts),
+        t=t,
+        first=a,
+        second=b,
+        second_after=without_lag(second, t, shift_s, parts),
+        axes=tuple(
+            axis_difference(i, lag(first, second, columns(i)), before[:, i], after[:, i], rest)
+            for i in range(len(AXES) + 1)
+        ),
+        off_set_points=(off_set_points(first, t, rest), off_set_points(second, t, rest)),
+        regularity=(regularity(whole[0]), regularity(whole[1])),
+    )
+
+
+def columns(row: int) -> tuple[int, ...]:
+    """The axes that give the lag of this row: the axis itself, or all axes of the head."""
+    return (row,) if row < len(AXES) else tuple(range(len(ARMS), len(AXES)))
+
+
+def axis_difference(row: int, lag_s: float, before: Floats, after: Floats, rest: Flags) -> AxisDifference:
+    """The figures of one row from its differences (deg) before and after removal of the lags."""
+    still = before[rest]
+    return AxisDifference(
+        (*AXES, HEADS)[row],
+        lag_s,
+        largest=float(np.max(np.abs(before))),
+        rms=float(np.sqrt(np.mean(before**2))),
+        largest_after=float(np.max(np.abs(after))),
+        rms_after=float(np.sqrt(np.mean(after**2))),
+        at_rest=float(np.max(np.abs(still))) if len(still) else math.nan,
+        offset=float(np.mean(still)) if len(still) else math.nan,
+    )
+
+
+def differences(first: Floats, second: Floats) -> Floats:
+    """Second minus first in every axis, and the angle between both heads: (n, 7) in deg."""
+    head = slice(len(ARMS), len(ARMS) + len(HEAD))
+    return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
+
+
+def off_set_points(recorded: Recording, t: Floats, rest: Flags) -> float:
+    """The largest distance of an arm from its set point at rest, deg; NaN if unknown."""
+    if recorded.commanded is None or not rest.any():
+        return math.nan
+    apart = resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t)
+    return float(np.max(np.abs(apart[rest])))

@@ -1,0 +1,248 @@
+"""Targets that lead a robot along a path in time, planned and checked before anything moves.
+
+The firmware moves every arm to its target with the highest allowed acceleration. A robot follows a path by a target every
+40 ms: for each arm the furthest point before the arm turns back or has to brake, and the speed that brings the arm back
+onto the path two targets later. `trajectory.plan` calculates the resulting motion in advance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from msgspec.structs import replace
+
+from beatrix_zenoh._generated.messages import Info, MotionQuery, Reason
+from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.client.plan import unlike
+from beatrix_zenoh.client.queries import motion_query
+from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.recording.path import ArmPath
+from beatrix_zenoh.recording.series import Floats
+
+TARGET_S: Final = 0.04
+"""Time between two targets."""
+LOOK_S: Final = 0.08
+"""The speed brings the arm back onto the path within this time. Shorter times oscillate, longer times cut corners."""
+STEP_S: Final = 0.01
+LEAD_IN_S: Final = 0.08
+"""Targets begin this long before the path, because an arm at full acceleration cannot catch up."""
+AHEAD_S: Final = 0.7
+"""The longest time between a target on the path and now. A target is no further than the arm needs to brake, because a
+robot checks each motion up to its end: arms of different speed must stay close to the path."""
+TURN_DEG: Final = 0.1
+"""Smaller reversals of the path are ignored: about a microstep."""
+REST_DEG: Final = 0.001
+AT_REST_DEG_S: Final = 10.0
+"""The speed of the last correction where the path rests."""
+KEEP_S: Final = 1.0
+"""At rest a target is repeated after this time, because the lease of a robot ends after two seconds of rest."""
+OFF_DEG: Final = 3.0
+"""A path is refused if an arm would deviate further from it."""
+SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
+_REST: Final = (0.0, 0.0, 0.0)
+
+
+class Target(NamedTuple):
+    """A query and its time (s from the begin of the path, negative before it)."""
+
+    t: float
+    query: MotionQuery
+
+
+@dataclass(frozen=True)
+class Following:
+    """A path with its targets; each target and the motion between them were checked."""
+
+    path: ArmPath
+    start: MotionQuery
+    """to the begin of the path, at the robot's usual speed"""
+    targets: tuple[Target, ...]
+    planned: Floats
+    """where the arms will be (n, 3) from LEAD_IN_S before the path, in steps of STEP_S; deg"""
+    fastest: float
+    """the speed limit of an arm, deg/s"""
+    off_deg: float
+    """largest deviation of an arm from the path, deg"""
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the path's last point."""
+        return self.path.duration_s
+
+    def at(self, t: float) -> Floats:
+        """Planned arm angles (deg) `t` seconds after the start of the path, interpolated linearly between steps."""
+        place = min(max(0.0, (t + LEAD_IN_S) / STEP_S), len(self.planned) - 1.0)
+        before = int(place)
+        after = min(before + 1, len(self.planned) - 1)
+        part = place - before
+        return np.asarray((1 - part) * self.planned[before] + part * self.planned[after], dtype=np.float64)
+
+
+def robot_of(info: Info) -> RobotData:
+    """Limits and geometry of the robot with this info, in the units of robot.toml."""
+    limits, shape = info.limits, info.geometry
+    names = ("tilt_max", "gap_min", "yaw_max", "speed_default", "speed_max", "acceleration")
+    changed = {name: degrees(getattr(limits, name)) for name in names}
+    geometry = ROBOT.geometry
+    if shape is not None:
+        angles = ("arm_angle", "rod_twist", "mount_angle", "arm0_azimuth", "arm_spacing")
+        geometry = replace(
+            geometry, **{name: degrees(getattr(shape, name)) for name in angles}, hand=shape.hand
+        )
+    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **changed))
+
+
+def robots_of(infos: Sequence[Info]) -> list[RobotData]:
+    """Limits and geometries to check a motion against: those of the first robot, and of the second if they differ."""
+    checked = infos if len(infos) > 1 and unlike(*infos) else infos[:1]
+    return [robot_of(info) for info in checked]
+
+
+def degrees(angle: float) -> float:
+    """Float32 rad in degrees, rounded to remove the error of float32."""
+    return round(math.degrees(angle), 4)
+
+
+def follow(path: ArmPath, robot: RobotData) -> Following:
+    """Plan the targets for a path, and check the whole motion.
+
+    Raises:
+        Refused: the motion exceeds a limit or the path is too fast; the message names line and time.
+        WrongUsage: the path is too long.
+    """
+    path.check_length()
+    limits = Limits(robot)
+    for t, arms in zip(path.t, path.arms, strict=True):
+        with _placing(path, float(t)):
+            limits.check_pose([math.radians(angle) for angle in arms])
+    try:
+        targets, way = planned(path, limits)
+    except OffThePath as off:
+        raise Refused(Reason.SPEED_LIMIT, too_fast(path, limits, off)) from off
+    start = motion_query(*path.arms[0], relative=False, speed=None)
+    times = np.arange(len(way), dtype=np.float64) * STEP_S - LEAD_IN_S
+    off_deg = float(np.max(np.abs(way - path.at(times))))
+    return Following(path, start, tuple(targets), way, math.degrees(limits.speed_max), off_deg)
+
+
+class OffThePath(Exception):
+    """The deviation (deg) from the path is too large at a time of the path (s)."""
+
+    def __init__(self, deg: float, t: float) -> None:
+        super().__init__(deg, t)
+        self.deg, self.t = deg, t
+
+
+def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
+    """The targets, and the planned angles of the arms (n, 3) from LEAD_IN_S before the path, in steps of STEP_S, deg.
+
+    Raises:
+        OffThePath: the path is too fast.
+        Refused: as `follow`.
+    """
+    grid = path.at(np.arange(-LEAD_IN_S, path.duration_s + AHEAD_S + LOOK_S + STEP_S, STEP_S))
+    position: Arms = _radians(grid[0])
+    velocity: Arms = _REST
+    targets: list[Target] = []
+    way: list[list[float]] = []
+    every = round(TARGET_S / STEP_S)
+    for at in range(0, round((LEAD_IN_S + path.duration_s) / STEP_S) + every, every):
+        t = at * STEP_S - LEAD_IN_S
+        goal, speed = _aim(grid[at:], position, velocity, limits)
+        with _placing(path, t):
+            trajectory = limits.check_motion(
+                position, velocity, _radians(goal), _radians(speed), straight=False
+            )
+        query = motion_query(*goal, relative=False, speed=speed)
+        new = not targets or query != targets[-1].query or velocity != _REST
+        if new or t - targets[-1].t >= KEEP_S:
+            targets.append(Target(t, query))
+        for step in range(every):
+            way.append([math.degrees(angle) for angle in trajectory.at(step * STEP_S)[0]])
+            off = float(np.max(np.abs(np.array(way[-1]) - grid[min(at + step, len(grid) - 1)])))
+            if off > OFF_DEG:
+                raise OffThePath(off, max(0.0, t + step * STEP_S))
+        position, velocity = trajectory.at(TARGET_S)
+    return targets, np.array(way, dtype=np.float64)
+
+
+def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tuple[list[float], list[float]]:
+    """Goal (deg) and speed (deg/s) of each arm, from its coming path in steps of STEP_S and its position (rad)."""
+    slowest, fastest = math.degrees(limits.speed_min), math.degrees(limits.speed_max)
+    look = round(LOOK_S / STEP_S)
+    goals, speeds = [], []
+    for arm in range(3):
+        here, speed_now = math.degrees(position[arm]), math.degrees(velocity[arm])
+        way = float(coming[look, arm]) - here
+        acceleration = math.degrees(limits.acceleration)
+        wanted = speed_for(way, speed_now, acceleration)
+        if float(np.ptp(coming[: look + 1, arm])) < REST_DEG:
+            goals.append(round(float(coming[look, arm]), 6))  # without rounding each target would differ
+            speeds.append(min(fastest, max(AT_REST_DEG_S, abs(wanted))))
+            continue
+        speed = min(fastest, max(slowest, abs(wanted)))
+        enough = here + math.copysign(speed * LOOK_S + speed**2 / (2 * acceleration), wanted)
+        goals.append(furthest(coming[: round(AHEAD_S / STEP_S) + 1, arm], math.copysign(1.0, wanted), enough))
+        speeds.append(speed)
+    return goals, speeds
+
+
+def speed_for(way: float, now: float, acceleration: float) -> float:
+    """The speed (deg/s) with which an arm at speed `now` travels `way` (deg) in LOOK_S.
+
+    With c the speed and r = |c - now| / a the time to reach it, the way is c LOOK - (c - now) |c - now| / 2a.
+    """
+    more = way - now * LOOK_S
+    root = LOOK_S**2 - 2 * abs(more) / acceleration
+    change = acceleration * (LOOK_S - math.sqrt(max(0.0, root)))
+    return now + math.copysign(change, more)
+
+
+def furthest(coming: Floats, sign: float, enough: float) -> float:
+    """The furthest point (deg) in a direction before the path turns back, or the first beyond `enough`."""
+    ahead = sign * coming
+    ahead = ahead[
+        int(np.argmin(ahead[: round(LOOK_S / STEP_S) + 1])) :
+    ]  # without the path before a reversal that is close
+    peak = np.maximum.accumulate(ahead)
+    ends = np.flatnonzero((peak - ahead > TURN_DEG) | (ahead >= sign * enough))
+    return sign * float(peak[ends[0] if len(ends) else -1])
+
+
+def too_fast(path: ArmPath, limits: Limits, off: OffThePath) -> str:
+    """The message for a path that is too fast, with a speed factor that works."""
+    return (
+        f"{path.where(off.t)}: too fast. The arms would deviate by {off.deg:.1f}° from the path; at most {OFF_DEG:g}° is "
+        f"allowed. They turn at {math.degrees(limits.speed_max):g}°/s at most, and reach that at "
+        f"{math.degrees(limits.acceleration):g}°/s². {advice(path, limits)}"
+    )
+
+
+def advice(path: ArmPath, limits: Limits) -> str:
+    """Advice for a path that is too fast."""
+    for factor in SLOWER:
+        with suppress(OffThePath, BeatrixError):
+            planned(path.at_speed(factor), limits)
+            return f"Give it more time, for example with --speed-factor {path.factor * factor:.2g}."
+    return "Give it more time: put its points further apart."
+
+
+@contextmanager
+def _placing(path: ArmPath, t: float) -> Iterator[None]:
+    """Prefix the message of an error with its place in the path."""
+    try:
+        yield
+    except BeatrixError as error:
+        raise type(error)(error.reason, f"{path.where(t)}: {error.message}", error.detail) from error
+
+
+def _radians(angles: Sequence[float] | Floats) -> Arms:
+    x, y, z = (math.radians(float(angle)) for angle in angles)
+    return x, y, z

@@ -1,0 +1,128 @@
+"""An output that sends rows to a viewer, which may start, end and freeze at any time."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+from enum import Enum, auto
+from typing import Final
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.recording.output import RobotSet, Say
+from beatrix_zenoh.recording.rows import Row
+from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.viewer import HOST, address, answers
+
+PERIOD_S: Final = 0.1
+PROBE_S: Final = 1.0
+FLUSH_S: Final = 0.5
+THAWING_S: Final = 0.02
+"""FLUSH_S for a frozen viewer: files must not wait for it."""
+CLOSE_S: Final = 2.0
+
+
+class ViewerState(Enum):
+    """State of the connection to the viewer."""
+
+    MISSING = auto()
+    """no program listens on the port"""
+    CONNECTED = auto()
+    """the viewer receives data"""
+    FROZEN = auto()
+    """the viewer is connected and receives nothing: rows are left out"""
+
+
+class LiveOutput:
+    """Sends rows to the viewer on a port of this computer while the viewer receives them.
+
+    Rerun keeps up to 200 MB for a frozen viewer and then blocks, and it sends nothing to a viewer that starts after the
+    stream. So this class tries the port first, checks once a second with a time-limited flush whether data arrive, and
+    sends everything again to a viewer that has returned.
+    """
+
+    def __init__(self, port: int, say: Say) -> None:
+        self._port, self._say = port, say
+        self._id = str(uuid.uuid4())
+        self._rows: list[Row] = []
+        self._robots = RobotSet({})
+        self._stream: Stream | None = None
+        self.state = ViewerState.MISSING
+        self.left_out = 0
+        """Number of rows that the viewer missed."""
+        self._reported: ViewerState | None = None
+        self._sent_s = self._probed_s = 0.0  # the first update probes at once
+
+    def show(self, robots: RobotSet) -> None:
+        """Set the robots of the recording."""
+        self._robots = robots
+        if self._stream is not None and self.state is ViewerState.CONNECTED:
+            self._stream.show(robots)
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Keep rows until the next `update`; without a viewer only count them."""
+        if self.state is ViewerState.CONNECTED:
+            self._rows += rows
+        else:
+            self.left_out += len(rows)
+
+    def update(self, now_s: float) -> bool:
+        """Send the kept rows if 0.1 s have passed, probe the viewer if 1 s has; return True if this call connected it."""
+        if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + PERIOD_S:
+            self._sent_s = now_s
+            self._send()
+        if now_s < self._probed_s + PROBE_S:
+            return False
+        self._probed_s = now_s
+        before = self.state
+        self.state = self._probe()
+        if self.state is not ViewerState.CONNECTED:
+            self.left_out += len(self._rows)
+            self._rows.clear()
+        self._report()
+        return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
+
+    def close(self) -> bool:
+        """Send the rest; False if the viewer does not receive it: then the process must exit without waiting for Rerun."""
+        if self.state is ViewerState.CONNECTED:
+            self._send()
+        if self._stream is None:
+            return True
+        if not self._stream.flush(CLOSE_S) and not self._stream.broken:
+            return False
+        # A viewer that froze just now has the rest in its socket buffer and would still block the disconnect.
+        closing = threads.start(self._stream.close, "disconnect-viewer")
+        closing.join(CLOSE_S)
+        return not closing.is_alive()
+
+    def _send(self) -> None:
+        rows, self._rows = self._rows, []
+        if rows and self._stream is not None:
+            self._stream.send(rows)
+
+    def _probe(self) -> ViewerState:
+        """Try the port and the stream; connect to a viewer that has started."""
+        listening = answers(self._port)
+        if self._stream is None:
+            if not listening:
+                return ViewerState.MISSING
+            self._stream = Stream(self._id, "live")
+            self._stream.to_viewer(address(self._port))
+            self._stream.show(self._robots)
+        if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else FLUSH_S):
+            return ViewerState.CONNECTED if listening else ViewerState.MISSING
+        if self._stream.broken:
+            self._stream.close()
+            self._stream = None
+        return ViewerState.FROZEN if listening and self._stream is not None else ViewerState.MISSING
+
+    def _report(self) -> None:
+        if self.state is self._reported or (self._reported is None and self.state is ViewerState.CONNECTED):
+            self._reported = self.state
+            return
+        self._reported = self.state
+        what = {
+            ViewerState.MISSING: f"No viewer answers on {HOST}:{self._port}. The robots appear as soon as one does.",
+            ViewerState.FROZEN: "The viewer receives nothing: it is frozen or too slow. Data are left out until it responds.",
+            ViewerState.CONNECTED: f"The viewer receives data again; it missed {self.left_out} rows.",
+        }
+        self._say(what[self.state])

@@ -1,0 +1,51 @@
+"""Outputs of a recorder: files and viewers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.rows import Row
+
+Say = Callable[[str], None]
+"""Shows a sentence to the user."""
+
+
+@dataclass(frozen=True)
+class RobotSet:
+    """The robots so far, and those of them that have sent pictures."""
+
+    robots: Mapping[Place, Figure]
+    with_pictures: frozenset[Place] = frozenset()
+
+    @property
+    def names(self) -> list[str]:
+        """Their names without duplicates."""
+        return sorted({name for name, _ in self.robots})
+
+    def twins(self, name: str) -> list[Place]:
+        """The robots of one name, the simulation first."""
+        return [(name, twin) for twin in ("sim", "hw") if (name, twin) in self.robots]
+
+
+class Output(Protocol):
+    """A file or a viewer; used by the recorder's thread only."""
+
+    def show(self, robots: RobotSet) -> None:
+        """Set the robots of the recording."""
+        ...
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Add rows, which `update` writes."""
+        ...
+
+    def update(self, now_s: float) -> bool:
+        """Write what is due (monotonic clock, s); True if the output has restarted and needs all poses and states again."""
+        ...
+
+    def close(self) -> bool:
+        """Write the rest and close; False if that was not possible in time."""
+        ...

@@ -1,0 +1,172 @@
+"""A path: angles of the arms over time, smooth between the points of a motion file or a recording."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point
+from beatrix_zenoh.client.queries import DAY_S, checked_factor
+from beatrix_zenoh.client.readings import HeadAngles
+from beatrix_zenoh.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
+
+POINT_S = 0.05
+"""Time between the points of a path that is made from a recording."""
+LEAST = 1e-12
+"""deg2/s2; a smaller product of two speeds counts as zero."""
+STILL_S = 0.5
+"""Rest that is kept before the first motion and after the last."""
+LONGEST_S: Final = 3600.0
+"""The longest path: planning and checking it takes minutes, and about 100 MB."""
+
+
+@dataclass(frozen=True)
+class ArmPath:
+    """Points (n) of a path, at least two: t in s from 0, ascending; arms (n, 3) in deg."""
+
+    source: str
+    """its name in refusals"""
+    t: Floats
+    arms: Floats
+    lines: tuple[int, ...] = ()
+    """the line of each point in its file; empty: no file"""
+    factor: float = 1.0
+    """speed relative to its file"""
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the last point."""
+        return float(self.t[-1])
+
+    def where(self, t: float) -> str:
+        """Name a time of the path (s), with the line of the next point if there is one."""
+        t = max(0.0, t)
+        if not self.lines:
+            return f"{self.source}, t = {t:.2f} s"
+        line = self.lines[min(int(np.searchsorted(self.t, t - 1e-9)), len(self.lines) - 1)]
+        return f"{self.source}, line {line} (t = {t:.2f} s)"
+
+    def at_speed(self, factor: float) -> ArmPath:
+        """The same path, `factor` times as fast; raises WrongUsage for a wrong factor, or if the result is too long."""
+        whole = checked_factor(self.factor * checked_factor(factor))
+        path = ArmPath(self.source, self.t / factor, self.arms, self.lines, whole)
+        path.check_length()
+        return path
+
+    def check_length(self) -> None:
+        """Raise WrongUsage (BAD_VALUE) if the path is longer than LONGEST_S."""
+        if self.duration_s <= LONGEST_S:
+            return
+        at_factor = "" if self.factor == 1 else f" at the speed factor {self.factor:g}"
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"{self.source} takes {self.duration_s:.0f} s{at_factor}; at most {LONGEST_S:.0f} s is allowed. "
+            "Replay it faster, or in parts.",
+        )
+
+    def at(self, t: Floats) -> Floats:
+        """Arms (m, 3) in deg at times t (m,) in s: cubic between points, without overshoot; at rest before and after."""
+        t = np.clip(t, self.t[0], self.t[-1])
+        i = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
+        h = (self.t[i + 1] - self.t[i])[:, None]
+        u = ((t - self.t[i])[:, None]) / h
+        slopes = self._slopes()
+        return np.asarray(
+            (1 + 2 * u) * (1 - u) ** 2 * self.arms[i]
+            + u * (1 - u) ** 2 * h * slopes[i]
+            + u**2 * (3 - 2 * u) * self.arms[i + 1]
+            + u**2 * (u - 1) * h * slopes[i + 1],
+            dtype=np.float64,
+        )
+
+    def _slopes(self) -> Floats:
+        """Speeds (deg/s) at the points: 0 at turning points and ends, else the weighted harmonic mean of both sides.
+
+        Fritsch and Butland, 1984: the interpolation is monotonic between two points.
+        """
+        h = np.diff(self.t)[:, None]
+        secants = np.diff(self.arms, axis=0) / h
+        slopes = np.zeros_like(self.arms)
+        before, after = secants[:-1], secants[1:]
+        one, other = 2 * h[1:] + h[:-1], h[1:] + 2 * h[:-1]
+        same = before * after > LEAST
+        safe_before, safe_after = np.where(same, before, 1.0), np.where(same, after, 1.0)
+        slopes[1:-1] = np.where(same, (one + other) / (one / safe_before + other / safe_after), 0.0)
+        return slopes
+
+
+def path_of(read: MotionFile, neck: Neck) -> ArmPath:
+    """The path that a motion file holds, for a robot with this neck.
+
+    Raises:
+        WrongUsage: BAD_VALUE: the file is a choreography, has only one point, or two points at one time.
+        Refused: OUT_OF_REACH: no arms reach a head orientation; the message names the line.
+    """
+    if read.with_speed:
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"{read.source} has a column {SPEED}, so it is a choreography: play it with `beatrix play`.",
+        )
+    points = read.points
+    if len(points) < 2:
+        raise WrongUsage(Reason.BAD_VALUE, f"{read.source} has one point: a path needs at least two.")
+    for before, after in itertools.pairwise(points):
+        if after.t == before.t:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"{read.source}, line {after.line}: t_s is {after.t:g}, the same as in the line before. Times of a path "
+                "must increase from point to point.",
+            )
+    arms = np.array([arms_at(read.source, point, neck) for point in points])
+    t = np.array([point.t for point in points])
+    return ArmPath(read.source, t - t[0], arms, tuple(point.line for point in points))
+
+
+def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]:
+    """Arms (deg) of a point; raises Refused, which names the line, if no arms reach it."""
+    try:
+        return arms_of(point.place, neck)
+    except BeatrixError as error:
+        where = f"{source}, line {point.line} (t = {point.t:.2f} s)"
+        raise type(error)(error.reason, f"{where}: {error.message}", error.detail) from error
+
+
+def arms_of(place: Place, neck: Neck) -> tuple[float, float, float]:
+    """Arms (deg) of a place (deg); raises Refused if no arms reach it."""
+    if not isinstance(place, HeadAngles):
+        return place
+    x, y, z = neck.inverse(*(math.radians(angle) for angle in place))
+    return math.degrees(x), math.degrees(y), math.degrees(z)
+
+
+def path_of_recording(source: str, recorded: Recording) -> ArmPath:
+    """The path of a recorded robot: its set points if they were recorded, else its positions.
+
+    Raises:
+        WrongUsage: BAD_VALUE: the robot did not move, or moved for more than a day.
+    """
+    arms = recorded.arms
+    moved = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[:1]), axis=1) > REST_DEG)
+    unfinished = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[-1:]), axis=1) > REST_DEG)
+    if not len(moved):
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{source}: the robot did not move, so there is nothing to replay."
+        )
+    begin_s = max(arms.t[0], arms.t[moved[0]] - STILL_S)
+    end_s = min(arms.t[-1], arms.t[unfinished[-1]] + STILL_S)
+    if end_s - begin_s > DAY_S:  # before memory is allocated: the clock may have been changed meanwhile
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"{source}: its motions span {end_s - begin_s:.0f} s; at most {DAY_S:.0f} s is allowed. Record shorter parts.",
+        )
+    t = np.arange(begin_s, end_s + POINT_S, POINT_S)
+    return ArmPath(
+        source, t - begin_s, np.column_stack([np.interp(t, arms.t, column) for column in arms.angles.T])
+    )

@@ -1,0 +1,70 @@
+"""Figures of movements; the only importer of matplotlib. Needs no display."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from beatrix_zenoh.client.readings import Path
+from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.series import ARMS, AXES, Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COLOURS = ("#d55e00", "#009e73", "#0072b2")
+"""Vermilion, green and blue of Okabe and Ito, distinguishable with colour blindness; close to those of the simulated arms."""
+NAMES = ("arms", "head")
+WIDTH_IN = 10.0
+
+
+def path_figure(path: Path) -> Figure:
+    """A previewed path: arms and head over time."""
+    angles = np.array([(*arms, *head) for arms, head in zip(path.arms, path.head, strict=True)])
+    figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
+    panels = figure.subplots(2, 1, sharex=True)
+    for panel, name, part in zip(panels, NAMES, (slice(0, 3), slice(3, 6)), strict=True):
+        for column, colour, axis in zip(angles[:, part].T, COLOURS, AXES[part], strict=True):
+            panel.plot(path.t, column, color=colour, label=axis)
+        dress(panel, f"{name} (°)")
+    panels[-1].set_xlabel("time (s)")
+    return figure
+
+
+def twin_figure(found: Comparison, title: str) -> Figure:
+    """Simulation and hardware over time, arms and head, and how far apart they are, with and without their lag."""
+    t = found.t - found.t[0]
+    figure = Figure(figsize=(WIDTH_IN, 8.5), layout="constrained")
+    figure.suptitle(title, fontsize=14, x=0.01, ha="left")
+    arms, head, apart = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
+    for panel, name, part in ((arms, "arms", slice(0, 3)), (head, "head", slice(3, 6))):
+        both(panel, t, found.first[:, part], found.second[:, part], AXES[part])
+        dress(panel, f"{name} (°)")
+    for i, (colour, arm) in enumerate(zip(COLOURS, ARMS, strict=True)):
+        apart.plot(t, found.second[:, i] - found.first[:, i], color=colour, linewidth=3, alpha=0.3)
+        apart.plot(t, found.second_after[:, i] - found.first[:, i], color=colour, linewidth=1, label=arm)
+    dress(apart, "hardware - simulation (°)")
+    apart.set_title("pale: as it was;  dark: each motion brought forward by its lag", fontsize=10, loc="left")
+    apart.set_xlabel("time (s)")
+    arms.set_title("wide and pale: hardware;  thin and dark: simulation", fontsize=10, loc="left")
+    return figure
+
+
+def both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
+    """The second wide and pale, the first thin on top of it: where they agree one sees both."""
+    for column, colour in zip(second.T, COLOURS, strict=True):
+        panel.plot(t, column, color=colour, linewidth=6, alpha=0.3, solid_capstyle="round")
+    for column, colour, name in zip(first.T, COLOURS, names, strict=True):
+        panel.plot(t, column, color=colour, linewidth=1.2, label=name)
+
+
+def dress(panel: Axes, label: str) -> None:
+    """Label, grid and legend, nothing else."""
+    panel.set_ylabel(label)
+    panel.grid(alpha=0.25)
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.margins(x=0.01)
+    panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)

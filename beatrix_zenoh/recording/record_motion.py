@@ -1,0 +1,148 @@
+"""Record the motion of a robot as a motion file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Final, TextIO
+
+from beatrix_zenoh._generated.messages import Info, Positions, Reason
+from beatrix_zenoh.client.motion_file import Place, line_of, lines_of
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, arm_angles
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.errors import WrongUsage, naming
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.recording.follow import robot_of
+
+POINTS_HZ: Final = 25.0
+"""Points a second while the robot moves."""
+SLACK_S: Final = 0.005
+"""Tolerance: positions arrive every 20 ms, slightly early or late."""
+SAME_DEG: Final = 0.01
+"""Set points are whole microsteps, 0.086 deg: closer ones are the same."""
+Timed = tuple[float, Place]
+"""Time in s, and a place in deg."""
+
+
+class Thinning:
+    """Reduces points: at most one point in `period_s`, and only the first and the last point of a rest."""
+
+    def __init__(self, period_s: float) -> None:
+        self._period_s = period_s
+        self._kept: Timed | None = None
+        self._before: Timed | None = None
+
+    def add(self, point: Timed) -> list[Timed]:
+        """Add the next point; return the points to keep now."""
+        before, self._before = self._before, point
+        if self._kept is None or before is None:
+            self._kept = point
+            return [point]
+        if same(self._kept[1], point[1]):
+            return []
+        points = []
+        if same(self._kept[1], before[1]) and before[0] > self._kept[0] + self._period_s:
+            points.append(before)
+            self._kept = before
+        if point[0] - self._kept[0] >= self._period_s - SLACK_S:
+            points.append(point)
+            self._kept = point
+        return points
+
+    def last(self) -> list[Timed]:
+        """The last point, unless it was returned already."""
+        left = self._before is not None and self._before is not self._kept
+        return [self._before] if left and self._before is not None else []
+
+
+def record_motion(
+    robot: Robot,
+    path: Path,
+    *,
+    head: bool = True,
+    points_hz: float = POINTS_HZ,
+    going: Callable[[int], bool] = lambda _points: True,
+) -> int:
+    """Write the set points of a robot to a motion file until Ctrl-C, or until `going` returns False; return their number.
+
+    The file is complete after each point.
+
+    Args:
+        robot: any client may drive it.
+        path: the file, which is replaced if it exists.
+        head: write yaw, pitch, roll; else the angles of the arms.
+        points_hz: points per second during motions, at most 50.
+        going: called with the number of points about 50 times a second; False ends the recording.
+
+    Raises:
+        WrongUsage: the file cannot be written.
+        NoAnswer: the robot is not on line, or its positions have ended; the file holds the motion until then.
+    """
+    with naming(str(robot)):
+        info = robot.info()
+    place_of = head_of(info) if head else arm_angles_of
+    thinning, count = Thinning(1 / points_hz), 0
+    try:
+        with path.open("w", encoding="utf-8", newline="\n") as file, robot.positions_stream() as stream:
+            try:
+                for point in timed(stream, place_of):
+                    count += write(file, thinning.add(point), [] if count else comments(robot, info))
+                    if not going(count):
+                        break
+            except KeyboardInterrupt:
+                pass
+            finally:
+                count += write(file, thinning.last(), [])
+    except OSError as error:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror}. Name another file."
+        ) from error
+    return count
+
+
+def comments(robot: Robot, info: Info) -> Sequence[str]:
+    """The comment lines of the file."""
+    return (
+        f"Set points of {robot}, version {info.version}; times in s, angles in degrees.",
+        "`beatrix replay` follows them; docs/how-to/motion-files.md explains the format.",
+    )
+
+
+def write(file: TextIO, points: Sequence[Timed], about: Sequence[str]) -> int:
+    """Write the comments and the points; return the number of points."""
+    if points:
+        file.writelines(lines_of(points, about) if about else [line_of(*point) for point in points])
+        file.flush()
+    return len(points)
+
+
+def timed(stream: Iterable[Positions], place_of: Callable[[Positions], Place]) -> Iterator[Timed]:
+    """Places with times from the first; repeated time stamps are left out."""
+    begin_ns = last_ns = -1
+    for positions in stream:
+        if positions.t_mono_ns > last_ns:
+            last_ns = positions.t_mono_ns
+            begin_ns = last_ns if begin_ns < 0 else begin_ns
+            yield (last_ns - begin_ns) / 1e9, place_of(positions)
+
+
+def same(one: Place, other: Place) -> bool:
+    """Return whether two places differ by at most SAME_DEG in every angle."""
+    return all(abs(a - b) <= SAME_DEG for a, b in zip(one, other, strict=True))
+
+
+def arm_angles_of(positions: Positions) -> ArmAngles:
+    """The set points of the arms, deg."""
+    return arm_angles(positions.commanded)
+
+
+def head_of(info: Info) -> Callable[[Positions], HeadAngles]:
+    """A function that gives the head (deg) at the set points of the arms."""
+    neck = Neck(robot_of(info).geometry)
+
+    def head(positions: Positions) -> HeadAngles:
+        arms = positions.commanded
+        return HeadAngles(*(math.degrees(angle) for angle in neck.forward((arms.x, arms.y, arms.z))))
+
+    return head

@@ -1,0 +1,96 @@
+"""Record robots for some seconds, all by the clock of this computer."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import Positions, Status
+from beatrix_zenoh.client.clocks import Offset, clock_offsets
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.errors import naming
+from beatrix_zenoh.recording.series import Recording, recording
+
+TAKE_S = 0.25
+"""Period of reading the subscriptions and of reporting the time."""
+
+
+@dataclass(frozen=True)
+class LiveRecording:
+    """The recording of one robot."""
+
+    robot: str
+    twin: str
+    recording: Recording
+    """by this computer's monotonic clock, s"""
+    clock_s: float
+    """the largest possible error of those times, s"""
+    slipped: int | None
+    """full motor steps that slipped meanwhile, all arms together; None: not measured"""
+
+
+def record_robots(
+    robots: Sequence[Robot], seconds: float, passed: Callable[[float], None] = lambda _passed_s: None
+) -> list[LiveRecording]:
+    """Record robots for some seconds; call `passed` with the elapsed seconds four times a second.
+
+    Raises:
+        NoAnswer: a robot is not on line or publishes nothing.
+    """
+    before = [(offset_of(robot), robot.status()) for robot in robots]
+    streams = [robot.positions_stream() for robot in robots]
+    kept: list[list[Positions]] = [
+        [stream.next(robot.timeout_s)] for robot, stream in zip(robots, streams, strict=True)
+    ]
+    try:
+        begin_s = time.monotonic()
+        while (left_s := begin_s + seconds - time.monotonic()) > 0:
+            time.sleep(min(left_s, TAKE_S))
+            for i, stream in enumerate(streams):
+                kept[i] += stream.take()
+            passed(time.monotonic() - begin_s)
+    finally:
+        for stream in streams:
+            stream.close()
+    return [
+        live_recording(robot, positions, *known)
+        for robot, positions, known in zip(robots, kept, before, strict=True)
+    ]
+
+
+def live_recording(
+    robot: Robot, positions: Sequence[Positions], offset: Offset, before: Status
+) -> LiveRecording:
+    """The positions by this computer's clock, with the more exact of the clock offsets before and after."""
+    with naming(str(robot)):
+        after, status = offset_of(robot), robot.status()
+    better = min(offset, after, key=lambda each: each.bound)
+    clock_s = better.certain
+    drifted_s = abs(after.offset - offset.offset) if clock_s else 0.0
+    return LiveRecording(
+        robot.name,
+        robot.twin,
+        recording(positions, clock_s),
+        better.bound + drifted_s if clock_s else 0.0,
+        slipped_between(before, status),
+    )
+
+
+def offset_of(robot: Robot) -> Offset:
+    """Offset of the robot's monotonic clock from this computer's."""
+    return clock_offsets(robot.client, *robot.place, timeout_s=robot.timeout_s).mono
+
+
+def clock_s(robot: Robot) -> float:
+    """The robot's monotonic clock minus this computer's, s; 0 if it may be 0."""
+    return offset_of(robot).certain
+
+
+def slipped_between(before: Status, after: Status) -> int | None:
+    """Full motor steps that slipped between two statuses; None: not measured."""
+    if before.plant is None or after.plant is None:
+        return None
+    if before.calibrations != after.calibrations:
+        return after.plant.slipped_steps  # the count begins at the calibration
+    return after.plant.slipped_steps - before.plant.slipped_steps

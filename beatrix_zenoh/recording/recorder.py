@@ -1,0 +1,86 @@
+"""The recorder: writes the robots of a router into a file, a viewer, or both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Self
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.recording.output import Output, Say
+from beatrix_zenoh.recording.recording_thread import RecordingThread
+from beatrix_zenoh.recording.robot_queries import RobotQueries
+from beatrix_zenoh.recording.subscriptions import RobotSubscriptions
+
+CAMERAS_HZ = 5.0
+
+
+class Recorder:
+    """Records until it is closed.
+
+        with Client(settings) as client, Recorder(client, [FileOutput(path, print)], print) as recorder:
+            shutdown.wait(recorder.check)
+
+    Robots may come and go. Memory is bounded: publications that arrive faster than they are written are dropped, the
+    oldest first, and counted. The recorder closes its outputs.
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        outputs: Sequence[Output],
+        say: Say,
+        *,
+        names: Sequence[str] = (),
+        cameras_hz: float = CAMERAS_HZ,
+    ) -> None:
+        """Begin.
+
+        Args:
+            client: the session.
+            outputs: files and viewers that get the rows.
+            say: shows a sentence to the user; called by the recorder's own thread.
+            names: names of robots; empty: all robots.
+            cameras_hz: pictures per second of each eye; 0: no pictures.
+
+        Raises:
+            WrongUsage: the client was closed.
+        """
+        self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0)
+        self._queries = RobotQueries(client)
+        self._thread = RecordingThread(self._subscriptions, self._queries, outputs, say, cameras_hz)
+        self._closed: bool | None = None
+
+    @property
+    def dropped(self) -> int:
+        """Number of publications that were dropped so far."""
+        return self._thread.dropped
+
+    @property
+    def samples(self) -> int:
+        """Number of positions that were recorded so far."""
+        return self._thread.samples
+
+    @property
+    def robots(self) -> list[Place]:
+        """Robots in the recording so far."""
+        return self._thread.robots
+
+    def check(self) -> None:
+        """Raise the exception that has ended the recorder's thread, if any."""
+        if self._thread.failure is not None:
+            raise self._thread.failure
+
+    def close(self) -> bool:
+        """Write the publications that have arrived and close the outputs; False if one could not be closed in time."""
+        if self._closed is None:
+            self._closed = self._thread.close()
+            self._subscriptions.close()
+            self._queries.close()
+        return self._closed
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

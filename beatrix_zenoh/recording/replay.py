@@ -1,0 +1,192 @@
+"""Replay of a path: sends targets at their times, to one robot or to both."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Final
+
+from msgspec.structs import replace
+
+from beatrix_zenoh._generated.messages import MotionQuery, Reason, Vector3
+from beatrix_zenoh.client.lag import furthest
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.play import stopping
+from beatrix_zenoh.client.queries import motion_query, wait_s
+from beatrix_zenoh.client.readings import arm_angles
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.stop_events import StopEvents
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin_motion import ended
+from beatrix_zenoh.errors import Interrupted, Refused, WrongUsage, naming
+from beatrix_zenoh.recording.follow import LEAD_IN_S, Following
+from beatrix_zenoh.recording.record_robots import clock_s
+
+POLL_S: Final = 0.02
+"""Period of checks while no target is due."""
+LATE_S: Final = 0.5
+"""A later target is not sent: this program was suspended, and the robot rests somewhere on the path."""
+THERE_DEG: Final = 0.1
+"""Tolerance of the position at the start of the path; a microstep is 0.086 deg."""
+BEGIN_S: Final = 0.05 + LEAD_IN_S
+"""Time from the call to the start of the path."""
+CORRECT_S: Final = 0.2
+"""Time within which a deviation from the plan is corrected"""
+FASTER: Final = 1.5
+"""at up to this factor above or below the planned speed."""
+BAD_SPEED_REASONS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
+Progress = Callable[[float], None]
+"""Called with the elapsed time of the path, s."""
+
+
+class Stream:
+    """The targets for one robot, sent `delay_s` (s) after their times."""
+
+    def __init__(self, robot: Robot, following: Following, delay_s: float) -> None:
+        """Measure the robot's clock and subscribe to its positions; raises NoAnswer."""
+        self.robot = robot
+        self._following = following
+        self._clock_s = clock_s(robot)
+        self._positions = robot.positions_stream(None)
+        self._stops = StopEvents(robot)
+        self._coming = iter(following.targets)
+        self._next = next(self._coming, None)
+        self._delay_s = delay_s
+        self._begin_s = math.inf
+        self.motion: Motion | None = None
+
+    def start(self, begin_s: float) -> None:
+        """Begin the path at a time of the monotonic clock (s), or later by the delay."""
+        self._begin_s = begin_s + self._delay_s
+
+    @property
+    def due_s(self) -> float | None:
+        """Time of the next target by the monotonic clock, s; None: all were sent."""
+        return None if self._next is None else self._begin_s + self._next.t
+
+    @property
+    def done(self) -> bool:
+        """Whether all targets were sent and the last was reached."""
+        return self._next is None and self.motion is None
+
+    def advance(self) -> None:
+        """Check that the robot still follows, and send the target that is due.
+
+        Raises:
+            Interrupted: STOP was pressed, another motion replaced this one, or this program was suspended.
+            Refused: the robot refuses the target.
+            NoAnswer: the robot is lost.
+        """
+        self._stops.check()
+        if self.motion is not None and ended(self.robot, self.motion, 0.0):
+            self.motion = None
+        if self._next is None or self.due_s is None:
+            return
+        late_s = time.monotonic() - self.due_s
+        if late_s < 0:
+            return
+        if late_s > LATE_S:
+            raise Interrupted(
+                Reason.STOPPED,
+                f"{self.robot}: this program was suspended for {late_s:.1f} s, so the robot is no longer on the path. "
+                "Close other programs and try again.",
+            )
+        target, self._next = self._next, next(self._coming, None)
+        with naming(str(self.robot)):
+            try:
+                self.motion = self.robot.begin(self._corrected(target.query))
+            except Refused as refusal:
+                if refusal.reason not in BAD_SPEED_REASONS:
+                    raise
+                self.motion = self.robot.begin(target.query)  # with the speeds of the plan
+
+    def _corrected(self, query: MotionQuery) -> MotionQuery:
+        """The target with speeds that correct the deviation from the plan.
+
+        Deviations arise because targets arrive with a varying delay.
+        """
+        newest = self._positions.latest
+        if newest is None or query.speed is None:
+            return query
+        t = newest.t_mono_ns / 1e9 - self._clock_s - self._begin_s
+        if t < -LEAD_IN_S:
+            return query
+        here = arm_angles(newest.commanded)
+        short, middle, long = (
+            min(self._following.fastest, corrected(math.degrees(speed), goal - at, planned - at))
+            for speed, goal, at, planned in zip(
+                vector(query.speed), arm_angles(query.position), here, self._following.at(t), strict=True
+            )
+        )
+        speed = motion_query(0, 0, 0, relative=False, speed=(short, middle, long)).speed
+        return replace(query, speed=speed)
+
+    def close(self) -> None:
+        """End the subscriptions."""
+        self._positions.close()
+        self._stops.close()
+
+
+def corrected(speed: float, way: float, behind: float) -> float:
+    """The speed (deg/s) on the remaining way (deg) that corrects a deviation `behind` (deg) within CORRECT_S."""
+    more = math.copysign(behind / CORRECT_S, behind * way)
+    return min(FASTER * speed, max(speed / FASTER, speed + more))
+
+
+def vector(speed: Vector3) -> tuple[float, float, float]:
+    """The speed as a tuple."""
+    return speed.x, speed.y, speed.z
+
+
+def replay(
+    robots: Twin | Robot,
+    following: Following,
+    progress: Progress = lambda _passed_s: None,
+    *,
+    lead_s: float = 0.0,
+) -> None:
+    """Move to the begin of a path, then follow it; with both robots the hardware follows `lead_s` (s) after the simulation.
+
+    With both robots, the motion to the begin is previewed on a copy of the simulation. If one robot refuses a target or is
+    stopped, both are stopped and the replay ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
+
+    Raises:
+        WrongUsage: `lead_s` is not a time, or is given for one robot.
+        Refused, Interrupted, NoAnswer: the error of the first target that failed.
+    """
+    lead_s = wait_s("lead_s", lead_s)
+    if lead_s and isinstance(robots, Robot):
+        raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: leave it out for one robot.")
+    _go_to_begin(robots, following)
+    delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
+    streams = [Stream(robot, following, delay_s) for robot, delay_s in delays.items()]
+    begin_s = time.monotonic() + BEGIN_S
+    for stream in streams:
+        stream.start(begin_s)
+    with stopping(streams):
+        while not all(stream.done for stream in streams):
+            for stream in streams:
+                stream.advance()
+            now_s = time.monotonic()
+            progress(min(following.duration_s, max(0.0, now_s - begin_s)))
+            due_s = min(
+                (stream.due_s for stream in streams if stream.due_s is not None), default=now_s + POLL_S
+            )
+            time.sleep(min(POLL_S, max(0.0, due_s - now_s)))
+
+
+def _go_to_begin(robots: Twin | Robot, following: Following) -> None:
+    """Move to the begin of the path, unless the robots are there."""
+    if isinstance(robots, Robot):
+        if _away(robots, following):
+            robots.begin(following.start).wait()
+        return
+    robots.check_ready()
+    if _away(robots.sim, following) or _away(robots.hw, following):
+        robots.preview_query(following.start).commit()
+
+
+def _away(robot: Robot, following: Following) -> bool:
+    """Return whether the robot is further than THERE_DEG from the start of the path."""
+    return furthest(robot.positions().commanded, arm_angles(following.start.position)) > THERE_DEG

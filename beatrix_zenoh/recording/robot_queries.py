@@ -1,0 +1,91 @@
+"""Queries of the recorder for the clock offset and geometry of each robot, in their own thread."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import time
+from dataclasses import dataclass
+from typing import Final
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Info
+from beatrix_zenoh._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.client.clocks import Offset, clock_offsets
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.recording.figure import geometry_of
+
+AGAIN_S: Final = 30.0
+"""Clocks of two computers drift apart by up to some 0.1 ms/s: 3 ms until they are measured again."""
+ANSWER_S: Final = 1.0
+
+
+@dataclass(frozen=True)
+class RobotAnswer:
+    """Clock offset and geometry of a robot."""
+
+    place: Place
+    offset: Offset | None
+    """of its monotonic clock; None: the robot did not answer"""
+    geometry: Geometry
+    """the default geometry if the robot did not answer"""
+
+
+class RobotQueries:
+    """Queries each requested robot at once and then every 30 s, without blocking the recorder."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._requests: queue.SimpleQueue[Place | None] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[RobotAnswer] = queue.SimpleQueue()
+        self._geometries: dict[Place, Geometry] = {}
+        self._thread = threads.start(self._run, "recorder-queries")
+
+    def request(self, place: Place) -> None:
+        """Query a robot now."""
+        self._requests.put(place)
+
+    def answers(self) -> list[RobotAnswer]:
+        """The answers since the last call."""
+        found = []
+        with contextlib.suppress(queue.Empty):
+            while True:
+                found.append(self._answers.get_nowait())
+        return found
+
+    def close(self) -> None:
+        """End the thread after its running query."""
+        self._requests.put(None)
+        self._thread.join()
+
+    def _run(self) -> None:
+        known: set[Place] = set()
+        due_s = time.monotonic() + AGAIN_S
+        while True:
+            try:
+                place = self._requests.get(timeout=max(0.0, due_s - time.monotonic()))
+            except queue.Empty:
+                due_s = time.monotonic() + AGAIN_S
+                for place in known:
+                    self._query(place, again=True)
+                continue
+            if place is None:
+                return
+            known.add(place)
+            self._query(place, again=False)
+
+    def _query(self, place: Place, *, again: bool) -> None:
+        try:
+            offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
+            if not again:
+                info = self._client.ask(*place, keys.info(*place), None, Info, ANSWER_S)
+                if info.geometry is not None:
+                    self._geometries[place] = geometry_of(info.geometry)
+        except BeatrixError:
+            if again:  # The robot is away for the moment; its earlier values still hold.
+                return
+            offset = None
+        self._answers.put(RobotAnswer(place, offset, self._geometries.get(place, ROBOT.geometry)))

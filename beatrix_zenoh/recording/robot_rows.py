@@ -1,0 +1,181 @@
+"""Converts the publications of one robot to rows of a recording."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from enum import StrEnum
+from typing import Final
+
+from beatrix_zenoh._generated.messages import (
+    Event,
+    EventKind,
+    Fault,
+    Head,
+    Phase,
+    Positions,
+    Reason,
+    Status,
+    Vector3,
+)
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.motion.rotation import rotation_of
+from beatrix_zenoh.recording.figure import Figure, Quaternion
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
+
+STILL: Final = 5e-5
+"""Smaller changes of a quaternion component get no new row (0.006 deg)."""
+REQUESTS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
+
+
+class State(StrEnum):
+    """A robot's state as a coloured bar."""
+
+    DISABLED = "disabled"
+    ENABLED = "enabled"
+    READY = "ready"
+    MOVING = "moving"
+    STOPPED = "stopped"
+    EMERGENCY = "emergency stop"
+    FAULT = "fault"
+    LOST = "lost"
+
+
+class RobotRows:
+    """Makes the rows of one robot; only changes get a new row."""
+
+    def __init__(self, place: Place, figure: Figure) -> None:
+        self.place, self.figure = place, figure
+        self._turns: dict[str, Quaternion] = {}
+        self._state: State | None = None
+        self._status: Status | None = None
+        self._stopped = False
+        self._since_ns = 0
+        self.angles: tuple[float, ...] = ()
+        """Arms and head of the newest positions, deg."""
+
+    def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
+        """Arms and head in deg, and each body that has turned."""
+        stamp = (time_ns, positions.t_wall_ns)
+        numbers = {
+            "arms": arms_deg(positions.position),
+            "commanded": arms_deg(positions.commanded),
+            "head": head_deg(positions.head),
+        }
+        self.angles = numbers["arms"] + numbers["head"]
+        body = positions.head
+        if positions.head_measured is not None:
+            body = positions.head_measured
+            numbers["head_measured"] = head_deg(body)
+        for what, values in numbers.items():
+            yield Numbers(of_robot(self.place, what), *stamp, values)
+        arms = positions.position
+        rotation = rotation_of(body.yaw, body.pitch, body.roll)
+        for path, turn in self.figure.rotations((arms.x, arms.y, arms.z), rotation).items():
+            if moved(self._turns.get(path), turn):
+                self._turns[path] = turn
+                yield Orientation(of_model(self.place, path), *stamp, turn)
+
+    def begin_again(self) -> None:
+        """Repeat the rows of all bodies and the state, for a file that begins now."""
+        self._turns.clear()
+        self._state = None
+
+    def status(self, status: Status, time_ns: int) -> Iterator[Row]:
+        """The state, if it has changed."""
+        self._status = status
+        if status.moving or not status.enabled:
+            self._stopped = False
+        yield from self._changed_to(self._state_now(), time_ns, status.t_wall_ns)
+
+    def event(self, event: Event, time_ns: int) -> Iterator[Row]:
+        """The event as a line, and the state after a STOP."""
+        stamp = (time_ns, event.t_wall_ns)
+        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {line_of(event)}"
+        yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event))
+        if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
+            self._stopped = True
+            yield from self._changed_to(self._state_now(), *stamp)
+
+    def lost(self, time_ns: int) -> Iterator[Row]:
+        """The state of a robot whose positions have ended."""
+        yield from self._changed_to(State.LOST, time_ns, time_ns)
+
+    def back(self, time_ns: int, robot_ns: int) -> Iterator[Row]:
+        """The state of a robot whose positions have returned."""
+        if self._state is State.LOST and self._status is not None:
+            yield from self._changed_to(self._state_now(), time_ns, robot_ns)
+
+    def _state_now(self) -> State:
+        if self._status is None:
+            return State.STOPPED if self._stopped else State.READY
+        state = state_of(self._status)
+        return State.STOPPED if self._stopped and state is State.READY else state
+
+    def _changed_to(self, state: State, time_ns: int, robot_ns: int) -> Iterator[Row]:
+        if state is not self._state:
+            self._state = state
+            # A STOP may be reported just after the status that follows from it: the last report is the state.
+            self._since_ns = max(time_ns, self._since_ns + 1)
+            yield Bar(of_robot(self.place, "state"), self._since_ns, robot_ns, state)
+
+
+def moved(before: Quaternion | None, now: Quaternion) -> bool:
+    """Return whether a body has turned since its last row."""
+    return before is None or any(abs(a - b) > STILL for a, b in zip(before, now, strict=True))
+
+
+def state_of(status: Status) -> State:
+    """The state that follows from a status."""
+    if status.fault is Fault.EMERGENCY:
+        return State.EMERGENCY
+    if status.fault is Fault.BOARD_LOST or not status.board.connected:
+        return State.LOST
+    if status.fault is not Fault.NONE:
+        return State.FAULT
+    if not status.enabled:
+        return State.DISABLED
+    if not status.calibrated:
+        return State.ENABLED
+    return State.MOVING if status.moving else State.READY
+
+
+def arms_deg(vector: Vector3) -> tuple[float, float, float]:
+    """Short, middle and long arm, deg."""
+    return math.degrees(vector.x), math.degrees(vector.y), math.degrees(vector.z)
+
+
+def head_deg(head: Head) -> tuple[float, float, float]:
+    """Yaw, pitch and roll, deg."""
+    return math.degrees(head.yaw), math.degrees(head.pitch), math.degrees(head.roll)
+
+
+def line_of(event: Event) -> str:
+    """Seat, request and outcome of an event."""
+    words = [event.seat, *dict.fromkeys((str(event.kind), event.action))]
+    if event.reason is Reason.OK:
+        words.append("" if event.phase is None else event.phase)
+    else:
+        words += [
+            "ended" if event.phase is Phase.DONE else "refused" * (event.kind in REQUESTS),
+            event.reason,
+        ]
+    times = f" ({event.count} times)" if event.count > 1 else ""
+    return f"{' '.join(word for word in words if word)}{times}: {event.message}"
+
+
+def clock(time_ns: int) -> str:
+    """A time of day as the viewer shows it on its axes: UTC."""
+    moment = time.strftime("%H:%M:%S", time.gmtime(time_ns // 1_000_000_000))
+    return f"{moment}.{time_ns // 1_000_000 % 1000:03d}"
+
+
+def level_of(event: Event) -> str:
+    """Return the log level of an event: ERROR for STOP, WARN for refusals and losses, else INFO."""
+    if event.kind is EventKind.LOG:
+        return event.action if event.action in ("INFO", "DEBUG", "ERROR") else "WARN"
+    if event.kind is EventKind.STOP:
+        return "ERROR"
+    bad = event.reason is not Reason.OK and event.phase is not Phase.DONE
+    return "WARN" if bad or event.kind in (EventKind.WARNING, EventKind.BOARD, EventKind.ROUTER) else "INFO"

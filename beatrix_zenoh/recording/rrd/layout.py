@@ -1,0 +1,164 @@
+"""The viewer's tabs: one over the other, side by side, plots, log and states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import rerun.blueprint as rrb
+from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import of_difference, of_robot
+from beatrix_zenoh.recording.rrd.read import TIME
+from beatrix_zenoh.recording.rrd.scene import solids_of
+
+WINDOW_S: Final = 20.0
+"""Time span of the plots in live mode."""
+BACKGROUND: Final = (236, 239, 243)
+EYE: Final = (0.46, -0.28, 0.13)
+"""Position of the viewpoint, m: in front of the head, to its right."""
+CENTRE: Final = (0.0, 0.0, 0.005)
+TITLES: Final = {"sim": "simulation", "hw": "hardware"}
+ARMS_DEG: Final = (-60.0, 60.0)
+HEAD_DEG: Final = (-60.0, 60.0)
+APART_DEG: Final = (-2.0, 2.0)
+HOW: Final = ": hardware wide, simulation thin"
+
+Part = rrb.Container | rrb.View
+
+
+def layout(shown: RobotSet) -> rrb.Blueprint:
+    """The layout for these robots."""
+    overlays = [overlay(shown, name) for name in shown.names]
+    besides = [beside(shown, name) for name in shown.names]
+    plots = [plots_of(shown, name) for name in shown.names]
+    return rrb.Blueprint(
+        rrb.Tabs(
+            tiled(overlays, "one over the other"),
+            tiled(besides, "side by side"),
+            # Three plots of one robot fill a screen, so several robots get one tab each.
+            rrb.Tabs(*plots, name="plots") if len(plots) > 1 else tiled(plots, "plots"),
+            rrb.Vertical(states(), log(), row_shares=[2, 3], name="log and states"),
+            active_tab=0,
+        ),
+        rrb.TimePanel(state="collapsed", timeline=TIME, play_state="following"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TopPanel(state="collapsed"),
+        auto_layout=False,
+        auto_views=False,
+    )
+
+
+def tiled(parts: Sequence[Part], name: str) -> rrb.Container:
+    """One or several parts as one tab."""
+    return rrb.Grid(*parts, name=name) if len(parts) > 1 else rrb.Horizontal(*parts, name=name)
+
+
+def overlay(shown: RobotSet, name: str) -> rrb.View:
+    """The hardware with the simulation as a ghost over it, or the only robot."""
+    twins = shown.twins(name)
+    contents = []
+    for place in twins:
+        ghost = place[1] == "sim" and len(twins) > 1
+        contents += [
+            f"+ {path}"
+            for path in solids_of(place, shown.robots[place].bodies, "ghost" if ghost else "solid")
+        ]
+    title = f"{name}: hardware, and a blue ghost: the simulation" if len(twins) > 1 else titled(twins[0])
+    return scene_view(f"/{name}", contents, title)
+
+
+def beside(shown: RobotSet, name: str) -> rrb.Container:
+    """Both robots, and below them the pictures of their eyes."""
+    twins = shown.twins(name)
+    robots = []
+    for place in twins:
+        contents = [f"+ {path}" for path in solids_of(place, shown.robots[place].bodies, "solid")]
+        robots.append(scene_view("/" + of_robot(place), contents, titled(place)))
+    eyes = [
+        eye_view(place, side) for place in twins if place in shown.with_pictures for side in ("left", "right")
+    ]
+    if not eyes:
+        return rrb.Horizontal(*robots, name=name)
+    return rrb.Vertical(rrb.Horizontal(*robots), rrb.Horizontal(*eyes), row_shares=[3, 2], name=name)
+
+
+def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
+    """A 3D view from a fixed place."""
+    return rrb.Spatial3DView(
+        origin=origin,
+        contents=contents,
+        name=title,
+        background=BACKGROUND,
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(position=EYE, look_target=CENTRE, eye_up=(0.0, 0.0, 1.0)),
+    )
+
+
+def eye_view(place: Place, side: str) -> rrb.View:
+    """Pictures of one eye; the left eye of the robot is on the left."""
+    return rrb.Spatial2DView(
+        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TITLES[place[1]]}"
+    )
+
+
+def plots_of(shown: RobotSet, name: str) -> rrb.Container:
+    """Plots of arms, head, and the difference between hardware and simulation."""
+    twins = shown.twins(name)
+    # Half of the screen's height each: the viewer leaves out the numbers of lower axes.
+    curves = rrb.Vertical(
+        plot([of_robot(place, "arms") for place in twins], f"arms (°){HOW * (len(twins) > 1)}", ARMS_DEG),
+        plot([of_robot(place, "head") for place in twins], f"head (°){HOW * (len(twins) > 1)}", HEAD_DEG),
+    )
+    if len(twins) == 1:
+        return rrb.Horizontal(curves, name=name)
+    apart = rrb.Vertical(
+        plot([of_difference(name, "arms")], "arms: hardware − simulation (°)", APART_DEG),
+        plot([of_difference(name, "head")], "head: hardware − simulation (°)", APART_DEG),
+    )
+    return rrb.Horizontal(curves, apart, column_shares=[3, 2], name=name)
+
+
+def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.View:
+    """Curves over the last 20 s, with fixed axes."""
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[f"+ /{path}" for path in paths],
+        name=title,
+        axis_x=rrb.TimeAxis(
+            view_range=rrb.TimeRange(
+                start=rrb.TimeRangeBoundary.cursor_relative(seconds=-WINDOW_S),
+                end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.5),
+            )
+        ),
+        axis_y=rrb.ScalarAxis(range=span),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
+        background=None,
+    )
+
+
+def states() -> rrb.View:
+    """The states of all robots as bars."""
+    return rrb.StateTimelineView(origin="/", contents="/**", name="states")
+
+
+def log() -> rrb.View:
+    """Requests, refusals, STOPs and warnings of all robots."""
+    return rrb.TextLogView(
+        origin="/",
+        contents="/**",
+        name="requests, replies and refusals",
+        # Time and robot are part of the text, because their columns would be too narrow.
+        columns=rrb.TextLogColumns(
+            timeline_columns=[TimelineColumn(TIME, visible=False)],
+            text_log_columns=[TextLogColumn("LogLevel"), TextLogColumn("Body")],
+        ),
+    )
+
+
+def titled(place: Place) -> str:
+    """The title of a robot."""
+    return f"{place[0]}: {TITLES[place[1]]}"

@@ -1,0 +1,60 @@
+"""Pictures of a recording's tabs, drawn by a viewer without a window."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rerun.experimental import ViewerClient
+
+from beatrix_zenoh.recording.viewer import Viewer, address, free_port
+
+SIZE: Final = "1456x819"
+SETTLE_S: Final = 2.5
+"""Data arrive in a view some time after it is first shown; no event reports when."""
+NOTICE_S: Final = 5.0
+"""After its start the viewer covers the picture with a notice for this long."""
+TABS: Final = ("overlay", "side-by-side", "plots", "log")
+
+
+def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
+    """PNG pictures of a recording, in the order of `shots`: each a tab (0 to 3) and a moment (s since 1970).
+
+    Raises:
+        Refused, NoAnswer: the viewer cannot be started here.
+        ConnectionError: the viewer has ended meanwhile.
+    """
+    found = []
+    with Viewer(free_port(), "--headless", "--window-size", SIZE, "--hide-welcome-screen") as viewer:
+        viewer.wait_ready()
+        client = ViewerClient.connect(address(viewer.port))
+        shown_s = time.monotonic() + NOTICE_S
+        (recording,) = client.open(str(path.absolute())).store_ids
+        for tab, moment_s in shots:
+            blueprint = client.get_blueprint(store_id=recording).blueprint
+            bring_to_front(blueprint, tab)
+            client.set_blueprint(blueprint, store_id=recording)
+            client.set_time("time", timestamp=moment_s, play_state="paused", recording=recording)
+            time.sleep(max(SETTLE_S, shown_s - time.monotonic()))
+            found.append(client.take_screenshot())
+    return found
+
+
+def bring_to_front(blueprint: dict[str, dict[str, dict[str, object]]], tab: int) -> None:
+    """Change a blueprint so that its outermost tabs show this one."""
+    containers = [
+        entity["ContainerBlueprint"] for entity in blueprint.values() if "ContainerBlueprint" in entity
+    ]
+    inner = {str(part) for container in containers for part in parts_of(container)}
+    for path, entity in blueprint.items():
+        container = entity.get("ContainerBlueprint", {})
+        if container.get("container_kind") == "Tabs" and path.strip("/") not in inner:
+            container["active_tab"] = parts_of(container)[tab]
+
+
+def parts_of(container: dict[str, object]) -> list[object]:
+    """The parts of a container; the viewer writes a single part without a list."""
+    contents = container.get("contents", [])
+    return contents if isinstance(contents, list) else [contents]

@@ -1,0 +1,164 @@
+"""Read a recording."""
+
+from __future__ import annotations
+
+import warnings
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from rerun.chunk import RrdReader
+from rerun.error_utils import RerunWarning
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples, Texts
+from beatrix_zenoh.recording.viewer import check_recording
+
+TIME, ROBOT_TIME = "time", "robot_time"
+SCALARS, TEXT, STATE = "Scalars:scalars", "TextLog:text", "StateChange:state"
+
+
+class Column(NamedTuple):
+    """All rows of one component of one entity: times (n,) and values, (n, k) numbers or (n,) texts."""
+
+    time_ns: Nanoseconds
+    robot_ns: Nanoseconds
+    values: npt.NDArray[np.float64] | npt.NDArray[np.object_]
+
+
+Columns = dict[tuple[str, str], Column]
+"""By entity and component."""
+
+
+def read(path: Path) -> Recorded:
+    """Read a recording, also one whose recorder was killed.
+
+    Raises:
+        Refused: BAD_VALUE: the file is no recording of BEATRIX, or is damaged.
+    """
+    columns = _columns(path)
+    robots: dict[Place, Samples] = {}
+    for name, twin, what in [_parts(entity) for entity, component in columns if component == SCALARS]:
+        root = f"/{name}/{twin}"
+        # A recorder that was killed just after its start may have written only some of them.
+        whole = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
+        if twin in ("sim", "hw") and what == "arms" and whole:
+            robots[name, twin] = _samples(columns, root)
+    if not robots:
+        raise Refused(
+            Reason.BAD_VALUE, f"{path}: it holds no positions of a robot. `beatrix record` writes such files."
+        )
+    names = sorted({name for name, _ in robots})
+    return Recorded(
+        dict(sorted(robots.items())),
+        {name: found for name in names if (found := _difference(columns, name)) is not None},
+        {place: _texts(columns, "/{}/{}/events".format(*place), TEXT) for place in robots},
+        {place: _texts(columns, "/{}/{}/state".format(*place), STATE) for place in robots},
+    )
+
+
+def holds_samples(path: Path) -> bool:
+    """Return whether a recording holds positions of any robot."""
+    try:
+        return bool(read(path).robots)
+    except Refused:
+        return False
+
+
+def _columns(path: Path) -> Columns:
+    found: dict[tuple[str, str], list[Column]] = defaultdict(list)
+    for entity, component, column in _chunks(path):
+        found[entity, component].append(column)
+    joined = {}
+    for key, parts in found.items():
+        times, robot, values = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
+        order = np.argsort(times, kind="stable")
+        joined[key] = Column(times[order], robot[order], values[order])
+    return joined
+
+
+def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
+    """Entity, component and rows of each column of each chunk that has times."""
+    if not path.is_file():
+        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
+    check_recording(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
+            chunks = RrdReader(path).stream()
+        for chunk in chunks:
+            if chunk.is_static or TIME not in chunk.timeline_names:
+                continue
+            batch = chunk.to_record_batch()
+            times, robot = (
+                batch.column(name).cast("int64").to_numpy(zero_copy_only=False) for name in (TIME, ROBOT_TIME)
+            )
+            for component in {SCALARS, TEXT, STATE}.intersection(batch.schema.names):
+                flat = batch.column(component).flatten().to_numpy(zero_copy_only=False)
+                values = flat.reshape(len(times), -1) if component == SCALARS else flat
+                yield chunk.entity_path, component, Column(times, robot, values)
+    except (ValueError, OSError, RuntimeError) as error:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{path} is damaged ({str(error).splitlines()[0].rpartition(': ')[2]}): its recorder was killed, the disk was full, or "
+            f"the file was copied only in part. `beatrix record --repair {path}` keeps all readable data.",
+        ) from error
+
+
+def _samples(columns: Columns, root: str) -> Samples:
+    """The complete samples of one robot.
+
+    A node without new telemetry publishes the same time stamp twice: both are samples.
+    """
+    arms, commanded, head = (columns[f"{root}/{what}", SCALARS] for what in ("arms", "commanded", "head"))
+    values = [_at(column, arms) for column in (commanded, head)]
+    whole = ~np.isnan(np.hstack(values)).any(axis=1)
+    measured = columns.get((f"{root}/head_measured", SCALARS))
+    return Samples(
+        arms.time_ns[whole],
+        arms.robot_ns[whole],
+        arms.values[whole].astype(np.float64),
+        values[0][whole],
+        values[1][whole],
+        None if measured is None else _at(measured, arms)[whole],
+    )
+
+
+def _at(column: Column, other: Column) -> Floats:
+    """The column's values at the rows of another column; NaN where it has no row."""
+    rows = {
+        stamp: row
+        for row, stamp in enumerate(zip(column.time_ns.tolist(), column.robot_ns.tolist(), strict=True))
+    }
+    stamps = zip(other.time_ns.tolist(), other.robot_ns.tolist(), strict=True)
+    found = np.array([rows.get(stamp, -1) for stamp in stamps], dtype=np.int64)
+    values = column.values.astype(np.float64)[found]
+    values[found < 0] = np.nan
+    return values
+
+
+def _difference(columns: Columns, name: str) -> tuple[Nanoseconds, Floats] | None:
+    arms, head = (columns.get((f"/{name}/difference/{what}", SCALARS)) for what in ("arms", "head"))
+    if arms is None or head is None:
+        return None
+    return arms.time_ns, np.hstack((arms.values.astype(np.float64), _at(head, arms)))
+
+
+def _texts(columns: Columns, entity: str, component: str) -> Texts:
+    column = columns.get((entity, component))
+    if column is None:
+        none = np.empty(0, np.int64)
+        return Texts(none, none, ())
+    return Texts(column.time_ns, column.robot_ns, tuple(str(text) for text in column.values))
+
+
+def _parts(entity: str) -> tuple[str, str, str]:
+    """Name, twin and the rest of an entity's path."""
+    name, _, rest = entity.strip("/").partition("/")
+    twin, _, what = rest.partition("/")
+    return name, twin, what

@@ -1,0 +1,125 @@
+"""The static data of a recording: solids of the robots, names and colours of curves, colours of states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import rerun as rr
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.figure import ARM_COLOURS, Body, Figure, Form, Solid
+from beatrix_zenoh.recording.robot_rows import State
+from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
+
+Item = tuple[str, rr.AsComponents]
+"""Path of an entity and its components."""
+
+GHOST = (20, 120, 255, 120)
+"""Colour and opacity of the simulation over the hardware."""
+THINNER_M = 0.001
+"""The ghost is thinner by this, because coincident surfaces would flicker."""
+ARM_NAMES, HEAD_NAMES = ("short", "middle", "long"), ("yaw", "pitch", "roll")
+HEAD_COLOURS = ((230, 159, 0), (204, 121, 167), (86, 180, 233))
+"""Colours of Okabe and Ito, distinguishable with colour blindness; not those of the arms."""
+STATE_COLOURS = {
+    State.DISABLED: (120, 125, 130),
+    State.ENABLED: (214, 190, 80),
+    State.READY: (70, 150, 90),
+    State.MOVING: (60, 130, 230),
+    State.STOPPED: (235, 140, 40),
+    State.EMERGENCY: (215, 45, 45),
+    State.FAULT: (170, 50, 160),
+    State.LOST: (60, 62, 66),
+}
+
+
+def of_place(place: Place, figure: Figure) -> Iterator[Item]:
+    """Yield the items of one robot that stay the same for a whole recording: its solids, curve styles and state colours."""
+    for body in figure.bodies:
+        path = of_model(place, body.path)
+        for form in Form:
+            solids = [solid for solid in body.solids if solid.form is form]
+            if solids:
+                yield f"{path}/solid/{form}", shape(form, solids, [solid.colour for solid in solids])
+                if place[1] == "sim":
+                    thin = [thinner(solid) for solid in solids]
+                    yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
+    yield from curves(place)
+    yield (
+        of_robot(place, "state"),
+        rr.StateConfiguration(
+            values=[state.value for state in State],
+            labels=[state.value for state in State],
+            colors=[STATE_COLOURS[state] for state in State],
+        ),
+    )
+
+
+def curves(place: Place) -> Iterator[Item]:
+    """Names and styles of one robot's curves: the hardware wide and pale, the simulation thin and opaque."""
+    twin = place[1]
+    for what, names, colours in (
+        ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
+        ("commanded", ARM_NAMES, tuple(ARM_COLOURS.values())),
+        ("head", HEAD_NAMES, HEAD_COLOURS),
+        ("head_measured", HEAD_NAMES, HEAD_COLOURS),
+    ):
+        label = "" if what in ("arms", "head") else f" {what.removeprefix('head_')}"
+        yield (
+            of_robot(place, what),
+            rr.SeriesLines(
+                names=[f"{name} {twin}{label}" for name in names],
+                colors=[(*colour, 130 if twin == "hw" else 255) for colour in colours],
+                widths=[5.0 if twin == "hw" else 1.8] * len(names),
+            ),
+        )
+
+
+def of_name(robot: str) -> Iterator[Item]:
+    """The static items of hardware and simulation together."""
+    for what, names, colours in (
+        ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
+        ("head", HEAD_NAMES, HEAD_COLOURS),
+    ):
+        yield (
+            of_difference(robot, what),
+            rr.SeriesLines(names=list(names), colors=list(colours), widths=[2.0] * 3),
+        )
+
+
+def thinner(solid: Solid) -> Solid:
+    """The same solid, a little thinner."""
+    return replace(solid, size=tuple(max(size - THINNER_M, size / 2) for size in solid.size))
+
+
+def shape(form: Form, solids: Sequence[Solid], colours: Sequence[tuple[int, ...]]) -> rr.AsComponents:
+    """Solids of one form as one entity."""
+    places = [solid.position for solid in solids]
+    turns = [rr.Quaternion(xyzw=solid.quaternion) for solid in solids]
+    if form is Form.ELLIPSOID:
+        return rr.Ellipsoids3D(
+            half_sizes=[solid.size for solid in solids],
+            centers=places,
+            quaternions=turns,
+            colors=colours,
+            fill_mode="solid",
+        )
+    radii, lengths = [solid.size[0] for solid in solids], [solid.size[1] for solid in solids]
+    if form is Form.CYLINDER:
+        return rr.Cylinders3D(
+            radii=radii, lengths=lengths, centers=places, quaternions=turns, colors=colours, fill_mode="solid"
+        )
+    return rr.Capsules3D(
+        radii=radii,
+        lengths=lengths,
+        translations=places,
+        quaternions=turns,
+        colors=colours,
+        fill_mode="solid",
+    )
+
+
+def solids_of(place: Place, bodies: tuple[Body, ...], kind: str) -> list[str]:
+    """Paths of the solids or ghosts of all bodies."""
+    return [f"/{of_model(place, body.path)}/{kind}/**" for body in bodies]

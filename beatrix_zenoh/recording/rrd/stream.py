@@ -1,0 +1,115 @@
+"""A stream of rows into a Rerun file or viewer."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Bar, Frame, Line, Numbers, Orientation, Row
+from beatrix_zenoh.recording.rrd import scene
+from beatrix_zenoh.recording.rrd.layout import layout
+from beatrix_zenoh.recording.rrd.read import ROBOT_TIME, TIME
+
+APPLICATION = "beatrix"
+
+
+class Stream:
+    """One recording, sent to one file or viewer. Used by one thread.
+
+    Rows are sent as columns: about twenty times cheaper than single rows, and with explicit times.
+    """
+
+    def __init__(self, recording_id: str, name: str) -> None:
+        """Begin a recording; the viewer shows two streams with the same id as one."""
+        self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False)
+        self._name = name
+        self._shown: set[Place] = set()
+        self.broken = False
+        """The connection is lost for good; further data are discarded."""
+
+    def to_file(self, path: Path) -> None:
+        """Write to this file; raises OSError if it cannot be opened."""
+        path.touch()
+        try:
+            self._stream.save(path)
+        except RuntimeError as error:
+            raise OSError(str(error)) from error
+        self._begin()
+
+    def to_viewer(self, url: str) -> None:
+        """Send to a viewer that listens already: otherwise this takes 5 s and data are lost."""
+        self._stream.connect_grpc(url)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._stream.send_recording_name(self._name)
+        self._stream.log("/", rr.ViewCoordinates.FLU, static=True)
+
+    def show(self, robots: RobotSet) -> None:
+        """Log the robots that are new, and the layout for it."""
+        names = {place[0] for place in self._shown}
+        for place, figure in robots.robots.items():
+            if place in self._shown:
+                continue
+            self._shown.add(place)
+            items = [*scene.of_place(place, figure)]
+            if place[0] not in names:
+                items += scene.of_name(place[0])
+                names.add(place[0])
+            for path, item in items:
+                self._stream.log(path, item, static=True)
+        self._stream.send_blueprint(layout(robots))
+
+    def send(self, rows: Sequence[Row]) -> None:
+        """Send rows, in the order of time within each entity."""
+        entities: dict[str, list[Row]] = defaultdict(list)
+        for row in rows:
+            entities[row.path].append(row)
+        for path, part in entities.items():
+            times = np.array([row.time_ns for row in part]).astype("datetime64[ns]")
+            robot = np.array([row.robot_ns for row in part]).astype("datetime64[ns]")
+            indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
+            self._stream.send_columns(path, indexes, columns(part))
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until everything is written or sent; False after the time limit, or if `broken`."""
+        try:
+            self._stream.flush(timeout_sec=timeout_s)
+        except (RuntimeError, ValueError) as error:
+            self.broken = "timed out" not in str(error)
+            return False
+        return True
+
+    def close(self) -> None:
+        """Complete the file, or disconnect; may block on a frozen viewer."""
+        with contextlib.suppress(RuntimeError):
+            self._stream.disconnect()
+
+
+def columns(rows: Sequence[Row]) -> Iterable[rr.ComponentColumn]:
+    """Convert rows of one entity, which must all have the same type, to columns of Rerun."""
+    match rows[0]:
+        case Numbers():
+            values = [row.values for row in rows if isinstance(row, Numbers)]
+            flat = np.array(values, dtype=np.float64)
+            return rr.Scalars.columns(scalars=flat.ravel()).partition([flat.shape[1]] * len(flat))
+        case Orientation():
+            return rr.Transform3D.columns(
+                quaternion=np.array([row.quaternion for row in rows if isinstance(row, Orientation)])
+            )
+        case Line():
+            lines = [row for row in rows if isinstance(row, Line)]
+            return rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
+        case Bar():
+            return rr.StateChange.columns(state=[row.state for row in rows if isinstance(row, Bar)])
+        case Frame():
+            pictures = [row.jpeg for row in rows if isinstance(row, Frame)]
+            return rr.EncodedImage.columns(blob=pictures, media_type=["image/jpeg"] * len(pictures))
+    raise TypeError(f"no columns for {type(rows[0]).__name__}")

@@ -1,0 +1,51 @@
+"""The contents of a recording as arrays; `recording.rrd.read` reads them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.client.request import Place
+
+Floats = npt.NDArray[np.float64]
+Nanoseconds = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """The positions of one robot in the order of time; n samples."""
+
+    time_ns: Nanoseconds
+    """(n,) source's time by the clock of the recording computer, since 1970"""
+    robot_ns: Nanoseconds
+    """(n,) the same by the robot's own wall clock: its published t_wall_ns"""
+    arms: Floats
+    """(n, 3) short, middle, long, deg: measured in a simulation, counted on hardware"""
+    commanded: Floats
+    """(n, 3) the firmware's set points, deg"""
+    head: Floats
+    """(n, 3) yaw, pitch, roll, deg, from the arms"""
+    head_measured: Floats | None
+    """(n, 3) the measured orientation of the head, deg; None: not measured"""
+
+
+@dataclass(frozen=True)
+class Texts:
+    """Lines or states of one entity, in the order of time."""
+
+    time_ns: Nanoseconds
+    robot_ns: Nanoseconds
+    texts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A file's contents."""
+
+    robots: dict[Place, Samples]
+    differences: dict[str, tuple[Nanoseconds, Floats]]
+    """by name: times of the grid (n,), hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll, deg"""
+    events: dict[Place, Texts]
+    states: dict[Place, Texts]

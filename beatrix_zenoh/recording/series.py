@@ -1,0 +1,195 @@
+"""Positions of one robot over time, in degrees, and the regularity of their time stamps."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh.client.readings import reading
+from beatrix_zenoh.recording.samples import Samples
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+ARMS = ("short", "middle", "long")
+HEAD = ("yaw", "pitch", "roll")
+AXES = (*ARMS, *HEAD)
+GRID_S = 0.01
+"""Positions come every 20 ms; half of that loses no detail."""
+SHARED_S = 1.0
+"""Two recordings that overlap less cannot be compared."""
+REST_S = 0.1
+"""A robot is at rest if within this time before and after no arm has turned"""
+REST_DEG = 0.3
+"""by more than this."""
+HOLE_S = 1.0
+"""Between samples further apart than this the position is unknown."""
+GAP = 1.6
+"""A period longer than this many usual periods is a gap."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Positions over time: t (n,) in s and ascending, angles (n, 6) in deg in the order of AXES."""
+
+    t: Floats
+    angles: Floats
+    """measured (simulation) or counted (hardware)"""
+    commanded: Floats | None = None
+    """(n, 3) in deg, the firmware's set points of the arms; None: not recorded"""
+    lost: int | None = None
+    """number of published samples that are missing; None: not known"""
+
+    @property
+    def arms(self) -> Recording:
+        """The set points of the arms if they were recorded, else their positions, without the head."""
+        angles = self.angles[:, : len(ARMS)] if self.commanded is None else self.commanded
+        return Recording(self.t, angles)
+
+
+@dataclass(frozen=True)
+class Regularity:
+    """The regularity of a recording's samples, by the time stamps of their source."""
+
+    samples: int
+    lost: int | None
+    """published and not recorded, from sequence numbers; None: not known"""
+    period_ms: float
+    """the usual period (median)"""
+    jitter_ms: float
+    """standard deviation of the periods"""
+    gaps: int
+    """number of periods longer than 1.6 times `period_ms`"""
+    longest_ms: float
+
+
+def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording:
+    """Positions as they were published, in degrees, by the source's monotonic clock.
+
+    Args:
+        positions: of one robot, in order. Of several with the same time stamp the first is kept.
+        clock_s: the source's monotonic clock minus the clock of the result, s.
+    """
+    if not positions:
+        return Recording(np.empty(0), np.empty((0, len(AXES))), np.empty((0, len(ARMS))))
+    times, kept = np.unique([each.t_mono_ns for each in positions], return_index=True)
+    readings = [reading(positions[i]) for i in kept]
+    angles = np.array([(*r.arms, *r.head) for r in readings], dtype=np.float64)
+    numbers = np.array([positions[i].seq for i in kept], dtype=np.int64)
+    missing = np.diff(numbers) - 1
+    return Recording(
+        times / 1e9 - clock_s,
+        np.unwrap(angles, period=360, axis=0),
+        np.array([r.commanded for r in readings], dtype=np.float64),
+        lost=int(np.sum(missing[missing > 0])),  # a restarted node counts from 0
+    )
+
+
+def of_samples(samples: Samples, begin_ns: int) -> Recording:
+    """Positions that were read from a file; times from `begin_ns` (ns since 1970)."""
+    times, kept = np.unique(samples.time_ns, return_index=True)
+    angles = np.hstack([samples.arms, samples.head])[kept]
+    return Recording((times - begin_ns) / 1e9, np.unwrap(angles, period=360, axis=0), samples.commanded[kept])
+
+
+def regularity(recorded: Recording) -> Regularity:
+    """Regularity of a recording of at least two samples."""
+    periods = np.diff(recorded.t)
+    usual = float(np.median(periods))
+    return Regularity(
+        samples=len(recorded.t),
+        lost=recorded.lost,
+        period_ms=usual * 1e3,
+        jitter_ms=float(np.std(periods)) * 1e3,
+        gaps=int(np.count_nonzero(periods > GAP * usual)),
+        longest_ms=float(np.max(periods)) * 1e3,
+    )
+
+
+def unbroken(first: Recording, second: Recording) -> tuple[Recording, Recording]:
+    """The longest common part without a hole in either recording."""
+    if min(len(first.t), len(second.t)) < 2:
+        return first, second
+    edges = [max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])]
+    for recorded in (first, second):
+        before = np.flatnonzero(np.diff(recorded.t) > HOLE_S)
+        edges += [*recorded.t[before], *recorded.t[before + 1]]
+    cuts = sorted(float(edge) for edge in edges if edges[0] <= edge <= edges[1])
+    whole = [
+        (b - a, a, b) for a, b in itertools.pairwise(cuts) if not (hole(first, a, b) or hole(second, a, b))
+    ]
+    if not whole:
+        return first, second
+    _, begin_s, end_s = max(whole)
+    return part_of(first, begin_s, end_s), part_of(second, begin_s, end_s)
+
+
+def hole(recorded: Recording, begin_s: float, end_s: float) -> bool:
+    """Return whether samples are missing for more than HOLE_S between two times (s)."""
+    long = np.diff(recorded.t) > HOLE_S
+    return bool(np.any(long & (recorded.t[:-1] < end_s) & (recorded.t[1:] > begin_s)))
+
+
+def part_of(recorded: Recording, begin_s: float, end_s: float) -> Recording:
+    """The part of a recording between two times (s)."""
+    kept = slice(
+        max(0, int(np.searchsorted(recorded.t, begin_s, side="right")) - 1),
+        int(np.searchsorted(recorded.t, end_s)) + 1,
+    )
+    commanded = None if recorded.commanded is None else recorded.commanded[kept]
+    return Recording(recorded.t[kept], recorded.angles[kept], commanded, recorded.lost)
+
+
+def common_grid(first: Recording, second: Recording) -> Floats:
+    """Times every 10 ms at which both were recorded.
+
+    Raises:
+        ValueError: they overlap by less than a second.
+    """
+    if min(len(first.t), len(second.t)) < 2:
+        raise ValueError("a recording with fewer than two positions cannot be compared")
+    begin, end = max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])
+    if end - begin < SHARED_S:
+        raise ValueError(f"the recordings share {max(0.0, end - begin):.2f} s; a second is needed")
+    return np.asarray(np.arange(begin, end, GRID_S), dtype=np.float64)
+
+
+def resample(recorded: Recording, t: Floats) -> Floats:
+    """Angles at other times, linearly between positions."""
+    return np.column_stack([np.interp(t, recorded.t, column) for column in recorded.angles.T])
+
+
+def resting(angles: Floats) -> Flags:
+    """Grid points at which the arms rest; angles (n, 3) or wider in deg, the arms first."""
+    window = int(REST_S / GRID_S)
+    padded = np.pad(angles[:, : len(ARMS)], ((window, window), (0, 0)), mode="edge")
+    views = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1, axis=0)
+    return np.asarray(np.max(np.ptp(views, axis=-1), axis=-1) < REST_DEG, dtype=np.bool_)
+
+
+def turned(difference: Floats) -> Floats:
+    """Differences of angles within half a turn: 359 deg apart is 1 deg apart."""
+    return np.asarray((difference + 180.0) % 360.0 - 180.0, dtype=np.float64)
+
+
+def heads_apart(first: Floats, second: Floats) -> Floats:
+    """Angle (n,) in deg of the rotation between two heads; yaw, pitch, roll (n, 3) in deg."""
+    # |R - S| = 2 sqrt(2) sin(angle / 2) in the Frobenius norm: exact for small angles, unlike the trace.
+    chord = np.linalg.norm(rotations(first) - rotations(second), axis=(1, 2)) / (2 * np.sqrt(2))
+    return np.asarray(np.degrees(2 * np.arcsin(np.minimum(1.0, chord))), dtype=np.float64)
+
+
+def rotations(head: Floats) -> Floats:
+    """Matrices (n, 3, 3) of yaw, pitch, roll (n, 3) in deg: Rz(yaw) Ry(pitch) Rx(roll)."""
+    (cy, cp, cr), (sy, sp, sr) = np.cos(np.radians(head)).T, np.sin(np.radians(head)).T
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.asarray(np.moveaxis(np.array(rows), -1, 0), dtype=np.float64)

@@ -1,0 +1,61 @@
+"""The recorder's subscriptions: bounded queues that drop the oldest publications and count them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from beatrix_zenoh._generated.messages import Event, Positions, Status
+from beatrix_zenoh.client import streams
+from beatrix_zenoh.client.camera import CameraImage, images
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Arrival, Subscription
+from beatrix_zenoh.names import EYES
+
+Value = Positions | Status | Event | CameraImage
+PICTURES: Final = 64
+"""Length of the queue of one camera: about 5 MB."""
+
+
+class RobotSubscriptions:
+    """Subscriptions to all robots, or to those of some names.
+
+    Zenoh's threads only enqueue undecoded publications. Each queue is bounded: 3000 publications of each kind, 64 pictures
+    of each camera.
+    """
+
+    def __init__(self, client: Client, names: Sequence[str], *, cameras: bool) -> None:
+        """Subscribe to the robots of these names, or to all robots if there are none.
+
+        With `cameras`, robots capture pictures for this recorder.
+        """
+        self._subscriptions: list[
+            Subscription[Positions] | Subscription[Status] | Subscription[Event] | Subscription[CameraImage]
+        ] = []
+        for name in names or ["*"]:
+            self._subscriptions += [
+                streams.status(client, name, timeout_s=None),
+                streams.events(client, name),
+                streams.positions(client, name, timeout_s=None),
+            ]
+            if cameras:
+                self._subscriptions += [
+                    images(client, name, "*", eye, timeout_s=None, length=PICTURES) for eye in EYES
+                ]
+
+    def take(self) -> list[Arrival[Value]]:
+        """All publications since the last call, in the order of arrival."""
+        arrivals: list[Arrival[Value]] = [
+            arrival for subscription in self._subscriptions for arrival in subscription.take_arrivals()
+        ]
+        return sorted(arrivals, key=lambda arrival: arrival.t_mono_ns)
+
+    @property
+    def dropped(self) -> int:
+        """Number of publications that were dropped because they were not taken in time."""
+        return sum(subscription.dropped for subscription in self._subscriptions)
+
+    def close(self) -> None:
+        """End the subscriptions."""
+        for subscription in self._subscriptions:
+            subscription.close()

@@ -1,0 +1,84 @@
+"""Thresholds for a comparison, for exercises with pass and fail."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.recording.compare import Comparison
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """The largest allowed values; None: not checked."""
+
+    lag_s: float | None = None
+    """of the set points, either way"""
+    rms_deg: float | None = None
+    """root mean square of any axis after each motion was brought forward by its lag"""
+    largest_deg: float | None = None
+    """the same, the largest difference"""
+    rest_deg: float | None = None
+    """largest difference of any axis while both rest"""
+    missed_steps: int | None = None
+    """full motor steps that slipped in the simulation"""
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if value is not None and not (math.isfinite(value) and value >= 0):
+                raise WrongUsage(Reason.BAD_VALUE, f"{name} is {value:g}: give a number, 0 or more.")
+
+    def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
+        """A sentence for each threshold that is exceeded or cannot be checked."""
+        return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
+
+    def _lag(self, found: Comparison) -> Iterator[str]:
+        if self.lag_s is None:
+            return
+        if math.isnan(found.lag_s):
+            yield (
+                f"At most {self.lag_s:g} s of lag is allowed, and none could be measured: {why_no_lag(found)} "
+                "Move both robots while you compare."
+            )
+        elif abs(found.lag_s) > self.lag_s:
+            yield f"The lag is {found.lag_s:+.3f} s; at most {self.lag_s:g} s either way is allowed."
+
+    def _axes(self, found: Comparison) -> Iterator[str]:
+        checks = (
+            ("root mean square difference after lag removal", "rms_after", self.rms_deg),
+            ("largest difference after lag removal", "largest_after", self.largest_deg),
+            ("difference at rest", "at_rest", self.rest_deg),
+        )
+        for what, field, allowed in checks:
+            if allowed is None:
+                continue
+            values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
+            if all(math.isnan(value) for value in values.values()):
+                yield (
+                    f"At most {allowed:g}° of {what} is allowed, and both never rested together: "
+                    "let both rest for a second."
+                )
+            for axis, value in values.items():
+                if value > allowed:
+                    yield f"{axis}: the {what} is {value:.3f}°; at most {allowed:g}° is allowed."
+
+    def _missed(self, slipped: int | None) -> Iterator[str]:
+        if self.missed_steps is None:
+            return
+        if slipped is None:
+            yield (
+                f"At most {self.missed_steps} missed steps are allowed, and this source does not measure them: "
+                "only a live simulation does."
+            )
+        elif abs(slipped) > self.missed_steps:
+            yield f"The simulation missed {abs(slipped)} full steps; at most {self.missed_steps} are allowed."
+
+
+def why_no_lag(found: Comparison) -> str:
+    """Return the reason why no lag was measured, as the end of a sentence."""
+    if not found.anything_moved:
+        return "nothing moved."
+    return "the two robots did not make the same movement with a lag of at most 5 s or a quarter of the recording."

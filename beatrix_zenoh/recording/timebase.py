@@ -1,0 +1,52 @@
+"""Converts the monotonic clocks of robots to the wall clock of the recording computer."""
+
+from __future__ import annotations
+
+from beatrix_zenoh.client.request import Place
+
+FAR_NS = 2_000_000_000
+"""A larger difference between sample time and arrival shows a restart of the robot's computer, ns."""
+
+
+class Timebase:
+    """Times of samples by the recording computer's clock.
+
+    Both sides use monotonic clocks, so that changes of a wall clock during the recording have no effect. Queries measure
+    the offset between them (client.clocks); the wall clock of the recording computer is read once, at the beginning.
+    """
+
+    def __init__(self, mono_ns: int, wall_ns: int) -> None:
+        """Start with both clocks of the recording computer at one moment."""
+        self._anchor_ns = wall_ns - mono_ns
+        self._offsets: dict[Place, tuple[int, int]] = {}
+
+    def learn(self, place: Place, offset_ns: int, bound_ns: int) -> None:
+        """Add a measured offset, robot's clock minus ours; a more exact earlier one is kept.
+
+        Clocks drift apart, so each new measurement doubles the error bound of the earlier one.
+        """
+        before = self._offsets.get(place)
+        if before is not None and before[1] * 2 < bound_ns and abs(before[0] - offset_ns) <= bound_ns:
+            self._offsets[place] = before[0], before[1] * 2
+        else:
+            self._offsets[place] = offset_ns, bound_ns
+
+    def forget(self, place: Place) -> None:
+        """Drop an offset that is no longer valid."""
+        self._offsets.pop(place, None)
+
+    def knows(self, place: Place) -> bool:
+        """Return whether the robot's offset is known."""
+        return place in self._offsets
+
+    def time_ns(self, place: Place, mono_ns: int) -> int:
+        """Convert a time of the robot's monotonic clock to our wall clock; its offset must be known."""
+        return mono_ns - self._offsets[place][0] + self._anchor_ns
+
+    def own_ns(self, mono_ns: int) -> int:
+        """Convert a time of our monotonic clock to our wall clock."""
+        return mono_ns + self._anchor_ns
+
+    def fits(self, place: Place, mono_ns: int, arrived_ns: int) -> bool:
+        """Return whether a sample's time is plausible for its arrival (our monotonic clock)."""
+        return abs(mono_ns - self._offsets[place][0] - arrived_ns) < FAR_NS

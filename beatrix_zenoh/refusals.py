@@ -1,0 +1,197 @@
+"""Refusals, built from their data; `sentences` renders their sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from beatrix_zenoh._generated.messages import Command, Detail, Limit, Reason
+from beatrix_zenoh.errors import Refused
+
+ARMS = ("short", "middle", "long")
+"""Names of the arms x, y and z."""
+COMMANDS = [f"{command.value} {command.name}" for command in Command]
+"""Number and name of every command."""
+
+
+def not_enabled() -> Refused:
+    """NOT_ENABLED: the motors are off."""
+    return Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE", "CALIBRATE"]))
+
+
+def not_calibrated() -> Refused:
+    """NOT_CALIBRATED: home is not known."""
+    return Refused(Reason.NOT_CALIBRATED, detail=Detail(needs=["CALIBRATE"]))
+
+
+def emergency_latched() -> Refused:
+    """EMERGENCY: EMERGENCY_STOP is latched until RESET."""
+    return Refused(Reason.EMERGENCY, detail=Detail(needs=["RESET", "ENABLE", "CALIBRATE"]))
+
+
+def driven_by(holder: str, wait_s: float | None = None) -> Refused:
+    """NOT_HOLDER: another seat holds the robot by its motion, for `wait_s` (s) more, None while the motion runs."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, wait_s=wait_s))
+
+
+def taken_by(holder: str) -> Refused:
+    """NOT_HOLDER: another seat has taken the robot."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease"))
+
+
+def lease_ended(number: int, holder: str) -> Refused:
+    """NOT_HOLDER: the lease that a request names has ended; `holder` has the robot now (empty: it is free)."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
+
+
+def frozen() -> Refused:
+    """FROZEN: the teacher has frozen the robot."""
+    return Refused(Reason.FROZEN)
+
+
+def teacher_only(seat: str) -> Refused:
+    """TEACHER_ONLY: `seat` is not the teacher's."""
+    return Refused(Reason.TEACHER_ONLY, detail=Detail(holder=seat))
+
+
+def motion_running(holder: str) -> Refused:
+    """BUSY: a motion of a seat is running and must end first."""
+    return Refused(Reason.BUSY, detail=Detail(holder=holder))
+
+
+def stopped_pause(seat: str, wait_s: float) -> Refused:
+    """STOPPED: the pause of a stopped seat, which must send no motion for `wait_s` (s)."""
+    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s))
+
+
+def coming_to_rest() -> Refused:
+    """STOPPED: the arms still decelerate after STOP."""
+    return Refused(Reason.STOPPED)
+
+
+def queue_full(limit: int) -> Refused:
+    """BUSY: `limit` requests are waiting."""
+    return Refused(Reason.BUSY, detail=Detail(limit=Limit.QUEUE, high=float(limit)))
+
+
+def replaced_before_start() -> Refused:
+    """REPLACED: a newer motion of the same seat arrived before this one began."""
+    return Refused(Reason.REPLACED)
+
+
+def node_closing() -> Refused:
+    """SHUTDOWN: the node is closing."""
+    return Refused(Reason.SHUTDOWN)
+
+
+def session_ended() -> Refused:
+    """CLIENT_LOST: the session that sent the request has ended."""
+    return Refused(Reason.CLIENT_LOST)
+
+
+def unknown_command(number: int) -> Refused:
+    """UNKNOWN_COMMAND: no command has this number."""
+    return Refused(Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=COMMANDS))
+
+
+def home_known(arms: Iterable[float], limit: float) -> Refused:
+    """HOME_KNOWN: home is known and the arms (rad from it) are further away than `limit` (rad)."""
+    name, angle = _furthest(arms)
+    detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
+    return Refused(Reason.HOME_KNOWN, detail=detail)
+
+
+def not_at_rest() -> Refused:
+    """NOT_AT_REST: the arms are moving."""
+    return Refused(Reason.NOT_AT_REST)
+
+
+def motion_too_long(duration_s: float, high_s: float) -> Refused:
+    """TIMED_OUT: a motion takes longer (s) than a preview looks ahead (s)."""
+    return Refused(
+        Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=duration_s, high=high_s, unit="s")
+    )
+
+
+def wildcard_key(key: str, own: str) -> Refused:
+    """BAD_VALUE: a key matches several robots or requests; `own` is the key to send to instead."""
+    return Refused(Reason.BAD_VALUE, detail=Detail(field=key, known=[own]))
+
+
+def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:
+    """BAD_VALUE: a field, or a word of the request, is wrong.
+
+    field: its name or the word. what: a sentence with the cause, if field and known values do not show it.
+    known: values or fields that are allowed instead.
+    """
+    return Refused(Reason.BAD_VALUE, what, Detail(field=field, known=list(known)))
+
+
+def counted_too_far(arms: Iterable[float], high: float) -> Refused:
+    """BAD_VALUE: the board counts an arm (rad from home) further than `high` (rad)."""
+    return _travel(arms, high, at_goal=False)
+
+
+def too_far_to_send(arms: Iterable[float], high: float) -> Refused:
+    """BAD_VALUE: the target of an arm (rad from home) is larger than a frame can hold, `high` (rad)."""
+    return _travel(arms, high, at_goal=True)
+
+
+def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
+    """YAW_LIMIT: the target of an arm (rad) is larger than any pose within the yaw limit needs, `high` (rad)."""
+    name, angle = _furthest(arms)
+    return Refused(
+        Reason.YAW_LIMIT,
+        detail=Detail(
+            limit=Limit.TRAVEL, value=angle, low=-high, high=high, unit="rad", arms=[name], at_goal=True
+        ),
+    )
+
+
+def impossible_speed(velocity: Iterable[float], high: float) -> Refused:
+    """BAD_VALUE: the board reports a speed of an arm (rad/s) above the possible `high` (rad/s)."""
+    name, rate = _furthest(velocity)
+    return Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(limit=Limit.SPEED, value=_finite(abs(rate)), high=high, unit="rad/s", arms=[name]),
+    )
+
+
+def _travel(arms: Iterable[float], high: float, *, at_goal: bool) -> Refused:
+    name, angle = _furthest(arms)
+    return Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(
+            limit=Limit.TRAVEL,
+            value=_finite(abs(angle)),
+            high=high,
+            unit="rad",
+            arms=[name],
+            at_goal=at_goal,
+        ),
+    )
+
+
+def _furthest(arms: Iterable[float]) -> tuple[str, float]:
+    """Return name and value of the arm with the largest absolute value; NaN counts as the largest."""
+    return max(
+        zip(ARMS, arms, strict=True), key=lambda pair: math.inf if math.isnan(pair[1]) else abs(pair[1])
+    )
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def check_ready(*, emergency: bool, enabled: bool, calibrated: bool) -> None:
+    """Check that a robot is ready to move; the node and clients that check before sending use the same order.
+
+    Raises:
+        Refused: EMERGENCY, NOT_ENABLED or NOT_CALIBRATED, in this order.
+    """
+    if emergency:
+        raise emergency_latched()
+    if not enabled:
+        raise not_enabled()
+    if not calibrated:
+        raise not_calibrated()

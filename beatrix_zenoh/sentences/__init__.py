@@ -1,0 +1,116 @@
+"""Sentences of refusals, made from reason and detail only, in several languages.
+
+A sentence says what happened, what is allowed and what to do. Its template depends on the reason, the limit and a case
+that `case_of` finds from the detail; a language is a table of templates. Angles are rad in a detail and degrees in a
+sentence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from beatrix_zenoh._generated.messages import Detail, Limit, Reason
+from beatrix_zenoh.sentences.english import ENGLISH
+from beatrix_zenoh.sentences.german import GERMAN
+from beatrix_zenoh.sentences.language import Language
+from beatrix_zenoh.sentences.slots import slots_of
+
+__all__ = ["LANGUAGES", "case_of", "render"]
+
+LANGUAGES = {"en": ENGLISH, "de": GERMAN}
+"""Languages by their ISO 639-1 code."""
+
+
+def render(reason: Reason, detail: Detail | None = None, language: str = "en") -> str:
+    """Return the sentence of a refusal in the language of this code.
+
+    If the detail, perhaps of another version, lacks a value of the template, the general sentence of the reason is used.
+
+    Raises:
+        KeyError: there is no such language.
+    """
+    table = LANGUAGES[language]
+    if detail is None:
+        return table.refusals[reason, None, ""]
+    slots = slots_of(detail, table)
+    try:
+        text = table.refusals[reason, detail.limit, case_of(reason, detail)].format_map(slots)
+    except KeyError:
+        text = table.refusals[reason, None, ""]
+    return " ".join(filter(None, (text, _leaving(detail, table, slots), _advice(detail, table, slots))))
+
+
+def case_of(reason: Reason, detail: Detail) -> str:
+    """Return the key of the sentence that applies among those of a reason and a limit."""
+    choose = _CASES.get((reason, detail.limit))
+    return choose(detail) if choose is not None else ""
+
+
+def _pose_case(detail: Detail) -> str:
+    if detail.value is None and detail.at_goal is False and detail.leaves_s == 0:
+        return "start"
+    where = "path" if detail.at_goal is False else "goal"
+    if detail.value is None:
+        return f"{where} unfit"
+    crossed = detail.limit is Limit.ARM_GAP and detail.value <= 0
+    return f"{where} crossed" if crossed else where
+
+
+def _leaving(detail: Detail, table: Language, slots: dict[str, str]) -> str:
+    if not detail.leaves_s or detail.leaves_arms is None:
+        return ""
+    return table.leaves.format_map(slots)
+
+
+def _advice(detail: Detail, table: Language, slots: dict[str, str]) -> str:
+    other = detail.alternative
+    if other is None:
+        return table.nothing if detail.leaves_s else ""
+    if other.head is not None:
+        return table.head.format_map(slots)
+    if other.arms is not None:
+        return table.position.format_map(slots)
+    return table.speed.format_map(slots) if other.speed is not None else ""
+
+
+def _seat_case(detail: Detail) -> str:
+    if detail.field == "lease":
+        return "taken" if detail.value is None else "ended"
+    if not detail.holder:
+        return ""
+    return "moving" if detail.wait_s is None else "wait"
+
+
+def _field_case(detail: Detail) -> str:
+    if "*" in detail.field and "/" in detail.field:
+        return "wildcard"
+    return "known" if detail.known else "field"
+
+
+def _needs_case(detail: Detail) -> str:
+    return "upright" if "CALIBRATE" in detail.needs else ""
+
+
+def _speed_case(detail: Detail) -> str:
+    if detail.value is None or detail.low is None:
+        return ""
+    return "low" if detail.value < detail.low else "high"
+
+
+_CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
+    (Reason.OUT_OF_REACH, Limit.TILT): _pose_case,
+    (Reason.ARM_GAP, Limit.ARM_GAP): _pose_case,
+    (Reason.YAW_LIMIT, Limit.YAW): _pose_case,
+    (Reason.SPEED_LIMIT, Limit.SPEED): _speed_case,
+    (Reason.BAD_VALUE, Limit.TRAVEL): lambda detail: "goal" if detail.at_goal else "start",
+    (Reason.BAD_VALUE, None): _field_case,
+    (Reason.UNKNOWN_COMMAND, None): lambda detail: "word" if detail.field else "number",
+    (Reason.NOT_ENABLED, None): _needs_case,
+    (Reason.NOT_CALIBRATED, None): _needs_case,
+    (Reason.EMERGENCY, None): _needs_case,
+    (Reason.NOT_HOLDER, None): _seat_case,
+    (Reason.TEACHER_ONLY, None): lambda detail: "seat" if detail.holder else "",
+    (Reason.BUSY, None): _seat_case,
+    (Reason.STOPPED, None): _seat_case,
+}
+"""Functions that choose the case of a reason and a limit with several sentences."""

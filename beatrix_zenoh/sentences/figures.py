@@ -1,0 +1,62 @@
+"""Numbers in sentences: degrees instead of radians, and enough digits to distinguish a value from its limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+_MOST_DECIMALS = 9
+_ROUNDING = 1e-5
+"""Tolerance, in units of the last digit: limits arrive in single precision, which must not change the shown digits."""
+
+
+def in_unit(value: float, unit: str) -> float:
+    """Convert a value from the unit of the wire to the unit of a sentence: degrees for radians."""
+    return math.degrees(value) if unit.startswith("rad") else value
+
+
+def symbol(unit: str) -> str:
+    """Return the symbol after a number, for a unit of the wire (rad, rad/s, s or empty)."""
+    return {"rad": "°", "rad/s": "°/s", "s": " s"}.get(unit, f" {unit}" if unit else "")
+
+
+def decimals_of(number: float) -> int:
+    """Return the number of decimals that shows at least two significant digits, at least one."""
+    if not number or not math.isfinite(number) or abs(number) >= 0.95:
+        return 1
+    return min(_MOST_DECIMALS, 1 - math.floor(math.log10(abs(number) * (1 + _ROUNDING))))
+
+
+def shown(number: float) -> str:
+    """Format a number with as many decimals as it needs."""
+    return f"{number:z.{decimals_of(number)}f}"
+
+
+def least(number: float) -> str:
+    """Format a lower limit, rounded up, so that the shown number is allowed."""
+    scale = 10 ** decimals_of(number)
+    return shown(math.ceil(number * scale - _ROUNDING) / scale)
+
+
+def most(number: float) -> str:
+    """Format an upper limit, rounded down, so that the shown number is allowed."""
+    scale = 10 ** decimals_of(number)
+    return shown(math.floor(number * scale + _ROUNDING) / scale)
+
+
+def apart(number: float, limits: Iterable[tuple[float, str]]) -> str:
+    """Format a refused number with enough decimals to be on the same side of every limit as it really is.
+
+    limits: each as number and as shown text.
+    """
+    bounds = [(limit, float(text)) for limit, text in limits]
+    for decimals in range(decimals_of(number), _MOST_DECIMALS + 1):
+        text = f"{number:z.{decimals}f}"
+        if all(number == limit or (float(text) - bound) * (number - limit) > 0 for limit, bound in bounds):
+            return text
+    return f"{number:z.{_MOST_DECIMALS}f}"
+
+
+def count(number: float) -> str:
+    """Format a number without a unit; a whole number without decimals."""
+    return f"{number:.0f}" if number.is_integer() else shown(number)

@@ -1,0 +1,58 @@
+"""Shutdown of a serving process, by a signal or by a thread."""
+
+from __future__ import annotations
+
+import queue
+import signal
+from collections.abc import Callable
+from types import FrameType
+
+SIGNALS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
+]
+"""Signals that request a shutdown: Ctrl-C, kill, a terminal window that is closed, Ctrl-Break on Windows."""
+POLL_S = 0.5
+"""Longest wait at once: Windows delivers Ctrl-C, and Linux a signal of another thread (SIGCONT), only between waits."""
+
+
+class Shutdown:
+    """A request to shut down, made by a signal or by a thread that cannot continue.
+
+    Not a threading.Event, because setting it takes a lock, which the interrupted thread may already hold.
+    """
+
+    def __init__(self) -> None:
+        self._requests: queue.SimpleQueue[None] = queue.SimpleQueue()
+
+    def handle_signals(self) -> None:
+        """Install signal handlers; SIGHUP stays ignored if nohup has set it so."""
+        for number in SIGNALS:
+            if number in (signal.SIGINT, signal.SIGTERM) or signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._on_signal)
+
+    def _on_signal(self, _signal: int, _frame: FrameType | None) -> None:
+        self.request()
+
+    def request(self) -> None:
+        """Request the shutdown; callable from any thread and signal handler."""
+        self._requests.put(None)
+
+    def requested(self, timeout_s: float) -> bool:
+        """Wait up to `timeout_s` for a request and return whether there is one; a request stays for later calls."""
+        try:
+            self._requests.get(timeout=timeout_s)
+        except queue.Empty:
+            return False
+        self._requests.put(None)
+        return True
+
+    def wait(self, meanwhile: Callable[[], None] = lambda: None) -> None:
+        """Return when a shutdown is requested; `meanwhile` is called twice a second."""
+        while not self.requested(POLL_S):
+            meanwhile()
+
+
+def ignore_signals() -> None:
+    """Ignore the signals while Python exits, after the work is done."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
