@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench firmware generate docs lock
+.PHONY: help demo test check bench bundle firmware generate docs lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -20,7 +20,7 @@ demo: ## the robot's twin on this computer, doing what it can (needs Python 3.11
 
 test: ## all tests, in parallel, with branch coverage
 	@$(SETUP) test
-	$(BIN)/pytest -n 2 --dist loadgroup --cov --cov-report=term --cov-fail-under=90
+	$(BIN)/pytest -n 3 --dist loadgroup --cov --cov-report=term --cov-fail-under=90
 
 check: ## everything that can be said without running BEATRIX: style, types, layers, contract, links, firmware
 	@$(SETUP) test
@@ -36,6 +36,10 @@ bench: ## the figures of the design, measured on this computer
 	@$(SETUP) test
 	$(BIN)/python tools/bench.py
 
+bundle: ## one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
+	@$(SETUP) test
+	$(BIN)/python tools/bundle.py $(BUNDLE)
+
 firmware: ## build the firmware for every body it has
 	@$(SETUP) test
 	$(MAKE) -C firmware
@@ -44,7 +48,8 @@ generate: ## write what follows from schemas/*.toml
 	@$(SETUP) test
 	$(BIN)/python schemas/generate.py
 
-docs: generate ## reference pages, and a look at every link between pages
+docs: generate ## write reference pages and generated tables, check links between pages
+	$(BIN)/python tools/neck_page.py
 	$(BIN)/python tools/links.py
 
 lock: ## choose new versions of everything we depend on (needs uv)

@@ -1,4 +1,4 @@
-"""`make bench`: the figures of the design, measured on this computer; prints, judges nothing."""
+"""`make bench`: measure the figures of the design on this computer and print them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import sys
 import time
 from pathlib import Path
 
-from bench_node import ROOT, Row, Served, on_a_board, rows, spread_ms
+import bench_media
+import bench_record
+from bench_node import ROOT, Row, Served, free_endpoint, on_a_board, rows, spread_ms
 from rich.console import Console
 from rich.table import Table
 
-from beatrix_zenoh import settings
-
-FLOOR = "0.04 where the others were set"
-"""Latencies over Zenoh are some thirty changes of threads each: a machine with twice this floor takes twice as long."""
+FLOOR = "0.04 on the computer of the other figures"
+"""A latency over Zenoh contains about thirty thread switches: it doubles on a computer with twice this floor."""
 ECHO = """
 import socket
 server = socket.create_server(("127.0.0.1", 0))
@@ -28,7 +28,7 @@ while data := link.recv(4096):
 
 
 def raw_tcp(count: int = 500) -> list[float]:
-    """Round trips of 82 bytes between two Python processes, 5 ms apart: the floor, measured in the same run."""
+    """Times of round trips of 82 bytes between two Python processes (s), 5 ms apart."""
     server = subprocess.Popen([sys.executable, "-c", ECHO], stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     took = []
@@ -44,22 +44,22 @@ def raw_tcp(count: int = 500) -> list[float]:
     return took
 
 
-def given_away() -> tuple[int, int]:
-    """What the host gave to other computers on it, and all time, of all processors since the start (proc_stat(5))."""
+def stolen_time() -> tuple[int, int]:
+    """Processor time that the host gave to other virtual machines, and total time, since the start (proc_stat(5))."""
     times = [
         int(word) for word in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:9]
     ]
     return times[7], sum(times)
 
 
-def share_given_away(before: tuple[int, int]) -> float:
-    """Part of the processors' time since `before` that was not ours."""
-    given, everything = given_away()
-    return (given - before[0]) / (everything - before[1])
+def stolen_share(before: tuple[int, int]) -> float:
+    """Share of the processor time since `before` that the host gave to other virtual machines."""
+    stolen, total = stolen_time()
+    return (stolen - before[0]) / (total - before[1])
 
 
 def show(console: Console, figures: list[Row]) -> None:
-    """One table; latencies are median / p99 / largest."""
+    """Print a table; latencies are median / p99 / largest."""
     table = Table("figure", "measured", "to reach", title="Over Zenoh: loopback, real processes")
     for row in figures:
         table.add_row(*(text.replace("[", "\\[") for text in row))
@@ -67,25 +67,32 @@ def show(console: Console, figures: list[Row]) -> None:
 
 
 def main() -> None:
-    """Nodes first, then kinematics, plant and firmware."""
+    """Measure nodes first, then kinematics, plant and firmware."""
     console = Console(width=130)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
-    assert endpoint != settings.DEFAULT_ENDPOINT, "never measure somebody's classroom"
+    endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    began = given_away()
+    began = stolen_time()
     try:
         figures = [("floor: raw TCP round trip in Python [ms]", spread_ms(raw_tcp()), FLOOR)]
         figures += rows("sim", "sim_node", endpoint)
         figures += rows("hw", "hw_node", endpoint, "--port", "virtual:")
         figures += on_a_board(endpoint)
+        figures += bench_media.rows(endpoint)
+        figures += bench_record.rows(endpoint)
     finally:
         router.end()
-    given = f"{share_given_away(began):.1%}"
-    figures.insert(1, ("processors' time that the host gave to others meanwhile", given, "0"))
+    stolen = f"{stolen_share(began):.1%}"
+    figures.insert(1, ("processor time that the host gave to other virtual machines", stolen, "0"))
     show(console, figures)
-    for script in ("bench_kinematics.py", "bench_plant.py", "bench_poses.py", "bench_mega.py"):
+    for script in (
+        "bench_eyes.py",
+        "bench_kinematics.py",
+        "bench_plant.py",
+        "bench_poses.py",
+        "bench_mega.py",
+        "bench_twin.py",
+        "bench_window.py",
+    ):
         console.print(f"\n{script}")
         subprocess.run([sys.executable, str(ROOT / "tools" / script)], check=True)
 

@@ -1,4 +1,4 @@
-"""Print what kinematics and the check of a motion cost: medians in microseconds over poses of up to 35 deg tilt."""
+"""Print the times of kinematics and of the check of a motion: medians (us) over poses of up to 35 deg tilt."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ import statistics
 import time
 from collections.abc import Callable
 
-from beatrix_zenoh.drive import Arms
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
 
 _POSES = 500
 _REPEATS = 20
 
 
 def median_us(call: Callable[[Arms], object], inputs: list[Arms], repeats: int = _REPEATS) -> float:
-    """Median over the inputs of the mean time of a few calls (us)."""
+    """Median over the inputs of the mean time of `repeats` calls (us)."""
     times = []
     for given in inputs:
         begin = time.perf_counter_ns()
@@ -51,7 +51,7 @@ def main() -> None:
         lambda end: check((end[0] - math.tau, end[1] - math.tau, end[2] - math.tau), end), turns, 3
     )
     print(
-        f"check of a motion: 20 deg of tilt {small:.0f} us (to reach: 500), 360 deg of yaw {large:.0f} us (to reach: 2000)"
+        f"check of a motion: 20° of tilt {small:.0f} us (to reach: 500), 360° of yaw {large:.0f} us (to reach: 2000)"
     )
 
 

@@ -1,10 +1,14 @@
-"""Print what the Mega's firmware does on its pins and its wire, in virtual time on libsimavr: exact cycles.
+"""Measure the Mega's firmware on its pins and its serial line, in virtual time on libsimavr: exact cycles.
 
-The shipped hex file, and beside it the same sources for a robot whose limits allow what the processor can do.
+python tools/bench_mega.py           the shipped hex file
+python tools/bench_mega.py --sketch  the sketch, compiled as in the Arduino IDE
+
+Each beside the same sources for a robot whose limits allow what the processor can do.
 """
 
 from __future__ import annotations
 
+import argparse
 import random
 import subprocess
 import sys
@@ -21,7 +25,7 @@ from numpy.typing import NDArray
 ROOT: Final = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from avr.bench import CYCLES_PER_MS, VECTORS  # noqa: E402 - the bench belongs to the tests
+from avr.bench import BUDGETS, CYCLES_PER_MS, VECTORS  # noqa: E402 - the bench belongs to the tests
 from avr.mega import HEX, Mega  # noqa: E402
 from rig import Steps  # noqa: E402
 
@@ -29,25 +33,23 @@ from beatrix_zenoh._generated.serial import TELEMETRY_PERIOD, FrameType, Move, M
 from beatrix_zenoh.board.link import Decoder, encode  # noqa: E402
 
 CYCLES_PER_S: Final = 16_000_000
-BUDGET: Final = {"step x": 300, "step y": 300, "step z": 300, "receive": 100, "transmit": 100, "tick": 8000}
-"""Cycles, as firmware/core/hal.h grants them; of a step's half may be waiting for its very cycle."""
 EVEN: Final = {(800, 800, 800): 2, (800, 560, 240): 2, (4189, 4189, 4189): 2, (4189, 3000, 1000): None}
-"""Quarter microsteps per second of the arms, and what their periods may be off by, in cycles: nothing is asked where
-arms that do not go alike meet too often for one never to hold up another."""
+"""Speeds of the arms (quarter microsteps/s), and the allowed error of their step periods (cycles). None: not limited,
+because steps of arms with different speeds often coincide and delay each other."""
 EVEN_MS: Final = 1600
 FAST: Final = "[drive]\nmicrosteps = 32\n[limits]\nspeed_max = 313.0\nacceleration = 1500.0\n"
-"""What the fast robot has otherwise than schemas/robot.toml: arms at 14 500 steps/s."""
+"""Values of the fast robot that differ from schemas/robot.toml: arms at 14 500 steps/s."""
 PHASES: Final = 25
 FLOOD_MS: Final = 500
 LATER: Final = 8
-"""Cycles: more than two lives differ by in which interrupts meet otherwise."""
+"""Cycles. Two runs differ by less if only the coincidence of interrupts differs."""
 
 T = TypeVar("T")
 
 
 @dataclass
 class Seen:
-    """What holds for all runs together."""
+    """Worst figures of all runs."""
 
     pulse: int = 1 << 30
     setup: int = 1 << 30
@@ -57,7 +59,7 @@ class Seen:
     longest: dict[str, int] = field(default_factory=dict)
 
     def add(self, mega: Mega) -> None:
-        """Look at a board whose motions are over."""
+        """Add the figures of a board at rest."""
         self.runs += 1
         self.inexact += mega.last.position != mega.steps
         enables = mega.avr.edges("enable")
@@ -77,7 +79,7 @@ class Seen:
 
 @dataclass(frozen=True)
 class Robot:
-    """A firmware, and where and how fast its arms may go together."""
+    """A firmware, with a goal and speeds that its arms can reach together."""
 
     name: str
     firmware: Path
@@ -85,7 +87,7 @@ class Robot:
     top: Steps
 
     def cruise(self, mega: Mega) -> None:
-        """All three arms at top speed, since 0.2 s and for 0.2 s more at least."""
+        """Turn all three arms at top speed; they have turned for 0.2 s on return, and go on for at least 0.2 s."""
         mega.ready()
         mega.move((-self.far,) * 3, self.top)
         mega.run()
@@ -93,7 +95,7 @@ class Robot:
         wait(mega, 800)
 
     def finish(self, mega: Mega, seen: Seen) -> None:
-        """To the end of the motion."""
+        """Run to the end of the motion and add its figures."""
         mega.tick(5)  # answers that are still to come
         mega.run()
         mega.settle()
@@ -101,7 +103,7 @@ class Robot:
 
 
 def wait(mega: Mega, ms: int) -> None:
-    """Let time pass, with heartbeats."""
+    """Run, with heartbeats."""
     for _ in range(ms // 20):
         mega.ask(FrameType.PING)
         mega.tick(16)
@@ -113,31 +115,34 @@ def periods(mega: Mega, arm: int, last: int) -> NDArray[np.int64]:
     return found
 
 
-def make(source: str, *settings: str, build: Path) -> str:
-    """Make firmware/Makefile's `mega` in a folder; what make has said."""
-    command = ["make", "-C", str(ROOT / "firmware"), "mega", f"BUILD={build}", f"PYTHON={sys.executable}"]
-    done = subprocess.run([*command, *settings], capture_output=True, text=True, check=False)
+def make(target: str, build: Path, *settings: str) -> tuple[Path, str]:
+    """Make `mega` or `arduino` of firmware/Makefile in this folder; the firmware, and what avr-size has printed."""
+    hex_file = build / "beatrix.hex"
+    command = ["make", "-C", str(ROOT / "firmware"), target, f"BUILD={build}", f"HEX={hex_file}"]
+    command += [f"PYTHON={sys.executable}", *settings]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        sys.exit(f"{source} cannot be built (apt-get install gcc-avr avr-libc):\n{done.stderr}")
-    return done.stdout
+        packages = "gcc-avr avr-libc binutils-avr arduino-core-avr"
+        sys.exit(f"The firmware cannot be built (apt-get install {packages}):\n{done.stderr}")
+    return build / "beatrix.ino.hex" if target == "arduino" else hex_file, done.stdout
 
 
-def fast_robot(folder: Path) -> Robot:
+def fast_robot(target: str, folder: Path) -> Robot:
     """The firmware for arms that may go as fast as the processor."""
+    folder.mkdir()
     (folder / "fast.toml").write_text(FAST, encoding="utf-8")
-    firmware = folder / "fast.hex"
-    make("the fast robot's firmware", f"ROBOT={folder / 'fast.toml'}", f"HEX={firmware}", build=folder)
+    firmware, _ = make(target, folder, f"ROBOT={folder / 'fast.toml'}")
     return Robot("14 500 steps/s", firmware, 9000, (58_200, 57_400, 56_200))
 
 
 def show(figure: str, measured: str, to_reach: str = "", *, good: bool = True) -> None:
-    """One row; what falls short says so."""
+    """Print one row of the table; mark a figure that is worse than required."""
     wanted = f"to reach: {to_reach}" if to_reach else ""
     print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'FALLS SHORT'}".rstrip())
 
 
 def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
-    """How far the periods of arms at these speeds are from their arm's mean, in cycles."""
+    """Return the deviations of step periods from the mean period of their arm, in cycles, at these speeds."""
     with Mega(robot.firmware) as mega:
         mega.ready()
         mega.move((2000, 2000, 2000), speeds)
@@ -152,7 +157,7 @@ def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
 
 
 def even_steps(robots: list[Robot], seen: Seen) -> None:
-    """How evenly steps come, and telemetry beside them."""
+    """Print the step periods, and the telemetry period."""
     shipped, fast = robots
     for speeds, most in EVEN.items():
         off = periods_off(shipped, speeds, seen)
@@ -185,7 +190,7 @@ def even_steps(robots: list[Robot], seen: Seen) -> None:
 
 
 def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms: int = 1) -> list[T]:
-    """A figure at full speed, at moments that lie anywhere between two ticks, or in more: the same in every call."""
+    """Return a figure measured at full speed at random moments within `within_ms`; each call uses the same moments."""
     chance = random.Random(1)
     found = []
     for _ in range(PHASES * within_ms):
@@ -198,7 +203,7 @@ def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms:
 
 
 def stop(robot: Robot, seen: Seen) -> None:
-    """How soon STOP shows: at the first step that comes later than it does in the same life with a PING instead."""
+    """Measure the delay of STOP: until the first step that comes later than in an equal run with PING instead of STOP."""
 
     def after(kind: FrameType) -> Callable[[Mega], tuple[int, NDArray[np.int64]]]:
         def measure(mega: Mega) -> tuple[int, NDArray[np.int64]]:
@@ -218,14 +223,14 @@ def stop(robot: Robot, seen: Seen) -> None:
 
 
 def off_after_emergency(mega: Mega) -> float:
-    """From EMERGENCY_STOP's last byte to the enable wire."""
+    """Time from the last byte of EMERGENCY_STOP to the enable pin, ms."""
     came = mega.avr.send(encode(FrameType.EMERGENCY_STOP, 1, b""))
     mega.avr.run_ms(5)
     return (float(mega.avr.edges("enable")["cycle"][-1]) - came) / CYCLES_PER_MS
 
 
 def answer_cycles(mega: Mega, kind: FrameType, payload: bytes) -> tuple[float, float]:
-    """From a request's last byte to the stop bits of its acknowledgement's first and last bytes."""
+    """Return the times (cycles) from a request's last byte to the first and the last byte of its acknowledgement."""
     before = len(mega.avr.sent())
     came = mega.avr.send(encode(kind, 77, payload))
     mega.avr.run_ms(12)
@@ -241,7 +246,7 @@ def answer_cycles(mega: Mega, kind: FrameType, payload: bytes) -> tuple[float, f
 
 
 def turn_round(robot: Robot, seen: Seen, kind: FrameType, payload: bytes) -> None:
-    """How soon requests are answered at full speed; the worst come behind a TELEMETRY that has just begun."""
+    """Measure the time to an acknowledgement at full speed; the longest ones wait for a TELEMETRY frame that has begun."""
 
     def last(mega: Mega) -> float:
         return answer_cycles(mega, kind, payload)[1] / CYCLES_PER_MS
@@ -256,7 +261,7 @@ def turn_round(robot: Robot, seen: Seen, kind: FrameType, payload: bytes) -> Non
 
 
 def flood(robot: Robot, seen: Seen) -> None:
-    """Two thirds of the wire full of PINGs at full speed."""
+    """Measure at full speed while PINGs use two thirds of the serial link."""
     ping = encode(FrameType.PING, 1, b"")
     with Mega(robot.firmware) as mega:
         robot.cruise(mega)
@@ -277,20 +282,28 @@ def flood(robot: Robot, seen: Seen) -> None:
         robot.finish(mega, seen)
 
 
-def sizes(folder: Path) -> None:
-    """Flash and RAM of the shipped firmware."""
-    said = make("the firmware", f"HEX={folder / 'shipped.hex'}", build=folder)
-    text, data, bss = (int(word) for word in said.split("filename")[-1].split()[:3])
+def show_sizes(printed: str) -> None:
+    """Print the use of flash and RAM, from the output of avr-size."""
+    text, data, bss = (int(word) for word in printed.rsplit("filename", maxsplit=1)[-1].split()[:3])
     show("flash, RAM without stack [bytes]", f"{text + data}, {data + bss}", "253952, 8192")
-    if (folder / "shipped.hex").read_bytes() != HEX.read_bytes():
-        show("the shipped hex file", "is not what the sources make", "the same", good=False)
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--sketch", action="store_true", help="as the Arduino IDE compiles it")
+    target = "arduino" if parser.parse_args().sketch else "mega"
     seen = Seen()
     with tempfile.TemporaryDirectory() as held:
         folder = Path(held)
-        robots = [Robot("1047 steps/s", HEX, 900, (4189, 4189, 4189)), fast_robot(folder)]
+        firmware, printed = make(target, folder)
+        if target == "mega" and firmware.read_bytes() != HEX.read_bytes():
+            show("the shipped hex file", "differs from its sources", "equal", good=False)
+        robots = [
+            Robot("1047 steps/s", firmware, 900, (4189, 4189, 4189)),
+            fast_robot(target, folder / "fast"),
+        ]
         even_steps(robots, seen)
         for robot in robots:
             stop(robot, seen)
@@ -305,14 +318,17 @@ def main() -> None:
             for move in (MoveStraight(900, (0, 0, 0), robot.top[0]), Move(900, (0, 0, 0), robot.top)):
                 turn_round(robot, seen, move.kind, move.pack())
             flood(robot, seen)
-        sizes(folder)
+    show_sizes(printed)
     show("shortest pulse or pause [us]", f"{seen.pulse / 16:.2f}", "1", good=seen.pulse >= 16)
     show("shortest time from direction to step [ns]", f"{seen.setup * 62.5:.0f}", "200", good=seen.setup >= 4)
     show("steps without power", f"{seen.powerless}", "0", good=not seen.powerless)
     show(f"runs of {seen.runs} with an inexact position", f"{seen.inexact}", "0", good=not seen.inexact)
     for name, cycles in seen.longest.items():
         show(
-            f"longest {name} interrupt [cycles]", f"{cycles}", f"{BUDGET[name]}", good=cycles <= BUDGET[name]
+            f"longest {name} interrupt [cycles]",
+            f"{cycles}",
+            f"{BUDGETS[name]}",
+            good=cycles <= BUDGETS[name],
         )
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import socket
 import statistics
 import subprocess
 import sys
@@ -15,19 +17,22 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import zenoh
+
 from beatrix_zenoh import Refused, Robot, codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions
 from beatrix_zenoh._generated.serial import MoveStraight
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.client import Client, Conversation
+from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.settings import Settings
 from hw_node.port import SerialPort
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "bench"
 MOVED_RAD = 0.0007
-"""Half a microstep: the smallest movement that is more than noise of the settled plant."""
+"""Half a microstep: the smallest movement above the noise of the plant at rest."""
 TICK = os.sysconf("SC_CLK_TCK")
 
 Row = tuple[str, str, str]
@@ -45,10 +50,14 @@ class Served:
         assert line.startswith("ready"), line
         self.ready_s = time.monotonic() - began
 
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
     def cpu_s(self) -> float:
-        """Processor seconds used so far."""
-        fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICK
+        """Processor time used so far (s)."""
+        return cpu_s(self._process.pid)
 
     def rss_mib(self) -> float:
         """Resident memory, MiB."""
@@ -56,11 +65,24 @@ class Served:
         return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
     def end(self) -> float:
-        """Seconds from SIGINT to the end."""
+        """Send SIGINT and wait; returns the time until the end (s)."""
         began = time.monotonic()
         self._process.send_signal(signal.SIGINT)
         self._process.wait(10)
         return time.monotonic() - began
+
+
+def cpu_s(pid: int) -> float:
+    """Processor time that a process has used so far (s)."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICK
+
+
+def free_endpoint() -> str:
+    """Address of a router that is not running, on a free port of this computer."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
 def spread_ms(seconds: list[float]) -> str:
@@ -69,16 +91,82 @@ def spread_ms(seconds: list[float]) -> str:
     return " / ".join(f"{value * 1e3:.2f}" for value in (statistics.median(seconds), p99, max(seconds)))
 
 
-def accepted(robot: Robot, count: int = 500) -> list[float]:
-    """Seconds from a pose query to its acceptance, 5 ms apart: what a window does."""
+BARE = """
+import json, sys, zenoh
+from zenoh.handlers import Callback
+config = zenoh.Config()
+for key, value in json.loads(sys.argv[1]).items():
+    config.insert_json5(key, json.dumps(value))
+def answer(query):
+    query.reply("bench/echo", query.payload.to_bytes())
+    query.drop()
+with zenoh.open(config) as session:
+    queryable = session.declare_queryable("bench/echo", Callback(answer, indirect=False))
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+"""A queryable that only replies: its latency is that of a query over the same router."""
+
+
+class Bare:
+    """A bare Zenoh query over a router: two processes with Zenoh's own client sessions."""
+
+    def __init__(self, endpoint: str) -> None:
+        settings = {
+            "mode": "client",
+            "connect/endpoints": [endpoint],
+            "scouting/multicast/enabled": False,
+            "transport/shared_memory/enabled": False,
+        }
+        command = [sys.executable, "-c", BARE, json.dumps(settings)]
+        self._server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self._server.stdout is not None
+        self._server.stdout.readline()
+        config = zenoh.Config()
+        for key, value in settings.items():
+            config.insert_json5(key, json.dumps(value))
+        self._session = zenoh.open(config)
+
+    def query(self) -> None:
+        """Send a query of 82 bytes and read its reply of the same length."""
+        replies = self._session.get("bench/echo", payload=bytes(82), timeout=2.0)
+        for reply in replies:
+            assert reply.ok is not None
+            reply.ok.payload.to_bytes()
+
+    def close(self) -> None:
+        """End both processes."""
+        self._session.close()
+        self._server.communicate("", timeout=10)
+
+
+def against_bare(robot: Robot, endpoint: str) -> tuple[list[float], list[float]]:
+    """Times from queries to their acceptance, and of bare Zenoh queries, alternating (s)."""
+    bare, took = Bare(endpoint), []
+
+    def ask() -> None:
+        began = time.perf_counter()
+        bare.query()
+        took.append(time.perf_counter() - began)
+        time.sleep(0.005)
+
+    ours = accepted(robot, between=ask)
+    bare.close()
+    return ours, took
+
+
+def accepted(robot: Robot, count: int = 500, between: Callable[[], None] = lambda: None) -> list[float]:
+    """Times from pose queries to their acceptance (s), 5 ms apart, as the window sends them."""
     key = keys.pose(NAME, robot.twin, robot.client.settings.who)
     took = []
     for number in range(count):
+        between()
         query = PoseQuery(yaw=0.1 + 0.002 * (number % 2))
         began = time.perf_counter()
-        with Conversation(robot.client, NAME, robot.twin, key, query) as conversation:
-            reply = conversation.next(MotionReply, 2.0)
-            took.append(time.perf_counter() - began)
+        request = Request(robot.client, robot.place, key, query, 30.0)
+        reply = request.next(MotionReply, 2.0)
+        took.append(time.perf_counter() - began)
+        request.close()
         assert reply.result, reply.message
         time.sleep(0.005)
     robot.stop()
@@ -86,7 +174,7 @@ def accepted(robot: Robot, count: int = 500) -> list[float]:
 
 
 def paced(ask: Callable[[], object], count: int = 300) -> list[float]:
-    """Seconds that each call takes, 5 ms apart."""
+    """Times of calls (s), 5 ms apart."""
     took = []
     for _ in range(count):
         began = time.perf_counter()
@@ -97,14 +185,14 @@ def paced(ask: Callable[[], object], count: int = 300) -> list[float]:
 
 
 def first_movement(robot: Robot, count: int = 100) -> list[float]:
-    """Seconds from a query to the first published position (measured in the plant) that has moved."""
-    stream = robot.stream()
+    """Times from a query to the first published position that has changed (s)."""
+    stream = robot.positions_stream()
     took = []
     for number in range(count):
         robot.look(yaw=3 * (number % 2))
-        time.sleep(0.35)  # the plant settles
+        time.sleep(0.35)  # the plant comes to rest
         start = (stream.take(0) + stream.take(0.1))[-1].position.x
-        time.sleep(0.02 * (number * 0.618 % 1))  # on another phase of the 20 ms each time
+        time.sleep(0.02 * (number * 0.618 % 1))  # vary the phase within the period of 20 ms
         stream.take(0)
         began = time.perf_counter()
         motion = robot.look(yaw=3 * ((number + 1) % 2), wait=False)
@@ -115,9 +203,9 @@ def first_movement(robot: Robot, count: int = 100) -> list[float]:
     return took
 
 
-def listened(robot: Robot, seconds: float) -> list[Positions]:
-    """All publications of some seconds."""
-    stream = robot.stream()
+def receive(robot: Robot, seconds: float) -> list[Positions]:
+    """All positions that arrive in this time."""
+    stream = robot.positions_stream()
     got: list[Positions] = []
     until = time.monotonic() + seconds
     while time.monotonic() < until:
@@ -126,7 +214,7 @@ def listened(robot: Robot, seconds: float) -> list[Positions]:
 
 
 def regularity(got: list[Positions]) -> str:
-    """Rate (Hz), sd of the period at the source (ms), lost publications."""
+    """Rate (Hz), standard deviation of the period at the source (ms), lost publications."""
     times = [positions.t_mono_ns / 1e9 for positions in got]
     periods = [later - earlier for earlier, later in pairwise(times)]
     lost = got[-1].seq - got[0].seq + 1 - len(got)
@@ -135,18 +223,18 @@ def regularity(got: list[Positions]) -> str:
 
 @contextmanager
 def flood(robot: Robot) -> Iterator[Callable[[], int]]:
-    """Targets as fast as Zenoh takes them, unread; yields a function that gives their number a second."""
+    """Send targets as fast as Zenoh accepts them; yields a function that returns their rate (Hz)."""
     over, sent, began = threading.Event(), [0], time.monotonic()
     key = keys.pose(NAME, robot.twin, robot.client.settings.who)
     payloads = [codec.encode(PoseQuery(yaw=yaw)) for yaw in (0.9, 1.0)]
 
     def run() -> None:
-        asked = []
+        requests = []
         while not over.is_set():
-            asked.append(robot.client.bus.question(key, payloads[sent[0] % 2], codec.MSGPACK))
+            requests.append(robot.client.bus.query(key, payloads[sent[0] % 2], codec.MSGPACK))
             sent[0] += 1
-            if len(asked) > 500:
-                asked.pop(0).close()
+            if len(requests) > 500:
+                requests.pop(0).close()
 
     thread = threading.Thread(target=run)
     thread.start()
@@ -158,7 +246,7 @@ def flood(robot: Robot) -> Iterator[Callable[[], int]]:
 
 
 def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
-    """A command and STOP of another client while targets pour in."""
+    """Latency of a command and a STOP of another client during a flood of targets."""
     with flood(robot) as rate:
         time.sleep(1.0)
         began = time.perf_counter()
@@ -167,13 +255,13 @@ def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
         except Refused:
             answered = time.perf_counter() - began
         else:
-            raise AssertionError("somebody else drives")
+            raise AssertionError("the command must be refused: another client drives")
         began = time.perf_counter()
         reply = other.stop()
         stopped = time.perf_counter() - began
         beside = f"{robot.twin}: beside {rate()} targets/s: "
     yield f"{beside}a command's answer [ms]", f"{answered * 1e3:.1f}", "< 50"
-    yield f"{beside}STOP, answered at rest [ms]", f"{stopped * 1e3:.0f}", "167 to decelerate from 30 deg/s"
+    yield f"{beside}STOP, answered at rest [ms]", f"{stopped * 1e3:.0f}", "167 to decelerate from 30°/s"
     assert "rest at" in reply.message
 
 
@@ -186,10 +274,14 @@ def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row
     robot.calibrate()
     time.sleep(1.0)
     before = node.cpu_s()
-    got = listened(robot, 10.0)
+    got = receive(robot, 10.0)
     idle = (node.cpu_s() - before) / 10.0
     plant = robot.status().plant
-    yield f"{twin}: query -> accepted [ms]", spread_ms(accepted(robot)), "< 2 / < 6"
+    ours, bare = against_bare(robot, endpoint)
+    ratio = statistics.median(ours) / statistics.median(bare)
+    yield f"{twin}: query -> accepted [ms]", spread_ms(ours), "p99 < 6"
+    yield "the same run: a bare Zenoh query [ms]", spread_ms(bare), ""
+    yield f"{twin}: ratio of the medians", f"{ratio:.2f}", "<= 2.0"
     yield f"{twin}: query -> first published movement [ms]", spread_ms(first_movement(robot)), "< 25 / < 40"
     yield f"{twin}: positions [Hz], sd of period [ms], lost", regularity(got), "50, < 1, 0"
     yield (
@@ -218,8 +310,8 @@ class Mega:
         assert self._process.stdout is not None
         self._process.stdout.readline()
 
-    def say(self, word: str) -> None:
-        """Work it; returns when done."""
+    def send(self, word: str) -> None:
+        """Send a word to the simulation; returns when it is carried out."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(word + "\n")
@@ -227,13 +319,13 @@ class Mega:
         self._process.stdout.readline()
 
     def end(self) -> str:
-        """What it says of how it kept time."""
+        """End it and return its report about timing."""
         out, _ = self._process.communicate("quit\n", timeout=10)
         return out.strip().rpartition("\n")[2]
 
 
 def round_trips(port: Path) -> list[float]:
-    """Seconds from a request's writing to its answer, without any node: wire, firmware, pyserial."""
+    """Times from a request to its answer without a node (s): serial line, firmware, pyserial."""
     board = Board(lambda: SerialPort(str(port)), lambda _: None, lambda: None)
     board.start()
     while not board.link.connected:
@@ -250,20 +342,20 @@ def round_trips(port: Path) -> list[float]:
 
 
 def lost_s(mega: Mega, robot: Robot, word: str) -> float:
-    """From a board's loss in mid-move to a status that says so, seconds."""
+    """Time from the loss of the board during a motion to a status that reports it (s)."""
     robot.enable()
     robot.calibrate()
     robot.look(yaw=30, wait=False)
     time.sleep(0.3)
     began = time.perf_counter()
-    mega.say(word)
+    mega.send(word)
     while (status := robot.status()).board.connected and status.calibrated:
         time.sleep(0.005)
     return time.perf_counter() - began
 
 
 def on_a_board(endpoint: str) -> Iterator[Row]:
-    """A motion's way through a node and the Mega's own firmware, simulated cycle by cycle, at the wire's real speed."""
+    """Latencies through a node and the Mega's firmware, simulated cycle by cycle, at the real baud rate."""
     with TemporaryDirectory() as folder:
         port = Path(folder) / "board"
         mega = Mega(port)
@@ -277,23 +369,23 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
             robot = Robot(NAME, "hw", client=client)
             robot.enable()
             robot.calibrate()
-            # Zenoh and threads, no check: what the machine itself takes just now.
+            # Zenoh and threads without a check: the present speed of this computer.
             yield (
-                "the same minutes: a question's answer, no board [ms]",
+                "the same minutes: a query's answer, no board [ms]",
                 spread_ms(paced(robot.positions)),
                 "",
             )
             yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
-            for word, cure in (("reset", ""), ("freeze", "go"), ("unplug", "plug")):
+            for word, remedy in (("reset", ""), ("freeze", "go"), ("unplug", "plug")):
                 yield (
-                    f"Mega: {word} in mid-move -> status says so [s]",
+                    f"Mega: {word} during a motion -> status reports it [s]",
                     f"{lost_s(mega, robot, word):.2f}",
                     "< 0.5",
                 )
-                if cure:
-                    mega.say(cure)
+                if remedy:
+                    mega.send(remedy)
                 while not robot.status().board.connected:
                     time.sleep(0.05)
                 robot.disable()
         node.end()
-        yield "the same: " + (told := mega.end()).partition(":")[0], told.partition(":")[2].strip(), ""
+        yield "the same: " + (report := mega.end()).partition(":")[0], report.partition(":")[2].strip(), ""

@@ -1,4 +1,4 @@
-"""Print what the simulated neck costs and how true it is, at full speed within the limits of the robot."""
+"""Print the load and the accuracy of the simulated neck, at full speed within the limits of the robot."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import Enable, FrameType, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.drive import Arms, Gear
-from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.motion.gear import Arms, Gear
+from beatrix_zenoh.motion.kinematics import Neck
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
-from sim_node.preview import run_ahead
+from sim_node.preview import simulate_motion
 
 _BLOCK = 250
 _TO_REACH_US = 30
 _AMPLITUDE = math.radians(25)
 _CIRCLES_HZ = 0.35
-"""Fastest circling of the head at which the arms stay below their top speed."""
+"""Highest frequency of the circle with the arms below their top speed."""
 
 
 def circling(t: float) -> Arms:
-    """Arms (rad) of a head that circles, t seconds after the start, slowly drawn out of home."""
+    """Arms (rad) of a circling head at time `t` (s); the circle grows from home."""
     size = _AMPLITUDE * min(1.0, t / 4)
     phase = math.tau * _CIRCLES_HZ * t
     return Neck().inverse(0.5 * math.sin(0.3 * t), size * math.cos(phase), size * math.sin(phase))
@@ -41,7 +41,7 @@ def step_us(plant: Plant, path: list[tuple[int, int, int]]) -> float:
     return statistics.median(times)
 
 
-def turn_between(plant: Plant, neck: Neck) -> float:
+def angle_between(plant: Plant, neck: Neck) -> float:
     """Largest element of the difference between measured and calculated head orientation (deg, for small ones)."""
     calculated = neck.rotation(plant.arms())
     return math.degrees(
@@ -60,8 +60,8 @@ def preview_factor(gear: Gear) -> float:
     firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
     nod = MoveStraight(1, gear.to_steps(Neck().inverse(0.0, 0.4, 0.0)), 1000)
     begin = time.perf_counter()
-    seen = run_ahead(plant, firmware, nod)
-    return seen.duration_s / (time.perf_counter() - begin)
+    preview = simulate_motion(plant, firmware, nod)
+    return preview.duration_s / (time.perf_counter() - begin)
 
 
 def main() -> None:
@@ -80,15 +80,15 @@ def main() -> None:
     for pulses in path:
         plant.step(pulses, drivers_on=True)
         closure = max(closure, plant.closure_error())
-        error = max(error, turn_between(plant, neck))
+        error = max(error, angle_between(plant, neck))
         fastest = max(fastest, *map(abs, plant.velocities()))
     print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")
     print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (to reach: {_TO_REACH_US})")
     print(f"real-time factor, moving: {TIMESTEP_MS * 1000 / moving:.0f}")
     print(f"preview: {preview_factor(gear):.0f} times as fast as the motion")
     print(
-        f"circling at up to {math.degrees(fastest):.0f} deg/s of {ROBOT.limits.speed_max:.0f}: "
-        f"head against forward kinematics {error:.4f} deg (to reach: 0.02), loop closure {closure * 1e3:.4f} mm "
+        f"circling at up to {math.degrees(fastest):.0f}°/s of {ROBOT.limits.speed_max:.0f}: "
+        f"head against forward kinematics {error:.4f}° (to reach: 0.02), loop closure {closure * 1e3:.4f} mm "
         "(to reach: 0.05)"
     )
 

@@ -1,4 +1,4 @@
-"""Random pose motions of the simulation in virtual time, and how far from the command it rests."""
+"""Random pose motions of the simulation in virtual time, and its errors at rest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.node.course import Course
+from beatrix_zenoh.node.planner import Planner
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
 
@@ -23,14 +23,14 @@ class Bench:
     """Firmware, plant and the node's checks, without clock, board or bus."""
 
     def __init__(self) -> None:
-        self.course, self.plant, self.firmware = Course(ROBOT), Plant(), Firmware(boot=1, name="bench")
+        self.planner, self.plant, self.firmware = Planner(ROBOT), Plant(), Firmware(boot=1, name="bench")
         self.telemetry: Telemetry | None = None
         self._decoder = Decoder()
         self.firmware.receive(encode(FrameType.ENABLE, 1, b"\1") + encode(FrameType.CALIBRATE, 2, b""))
         self.run(20)
 
     def run(self, ms: int) -> None:
-        """Let time pass."""
+        """Advance the time."""
         for _ in range(ms // TIMESTEP_MS):
             self.firmware.tick(TIMESTEP_MS)
             self.plant.step(self.firmware.pulses(), drivers_on=self.firmware.drivers_on())
@@ -42,7 +42,7 @@ class Bench:
         """Carry a pose motion out until the head has settled; False if it was refused."""
         assert self.telemetry is not None
         try:
-            goal = self.course.goal(query, self.telemetry)
+            goal = self.planner.goal(query, self.telemetry)
         except Refused:
             return False
         move = goal.frame(1)
@@ -80,10 +80,10 @@ def random_poses(count: int, seed: int) -> Rest:
         if not bench.look(query):
             continue
         done += 1
-        commanded = bench.course.gear.to_rad(bench.firmware.steps())
+        commanded = bench.planner.gear.to_rad(bench.firmware.steps())
         arms = bench.plant.arms()
         arms_deg = max(arms_deg, *(math.degrees(abs(a - b)) for a, b in zip(arms, commanded, strict=True)))
-        wanted = bench.course.neck.forward(arms)
+        wanted = bench.planner.neck.forward(arms)
         head_deg = max(
             head_deg, *(math.degrees(abs(a - b)) for a, b in zip(bench.plant.head(), wanted, strict=True))
         )
@@ -95,8 +95,8 @@ def main() -> None:
     """Print the figures of 200 motions."""
     rest = random_poses(200, seed=1)
     print(
-        f"{rest.motions} random pose motions: at rest arms within {rest.arms_deg:.3f} deg of the command "
-        f"(to reach: 0.25), head within {rest.head_deg:.4f} deg of forward kinematics (to reach: 0.02), "
+        f"{rest.motions} random pose motions: at rest arms within {rest.arms_deg:.3f}° of the command "
+        f"(to reach: 0.25), head within {rest.head_deg:.4f}° of forward kinematics (to reach: 0.02), "
         f"re-placed {rest.re_placed} times"
     )
 

@@ -1,4 +1,4 @@
-"""Check that every link between our markdown pages leads somewhere: `python tools/links.py`."""
+"""Check that the target of every link in the markdown pages exists: `python tools/links.py`."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ def anchors(page: Path) -> set[str]:
 
 
 def broken_links(page: Path) -> Iterator[str]:
-    """Links of a page that lead nowhere; addresses on the web are not followed."""
+    """Links of a page whose target does not exist; web addresses are not checked."""
     for target in LINK.findall(prose(page)):
         if "://" in target or target.startswith("mailto:"):
             continue
         path, _, fragment = target.partition("#")
-        goal = page.parent / path if path else page
-        if not goal.exists():
+        target_path = page.parent / path if path else page
+        if not target_path.exists():
             yield f"{page.relative_to(ROOT)}: {target}: there is no such file"
-        elif fragment and goal.suffix == ".md" and fragment not in anchors(goal):
+        elif fragment and target_path.suffix == ".md" and fragment not in anchors(target_path):
             yield f"{page.relative_to(ROOT)}: {target}: there is no such heading"
 
 

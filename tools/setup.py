@@ -1,6 +1,6 @@
-"""Make .venv and see to the Debian packages: `python tools/setup.py demo` or `test`.
+"""Make .venv and install the Debian packages: `python tools/setup.py demo` or `test`.
 
-Nothing is done twice: a stamp in .venv names what it was made from. Needs only Python 3.11.
+A stamp file in .venv records its inputs, so nothing is done twice. It needs only Python 3.11.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = "cli,hw,sim,plot"
+EXTRAS = "cli,hw,sim,plot,rerun,gui,classroom"
 PURPOSES = ("demo", "test")
 
 
 def run(command: Sequence[str]) -> bool:
-    """Show the command and run it; say whether it succeeded."""
+    """Print the command and run it; returns whether it succeeded."""
     print("+", shlex.join(command), flush=True)
     return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
 
 
 def works(command: Sequence[str]) -> bool:
-    """Say whether the command can be run here at all."""
+    """Whether the command can be run on this computer."""
     try:
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
     except OSError:
@@ -54,10 +54,12 @@ def missing_packages(purpose: str) -> list[str]:
     return [name for name in wanted if name not in installed]
 
 
-def see_to_debian_packages(purpose: str) -> None:
-    """Install the packages that are missing, or say what to type and stop."""
+def install_debian_packages(purpose: str) -> None:
+    """Install the missing packages, or print the command that does and exit."""
     if not shutil.which("dpkg-query"):
-        print(f"This is not Debian: see to what Debian calls {', '.join(wanted_packages(purpose))} yourself.")
+        print(
+            f"This is not Debian: install the equivalents of these packages yourself: {', '.join(wanted_packages(purpose))}."
+        )
         return
     missing = missing_packages(purpose)
     if not missing:
@@ -73,71 +75,79 @@ def see_to_debian_packages(purpose: str) -> None:
         )
     run([*become_root, "apt-get", "update"])
     if not run([*become_root, *install]):
-        sys.exit("Debian packages could not be installed; apt-get says why above.")
+        sys.exit("Debian packages could not be installed; see the output of apt-get above.")
 
 
 def python() -> str:
-    """The Python .venv is made with."""
+    """The Python of .venv."""
     return f"{sys.implementation.name} {sys.version.split()[0]} {Path(sys.executable).resolve()}"
 
 
 def digest() -> str:
-    """Of everything that decides what is in .venv."""
+    """Digest of all inputs of .venv."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    parts = [project["project"], project["build-system"], project["dependency-groups"], sys.version_info[:2]]
+    parts = [
+        EXTRAS,
+        project["project"],
+        project["build-system"],
+        project["dependency-groups"],
+        sys.version_info[:2],
+    ]
     text = json.dumps(parts) + CONSTRAINTS.read_text(encoding="utf-8")
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def requirements(purpose: str) -> list[str]:
-    """What pip is asked for: the project itself, for tests with the group `dev`."""
+    """Arguments of pip: the project, for tests also the group `dev`."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     group: list[str] = project["dependency-groups"]["dev"] if purpose == "test" else []
     return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS}]", *group]
 
 
-def install_with_uv(purpose: str, *, anew: bool) -> bool:
-    """Fill .venv with uv; False where uv is missing or cannot reach its packages."""
+def install_with_uv(purpose: str, *, fresh: bool) -> bool:
+    """Fill .venv with uv; returns False if uv is missing or fails."""
     if not works(["uv", "--version"]):
         return False
-    made = not anew or run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)])
+    made = not fresh or run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)])
     return made and run(["uv", "pip", "install", "--python", str(PYTHON), *requirements(purpose)])
 
 
-def install_with_pip(purpose: str, *, anew: bool) -> None:
-    """Fill .venv with Python's own tools, or say why not and stop."""
+def install_with_pip(purpose: str, *, fresh: bool) -> None:
+    """Fill .venv with pip, or exit with an error."""
     if not works([sys.executable, "-c", "import ensurepip"]):
-        see_to_debian_packages("venv")
-    clear = ["--clear"] if anew else []
+        install_debian_packages("venv")
+    clear = ["--clear"] if fresh else []
     if not run([sys.executable, "-m", "venv", *clear, str(VENV)]):
-        sys.exit("Python could not make .venv; it says why above.")
+        sys.exit("Python could not make .venv; see its output above.")
     if not run([str(PYTHON), "-m", "pip", "install", *requirements(purpose)]):
-        sys.exit("pip could not install what BEATRIX needs; it says why above. Is this computer on line?")
+        sys.exit(
+            "pip could not install the packages of BEATRIX; see its output above. Is this computer connected to the internet?"
+        )
 
 
 def make_venv(purpose: str) -> None:
-    """Make .venv, unless it is there and made from the same files; one for tests also serves the demo."""
+    """Make .venv unless it exists with the same inputs; one for tests also serves the demo."""
     stamp = VENV / "made-from.json"
     made = json.loads(stamp.read_text(encoding="utf-8")) if stamp.exists() else {}
     if made.get("digest") == digest() and purpose in (made["purpose"], "demo"):
         return
-    # A whole .venv of this Python is completed, not made anew: robots may be running from it.
-    anew = made.get("python") != python()
+    # An existing .venv of this Python is updated, not replaced: running robots may use it.
+    fresh = made.get("python") != python()
     stamp.unlink(missing_ok=True)
-    if not install_with_uv(purpose, anew=anew):
-        install_with_pip(purpose, anew=anew)
+    if not install_with_uv(purpose, fresh=fresh):
+        install_with_pip(purpose, fresh=fresh)
     stamp.write_text(
         json.dumps({"digest": digest(), "purpose": purpose, "python": python()}), encoding="utf-8"
     )
 
 
 def main() -> int:
-    """Set this checkout up for one purpose."""
+    """Set up this checkout for one purpose."""
     if len(sys.argv) != 2 or sys.argv[1] not in PURPOSES:
         sys.exit(f"usage: python tools/setup.py {'|'.join(PURPOSES)}")
     purpose = sys.argv[1]
     if purpose == "test":
-        see_to_debian_packages(purpose)
+        install_debian_packages(purpose)
     make_venv(purpose)
     return 0
 

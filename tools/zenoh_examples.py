@@ -1,6 +1,6 @@
-"""Drive both robots with Zenoh's own example programs: `python tools/zenoh_examples.py FOLDER`.
+"""Control both robots with Zenoh's example programs: `python tools/zenoh_examples.py FOLDER`.
 
-FOLDER holds the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. Prints every call and what it printed.
+FOLDER contains the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. Prints every call and its output.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ ENDPOINT = "tcp/127.0.0.1:7461"
 CLIENT = ["-m", "client", "-e", ENDPOINT]
 
 
-def say(command: list[str], result: str) -> None:
+def show(command: list[str], result: str) -> None:
     """Print a call and its output."""
     print("$", shlex.join([Path(command[1]).name, *command[2:]]))
     print("\n".join("    " + line for line in result.splitlines()), flush=True)
@@ -26,7 +26,7 @@ def call(folder: Path, program: str, *arguments: str) -> str:
     """Run a program to its end."""
     command = [sys.executable, str(folder / program), *CLIENT, *arguments]
     result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True).stdout
-    say(command, result)
+    show(command, result)
     return result
 
 
@@ -35,14 +35,14 @@ def listen(folder: Path, key: str, lines: int) -> str:
     command = [sys.executable, "-u", str(folder / "z_sub.py"), *CLIENT, "-k", key]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
-        heard = [program.stdout.readline() for _ in range(lines + 3)]
+        lines_read = [program.stdout.readline() for _ in range(lines + 3)]
         program.send_signal(signal.SIGINT)
-    say(command[:1] + command[2:], "".join(heard))
-    return "".join(heard)
+    show(command[:1] + command[2:], "".join(lines_read))
+    return "".join(lines_read)
 
 
 def drive(folder: Path, twin: str) -> None:
-    """Read, enable, calibrate, look, move and stop one robot; fail if anything is not as it should be."""
+    """Read, enable, calibrate, turn and stop one robot; raises AssertionError for an unexpected reply."""
     base = f"beatrix/zed/{twin}"
     assert '"enabled":false' in call(folder, "z_get.py", "-s", f"{base}/state/status")
     assert "NOT_ENABLED" in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.2")
@@ -63,12 +63,12 @@ def drive(folder: Path, twin: str) -> None:
             assert "rest at" in call(folder, "z_get.py", "-s", f"{base}/stop")
         assert moving.stdout is not None
         ended = moving.stdout.read()
-    say(long, ended)
+    show(long, ended)
     assert "STOPPED" in ended
 
 
 def main() -> None:
-    """Router, simulation and hardware node as processes; the examples as clients."""
+    """Run router, simulation and hardware node as processes, and the examples as clients."""
     folder = Path(sys.argv[1]).resolve()
     beatrix = [sys.executable, "-m", "beatrix_zenoh.cli"]
     name = ["--name", "zed", "--connect", ENDPOINT]
@@ -85,7 +85,7 @@ def main() -> None:
             assert process.stdout.readline().startswith("ready")
         drive(folder, "sim")
         drive(folder, "hw")
-        print("both robots read, driven and stopped")
+        print("both robots were read, controlled and stopped")
     finally:
         for process in reversed(processes):
             process.send_signal(signal.SIGINT)

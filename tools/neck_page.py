@@ -1,0 +1,79 @@
+"""Write the table and the tree of docs/explanation/neck.md: `python tools/neck_page.py`. A test compares them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import mujoco
+
+from beatrix_zenoh.motion.kinematics import Neck
+from sim_node.model import build
+
+PAGE: Final = Path(__file__).resolve().parent.parent / "docs/explanation/neck.md"
+BLOCK: Final = re.compile(r"(<!-- begin (\w+)[^>]*-->\n).*?(<!-- end -->)", re.DOTALL)
+TURN_DEG: Final = 20.0
+PATTERNS: Final = (
+    ("short", (1, 0, 0)),
+    ("middle", (0, 1, 0)),
+    ("long", (0, 0, 1)),
+    ("all three", (1, 1, 1)),
+    ("short, and the others half as far back", (1, -0.5, -0.5)),
+    ("long, and middle as far back", (0, -1, 1)),
+)
+"""Title of a row, and how far each arm turns in units of TURN_DEG."""
+
+
+def arms_table() -> str:
+    """Return a table of the head orientation when each arm turns alone and when all turn together."""
+    neck = Neck()
+    rows = [f"| arms turned by {TURN_DEG:.0f}° | yaw | pitch | roll |", "|---|---|---|---|"]
+    for title, pattern in PATTERNS:
+        head = neck.forward([math.radians(TURN_DEG * share) for share in pattern])
+        angles = " | ".join(f"{math.degrees(angle):+z.1f}°".replace("+0.0", "0.0") for angle in head)
+        rows.append(f"| {title} | {angles} |")
+    return "\n".join(rows) + "\n"
+
+
+def model_tree() -> str:
+    """Bodies of the simulation with their joints, motors, cameras and loops."""
+    return "```text\nworld\n" + "\n".join(_branches(build(), 0, "")) + "\n```\n"
+
+
+def _branches(model: mujoco.MjModel, parent: int, indent: str) -> Iterator[str]:
+    children = [body for body in range(1, model.nbody) if model.body_parentid[body] == parent]
+    for body in children:
+        last = body == children[-1]
+        name = indent + ("└─ " if last else "├─ ") + model.body(body).name
+        yield f"{name:<18}{_parts(model, body)}"
+        yield from _branches(model, body, indent + ("   " if last else "│  "))
+
+
+def _parts(model: mujoco.MjModel, body: int) -> str:
+    """Joint, motor, cameras and loops of a body."""
+    ball = mujoco.mjtJoint.mjJNT_BALL
+    joint = int(model.body_jntadr[body])
+    parts = ["ball joint" if model.jnt_type[joint] == ball else "hinge"]
+    parts += [
+        f"motor {model.actuator(i).name}" for i in range(model.nu) if model.actuator_trnid[i, 0] == joint
+    ]
+    parts += [f"camera {model.camera(i).name}" for i in range(model.ncam) if model.cam_bodyid[i] == body]
+    for loop in range(model.neq):
+        rod, mount = (int(site[loop]) for site in (model.eq_obj1id, model.eq_obj2id))
+        if model.site_bodyid[rod] == body:
+            head = model.body(int(model.site_bodyid[mount])).name
+            parts.append(f"{model.equality(loop).name}: its end stays at {model.site(mount).name} of {head}")
+    return ", ".join(parts)
+
+
+def page(text: str) -> str:
+    """The page with its generated blocks renewed."""
+    blocks = {"arms": arms_table(), "model": model_tree()}
+    return BLOCK.sub(lambda found: found[1] + blocks[found[2]] + found[3], text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

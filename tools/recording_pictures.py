@@ -1,0 +1,86 @@
+"""Make docs/images/recording-*.png: a lesson with a simulation and a virtual robot, recorded and drawn without a screen.
+
+Usage: .venv/bin/python tools/recording_pictures.py [DIR]
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import socket
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bench_node import ROOT, Served
+from PIL import Image
+
+from beatrix_zenoh import Interrupted, Refused, Twin
+from beatrix_zenoh.recording.rrd.picture import TABS, pictures
+
+NAME = "bea1"
+LARGEST = 300_000
+"""Bytes of a picture in the repository."""
+
+
+def lesson(endpoint: str) -> tuple[float, float]:
+    """A lead, a refused and a stopped motion; returns the times of the pictures, s since 1970."""
+    with Twin(NAME, connect=endpoint, who="ana") as twin:
+        twin.enable()
+        twin.calibrate()
+        time.sleep(1.0)
+        motion = twin.preview(yaw=35, pitch=12).commit(lead_s=1.5, wait=False)
+        time.sleep(2.0)
+        lead = time.time()  # the hardware has begun, the simulation has arrived
+        motion.result()
+        with contextlib.suppress(Refused):
+            twin.sim.look(pitch=60)
+        for yaw, pitch, roll in ((-25, -8, 10), (10, 15, -10), (0, 0, 0)):
+            twin.preview(yaw=yaw, pitch=pitch, roll=roll).commit(lead_s=0.0)
+        stopped = twin.hw.look(yaw=-40, wait=False)
+        time.sleep(0.6)
+        twin.hw.stop()
+        with contextlib.suppress(Interrupted):
+            stopped.wait()
+        time.sleep(1.0)
+        return lead, time.time() - 0.3
+
+
+def small(png: bytes) -> bytes:
+    """The picture, with fewer colours until it is small enough for the repository."""
+    picture, smaller, colours = Image.open(io.BytesIO(png)).convert("RGB"), png, 512
+    while len(smaller) > LARGEST and colours > 16:
+        colours //= 2
+        found = io.BytesIO()
+        picture.quantize(colours).save(found, "PNG", optimize=True)
+        smaller = found.getvalue()
+    return smaller
+
+
+def main() -> None:
+    """Record, draw, write."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    with TemporaryDirectory() as made:
+        path = Path(made) / "lesson.rrd"
+        where = ("--name", NAME, "--connect", endpoint)
+        served = [
+            Served("beatrix_zenoh.cli", "router", "--listen", endpoint),
+            Served("sim_node", *where),
+            Served("hw_node", *where, "--port", "virtual:"),
+            Served("beatrix_zenoh.cli", "record", str(path), "--connect", endpoint),
+        ]
+        time.sleep(2.0)
+        lead, end = lesson(endpoint)
+        for process in reversed(served):
+            process.end()
+        drawn = pictures(path, [(0, lead), (1, lead), (2, end), (3, end)])
+    for name, png in zip(TABS, drawn, strict=True):
+        (folder / f"recording-{name}.png").write_bytes(small(png))
+
+
+if __name__ == "__main__":
+    main()
