@@ -1,9 +1,10 @@
-"""What every contract test runs against."""
+"""What a test runs against."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import pytest
 from stage import Stage
 
 from beatrix_zenoh import Robot
@@ -21,3 +22,10 @@ class Body:
     def robot(self, who: str = "ana") -> Robot:
         """The robot through another session."""
         return self.stage.robot(self.name, self.twin, who)
+
+
+def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:
+    """Run a test with this fixture on the bodies of its mark, or on all: what the node decides alone needs no second one."""
+    if fixture in metafunc.fixturenames:
+        mark = metafunc.definition.get_closest_marker("bodies")
+        metafunc.parametrize(fixture, mark.args if mark else bodies, indirect=True)

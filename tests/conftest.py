@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import socket
 import sys
@@ -13,13 +14,14 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer  # type: ignore[import-untyped]
+from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
 
-settings.register_profile(
-    "house", deadline=None
-)  # a busy machine is no fault of the code: pytest's timeout holds
+# No deadline: a busy machine is no fault of the code, and pytest's timeout holds. Other examples are drawn in each run.
+settings.register_profile("house", deadline=None, max_examples=50)
 settings.load_profile("house")
 
-LOOPBACK = ("127.0.0.1", "::1", "localhost")
+LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
 SECONDS_TO_GO = 3.0
 """How long threads and processes may take to end after their test."""
 LONG_LIVED = ("multiprocessing.resource_tracker", "multiprocessing.forkserver")
@@ -41,9 +43,39 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+class Sharing(LoadScopeScheduling):  # type: ignore[misc]
+    """Keeps tests that share robots, or a build, in one process; else each process would start its own.
+
+    Marks do not do it: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.partition("::")[0]
+        if body := re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid):
+            return body[1]
+        return nodeid if file.startswith("tests/unit/") else file
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Sharing | None:
+    """Return the order of `make test`."""
+    return Sharing(config, log) if config.getoption("dist") == "loadgroup" else None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Let tools/mutate.py, which asks for contexts, see what all tests execute."""
+    if config.getoption("cov_context", None):
+        for node in {node for item in items for node in item.listchain()}:
+            node.own_markers[:] = [mark for mark in node.own_markers if mark.name != "no_cover"]
+
+
 @pytest.fixture(autouse=True)
-def no_settings_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No test reaches the developer's own robot."""
+def no_settings_from_outside(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """No test reaches the developer's own robot, or class."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.getbasetemp() / "config"))
     for name in os.environ:
         if name.startswith(("BEATRIX_", "ZENOH_")):
             monkeypatch.delenv(name)

@@ -1,4 +1,4 @@
-"""A program of 2023 at the port that a node opens for it."""
+"""A program of 2023 at the port of a node."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import msgspec
 import serial
-from stage import Stage, until
+from stage import Stage, ask_raw, until
 
-PATIENCE_S = 10.0
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Event, Events
+
+PATIENCE_S = 40.0
 
 
 class Program:
@@ -20,7 +24,7 @@ class Program:
         self._begun = begun
 
     def say(self, line: str, answers: int = 2) -> list[str]:
-        """Send a line, wait for so many lines."""
+        """Send a line and return this many lines of answers."""
         self.port.write(line.encode() + b"\r")
         return self.read(answers)
 
@@ -29,14 +33,14 @@ class Program:
         return [self.port.readline().decode() for _ in range(lines)]
 
     def begin(self) -> Program:
-        """As programs do."""
+        """Enable and set the zero, as programs do."""
         assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
         self._begun()
         return self
 
     @property
     def x(self) -> int:
-        """Where the short arm is, as the program is told."""
+        """Position of the short arm as the program reads it."""
         return int(self.say("@GETXPOS", 3)[1])
 
 
@@ -44,26 +48,36 @@ class Place:
     """A robot with a port for old programs."""
 
     def __init__(self, stage: Stage, twin: str, path: Path) -> None:
-        self.stage, self.path = stage, path
+        self.stage, self.path, self._twin = stage, path, twin
         self.robot = stage.robot("bea", twin)
         self.start = 0.0
 
     def far(self) -> bool:
-        """It moves, and has made some steps."""
+        """Whether the robot moves and has made some steps."""
         return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
 
     def turn(self, steps: int) -> bytes:
-        """A line that turns the head by so many steps, to the side where there is room."""
+        """A line that turns the head by this many steps, away from its limit."""
         away = -steps if self.robot.positions().commanded.short > 0 else steps
         return f"@MOVRALL {away} {away} {away} 200\r".encode()
 
+    def events(self, since: int = -1) -> list[Event]:
+        """Stored events with a number above `since`, oldest first."""
+        (answer,) = ask_raw(self.robot.client, keys.events_json("bea", self._twin))
+        events = msgspec.json.decode(answer.payload, type=Events).events
+        return [event for event in events if event.seq > since]
+
+    def newest_event(self) -> int:
+        """Number of the newest event."""
+        return max((event.seq for event in self.events()), default=-1)
+
     def _remember(self) -> None:
-        """Where it stands; a simulation was set upright."""
+        """Store the position at the begin; a simulation is upright."""
         self.start = self.robot.positions().commanded.short
 
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
-        """A program that has opened the port; nobody drives."""
+        """A program that has opened the port, while no seat drives."""
         until(lambda: self.robot.status().holder == "", "free", 5.0)
         program = Program(self.path, self._remember)
         try:

@@ -19,18 +19,22 @@ from beatrix_zenoh.board.virtual import Firmware
 BYTE_MS: Final = 10 / 9.6
 """On the wire at 9600 baud."""
 BEAT_MS: Final = 100
+LOOK_MS: Final = 10
+"""Between two looks at what came back, where no test asks for more: each costs more than the firmware's milliseconds."""
 LAST: Final = 1
 
 
 class Program:
-    """Sends lines and collects the lines that come back, with their times in ms.
+    """Sends lines and collects the lines that come back, with their times in ms, rounded up to the next look.
 
     `framed`: through a host that speaks frames all the time; then flags, warnings and telemetry are collected as well.
+    `look_ms`: from one look to the next, a divisor of BEAT_MS.
     """
 
-    def __init__(self, core: Core | None = None, *, framed: bool = False) -> None:
+    def __init__(self, core: Core | None = None, *, framed: bool = False, look_ms: int = LOOK_MS) -> None:
         self.core: Core = core or Firmware()
         self.framed = framed
+        self.look_ms = look_ms
         self.ms = 0
         self.lines: list[tuple[int, str]] = []
         self.flags: list[int] = []
@@ -56,7 +60,7 @@ class Program:
         return self.new()
 
     def frame(self, kind: FrameType, payload: bytes = b"") -> None:
-        """Somebody speaks in frames."""
+        """Another program sends frames."""
         self.send(encode(kind, 1, payload))
 
     def ready(self) -> Program:
@@ -67,10 +71,9 @@ class Program:
     def run(self, line: str, limit_ms: int = 60_000) -> list[str]:
         """Send a line and wait for both replies."""
         self.send(line.encode("ascii") + b"\r")
-        for _ in range(limit_ms):
-            if len(self.lines) - self._read >= 2:
-                break
-            self.tick()
+        end_ms = self.ms + limit_ms
+        while len(self.lines) - self._read < 2 and self.ms < end_ms:
+            self.tick(self.look_ms)
         return self.new()
 
     def new(self) -> list[str]:
@@ -81,9 +84,11 @@ class Program:
 
     def tick(self, ms: int = 1) -> None:
         """Let time pass; a host that speaks frames does so meanwhile."""
-        for _ in range(ms):
-            self.ms += 1
-            self.core.tick(1)
+        end_ms = self.ms + ms
+        while self.ms < end_ms:
+            pause_ms = min(self.look_ms - self.ms % self.look_ms, end_ms - self.ms)
+            self.ms += pause_ms
+            self.core.tick(pause_ms)
             if self.framed and self.ms % BEAT_MS == 0:
                 self.core.receive(encode(FrameType.PING, 1, b""))
             self._look()

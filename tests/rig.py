@@ -49,7 +49,7 @@ class Core(Protocol):
 class HostFirmware:
     """The host library; one per process may be in use at a time, since its state is the library's."""
 
-    _REPORT = struct.Struct("<6q6iII")
+    _REPORT = struct.Struct("<6q6iIII")
 
     def __init__(self, library: Path, boot: int = 1) -> None:
         self._library = ctypes.CDLL(str(library))
@@ -61,7 +61,7 @@ class HostFirmware:
     def receive(self, data: bytes) -> None:
         """Give bytes to the serial port."""
         size = self._library.receive_size()
-        while data:
+        while data or self._report()[14]:
             chunk = data[:size]
             ctypes.memmove(self._library.receive_buffer(), chunk, len(chunk))
             data = data[self._library.receive(len(chunk)) :]

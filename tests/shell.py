@@ -1,48 +1,67 @@
-"""Somebody who types `beatrix`, and the robots he types at."""
+"""A user who types `beatrix`, and the robots at the same router."""
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
+import logging
 import os
 import signal
 import subprocess
 import sys
+import time
+import unittest.mock
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from stage import ROOT, Process, free_endpoint, until
+from stage import ROOT, Process, free_endpoint, until, untraced
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.node.lease import QUIET_S
 
 CLI = ("-m", "beatrix_zenoh.cli")
 NAME = "bea1"
 
 
+def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
+    """Run `beatrix` to its end in this process, which need not import everything anew; `answers` are typed at it."""
+    stdout, stderr = io.StringIO(), io.StringIO()
+    warnings = logging.StreamHandler(stderr)
+    warnings.setLevel(logging.WARNING)  # as Python prints them where no handler is set
+    logging.getLogger().addHandler(warnings)
+    try:
+        with (
+            unittest.mock.patch.object(sys, "stdin", io.StringIO(answers)),
+            contextlib.redirect_stdout(stdout),
+            contextlib.redirect_stderr(stderr),
+        ):
+            code = app.run(list(words))
+    finally:
+        logging.getLogger().removeHandler(warnings)
+    return subprocess.CompletedProcess(words, code, stdout.getvalue(), stderr.getvalue())
+
+
 class Shell:
-    """Somebody who types at one router."""
+    """A user who types commands for one router."""
 
     def __init__(self, endpoint: str) -> None:
         self.endpoint = endpoint
 
     def environment(self) -> dict[str, str]:
-        kept = {key: value for key, value in os.environ.items() if not key.startswith("BEATRIX_")}
+        kept = {key: value for key, value in untraced().items() if not key.startswith("BEATRIX_")}
         return {**kept, "BEATRIX_CONNECT": self.endpoint, "BEATRIX_WHO": "ana", "PYTHONPATH": str(ROOT)}
 
     def run(self, *words: str, cwd: Path = ROOT, **more: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, *CLI, *words]
-        done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            env={**self.environment(), **more},
-            timeout=30,
-            check=False,
-            cwd=cwd,
-        )
-        assert "Traceback" not in done.stderr, done.stderr
-        return done
+        """Run a command to its end."""
+        with (
+            unittest.mock.patch.dict(os.environ, {**self.environment(), **more}, clear=True),
+            contextlib.chdir(cwd),
+        ):
+            return beatrix(*words)
 
     def good(self, *words: str) -> str:
         done = self.run(*words)
@@ -67,12 +86,12 @@ class Shell:
         return Robot(NAME, twin, connect=self.endpoint, who="ana")
 
 
-@contextmanager
+@contextlib.contextmanager
 def both() -> Iterator[Shell]:
-    """Router, simulation and virtual robot by `beatrix up`."""
+    """Router, simulation and virtual robot by `beatrix up`, whose coverage tests/nodes/test_cli_serving.py counts."""
     endpoint = free_endpoint()
     where = ("--connect", endpoint, "--name", NAME)
-    up = Process(*CLI, "up", *where, "--hw", "virtual:", "--ready", "--json")
+    up = Process(*CLI, "up", *where, "--hw", "virtual:", "--ready", "--json", traced=False)
     try:
         up.expect('{"result":true')
         made = Shell(endpoint)
@@ -83,10 +102,11 @@ def both() -> Iterator[Shell]:
         assert up.end(signal.SIGINT) == 0
 
 
-@contextmanager
+@contextlib.contextmanager
 def another(shell: Shell, name: str) -> Iterator[Process]:
     """One more robot at the same router."""
-    process = Process(*CLI, "hw", "--name", name, "--port", "virtual:", "--connect", shell.endpoint)
+    where = ("--name", name, "--connect", shell.endpoint)
+    process = Process(*CLI, "hw", *where, "--port", "virtual:", traced=False)
     try:
         process.expect("ready")
         yield process
@@ -95,6 +115,13 @@ def another(shell: Shell, name: str) -> Iterator[Process]:
 
 
 def wait_until_free(shell: Shell) -> None:
-    """Nobody drives: who was stopped must pause, and a driver keeps the robot for a while."""
+    """Wait until no seat holds the robots and a seat that was stopped has been quiet for long enough."""
     with shell.robot("hw") as hardware, shell.robot("sim") as simulation:
-        until(lambda: not (hardware.status().holder or simulation.status().holder), "both are free")
+        until(lambda: is_free(hardware) and is_free(simulation), "both are free", 10.0)
+
+
+def is_free(robot: Robot) -> bool:
+    """Whether a robot has no driver, and neither a motion nor STOP in the last three seconds."""
+    kinds = (EventKind.MOTION, EventKind.STOP)
+    last_ns = max((event.t_wall_ns for event in robot.past_events() if event.kind in kinds), default=0)
+    return not robot.status().holder and time.time_ns() - last_ns > QUIET_S * 1e9

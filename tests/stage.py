@@ -17,20 +17,29 @@ from typing import Self
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Status
-from beatrix_zenoh.bus import Answer
+from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.node import Node, Roads
+from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
-START_S = 20.0
-"""A busy machine with two test processes may need this long to import MuJoCo."""
-END_S = 10.0
+START_S = 60.0
+"""A busy machine may need this long to import MuJoCo; a test that passes does not wait for it."""
+END_S = 30.0
 PATIENCE_S = 10.0
-"""For an answer on a machine that runs two test processes."""
+"""For an answer on a busy machine."""
+EVENT_S = 20.0
+"""For an event whose time is not what a test is about."""
 ROOT = Path(__file__).resolve().parent.parent
-UNTRACED = {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
-"""For who is interrupted while busy: a KeyboardInterrupt inside coverage's tracer leaves its lock taken for ever."""
+
+
+def untraced() -> dict[str, str]:
+    """Environment of a process whose coverage is not counted.
+
+    Counting doubles what a robot's process costs; and a KeyboardInterrupt inside coverage's tracer leaves its lock taken
+    for ever.
+    """
+    return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 
 
 def free_endpoint() -> str:
@@ -40,7 +49,7 @@ def free_endpoint() -> str:
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
-def until(holds: Callable[[], bool], what: str, timeout_s: float = 5.0) -> None:
+def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> None:
     """Poll a condition that has no event of its own, to a deadline."""
     deadline = time.monotonic() + timeout_s
     pause = threading.Event()
@@ -52,15 +61,17 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = 5.0) -> None:
 class Process:
     """A child process whose output lines are read as they come."""
 
-    def __init__(self, *command: str, listens: bool = False, traced: bool = True) -> None:
+    def __init__(
+        self, *command: str, listens: bool = False, traced: bool = True, folder: Path = ROOT
+    ) -> None:
         self._child = subprocess.Popen(
             [sys.executable, *command],
             stdin=subprocess.PIPE if listens else None,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            cwd=ROOT,
-            env=dict(os.environ if traced else UNTRACED, PYTHONUNBUFFERED="1"),
+            cwd=folder,
+            env=dict(os.environ if traced else untraced(), PYTHONUNBUFFERED="1"),
         )
         self.pid = self._child.pid
         self.lines: list[str] = []
@@ -74,8 +85,8 @@ class Process:
             self._queue.put(line.rstrip("\n"))
         self._queue.put(None)
 
-    def expect(self, beginning: str, timeout_s: float = START_S) -> str:
-        """The next line that begins so."""
+    def expect(self, beginning: str | tuple[str, ...], timeout_s: float = START_S) -> str:
+        """The next line that begins so, or in one of these ways."""
         deadline = time.monotonic() + timeout_s
         while True:
             try:
@@ -86,6 +97,13 @@ class Process:
             self.lines.append(line)
             if line.startswith(beginning):
                 return line
+
+    def expect_all(self, *beginnings: str) -> None:
+        """The next lines that begin so, in any order."""
+        missing = set(beginnings)
+        while missing:
+            line = self.expect(tuple(missing))
+            missing -= {beginning for beginning in missing if line.startswith(beginning)}
 
     def say(self, line: str) -> None:
         """Write a line to its standard input."""
@@ -124,9 +142,13 @@ class Process:
 
 
 class Stage:
-    """A router in this process, robots in processes of their own, clients here; all ended on exit."""
+    """A router in this process, robots in processes of their own, clients here; all ended on exit.
 
-    def __init__(self) -> None:
+    `traced`: count the coverage of its simulations and hardware nodes.
+    """
+
+    def __init__(self, *, traced: bool = False) -> None:
+        self._traced = traced
         self.endpoint = free_endpoint()
         self._router = zbus.open_router(self.endpoint)
         self._processes: list[Process] = []
@@ -139,7 +161,7 @@ class Stage:
 
     def script(self, path: Path, *arguments: str) -> Process:
         """Start a Python program that is ended with the stage."""
-        return self._started(Process(str(path), *arguments))
+        return self._started(Process(str(path), *arguments, traced=False))
 
     def _started(self, process: Process) -> Process:
         self._processes.append(process)
@@ -147,25 +169,30 @@ class Stage:
 
     def simulation(self, name: str, *arguments: str) -> Process:
         """A simulation that serves."""
-        process = self.process("sim_node", "--name", name, "--connect", self.endpoint, *arguments)
-        process.expect("ready")
-        return process
+        return self._robot("sim_node", name, *arguments)
 
     def hardware(self, name: str, port: str = "virtual:") -> Process:
         """A hardware node that serves."""
-        process = self.process("hw_node", "--name", name, "--connect", self.endpoint, "--port", port)
+        return self._robot("hw_node", name, "--port", port)
+
+    def _robot(self, module: str, name: str, *arguments: str) -> Process:
+        where = ("--name", name, "--connect", self.endpoint)
+        process = self._started(Process("-m", module, *where, *arguments, traced=self._traced))
         process.expect("ready")
         return process
 
     def mega(self, path: Path, *options: str) -> Process:
         """A simulated Mega with the shipped firmware, a port at `path`; options and words are those of tests/avr/live.py."""
-        process = self._started(Process("tests/avr/live.py", "--path", str(path), *options, listens=True))
+        process = self._started(
+            Process("tests/avr/live.py", "--path", str(path), *options, listens=True, traced=False)
+        )
         process.expect("ready")
         return process
 
-    def node(self, name: str) -> Node:
-        """A node on the virtual board inside this process."""
-        node = Node(Roads.open(lambda: zbus.connect(self.endpoint)), name, VirtualHardware(name))
+    def node(self, name: str, body: VirtualHardware | None = None) -> Node:
+        """A node inside this process, on a virtual board of its own unless a body is given."""
+        body = body or VirtualHardware(name)
+        node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body).start()
         self._nodes.append(node)
         return node
 
@@ -179,10 +206,14 @@ class Stage:
         """A robot through a session of its own."""
         return Robot(name, twin, client=self.client(who), timeout_s=PATIENCE_S)
 
+    def close_clients(self) -> None:
+        """End the sessions of all clients; robots and router go on."""
+        while self._clients:
+            self._clients.pop().close()
+
     def close(self) -> None:
         """Clients first, then robots, their boards, the router last."""
-        for client in self._clients:
-            client.close()
+        self.close_clients()
         for node in self._nodes:
             node.close()
         for process in reversed(self._processes):
@@ -197,13 +228,14 @@ class Stage:
 
 
 def ready(robot: Robot) -> Robot:
-    """Motors on and calibrated."""
+    """Emergency latch cleared, motors on and calibrated."""
+    robot.reset()
     robot.enable()
     robot.calibrate()
     return robot
 
 
-def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = 5.0) -> None:
+def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = EVENT_S) -> None:
     """Until the robot's status fulfils `holds`."""
     until(lambda: holds(robot.status()), what, timeout_s)
 
@@ -214,14 +246,14 @@ def ask_raw(
     payload: bytes | None = None,
     encoding: str | None = None,
     timeout_s: float = 8.0,
-) -> list[Answer]:
+) -> list[Reply]:
     """All replies to a query, as a foreign client sees them."""
-    question = client.bus.question(selector, payload, encoding)
+    query = client.bus.query(selector, payload, encoding)
     deadline = time.monotonic() + timeout_s
     answers = []
     try:
-        while (answer := question.next(deadline - time.monotonic())) is not None:
+        while (answer := query.next(deadline - time.monotonic())) is not None:
             answers.append(answer)
     finally:
-        question.close()
+        query.close()
     return answers

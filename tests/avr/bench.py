@@ -1,4 +1,4 @@
-"""The real firmware on a simulated Arduino Mega, in virtual time: exact cycles, true wires, no port, no waiting."""
+"""The firmware on a simulated Arduino Mega, in virtual time with exact cycles."""
 
 from __future__ import annotations
 
@@ -19,19 +19,21 @@ EEPROM_SIZE: Final = 4096
 SIGNALS: Final = ("step", "direction", "enable")
 VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "transmit", 32: "tick"}
 """Interrupts of the firmware by their number on the ATmega2560."""
+BUDGETS: Final = {"step x": 300, "step y": 300, "step z": 300, "receive": 100, "transmit": 100, "tick": 8000}
+"""Cycles that firmware/beatrix/src/core/hal.h allows; up to half of a step interrupt is waiting for the exact cycle."""
 TICK: Final = 32
 _GONE: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
 _HEARD: Final = 4096
 """Bytes fetched at once."""
 _PIECE: Final = 16_000_000
-"""Cycles a call into C: a keyboard interrupt gets through."""
+"""Cycles for each call into C, so that Python can handle a keyboard interrupt."""
 
 Steps = tuple[int, int, int]
 
 
 class Crashed(Exception):
-    """The program has run into nothing: no firmware may do that."""
+    """The program ended or crashed."""
 
 
 class _Work(ctypes.Structure):
@@ -62,7 +64,7 @@ BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
 
 
 class Work(NamedTuple):
-    """What an interrupt has cost, in cycles, without what was nested in it."""
+    """Cycles of an interrupt, without nested interrupts."""
 
     calls: int
     cycles: int
@@ -109,7 +111,7 @@ def _library() -> ctypes.CDLL:
 
 
 class Avr:
-    """An Arduino Mega with this firmware (.elf or .hex), fresh from reset. Use it in `with`.
+    """An Arduino Mega with this firmware (.elf or .hex), after reset. Use it in `with`.
 
     Times are cycles of 62.5 ns since power came, or milliseconds of 16 000 cycles. `eeprom` is what
     the memory holds before; without it, nothing. Raises Crashed as soon as the program is lost.
@@ -132,7 +134,7 @@ class Avr:
         self.close()
 
     def close(self) -> None:
-        """Free it; nothing can be asked after."""
+        """Free the simulator; the object is unusable afterwards."""
         if self._board:
             self._c.bench_close(self._board)
             self._board = None
@@ -141,35 +143,35 @@ class Avr:
 
     @property
     def cycle(self) -> int:
-        """Cycles since power came; resets do not set it back."""
+        """Cycles since power-on, resets included."""
         return int(self._report.cycle)
 
     def run_until(self, cycle: int) -> None:
-        """Let time pass until this cycle, or an instruction further."""
+        """Run until this cycle, or an instruction further."""
         while self.cycle < cycle:
             state = self._c.bench_run(self._board, min(cycle, self.cycle + _PIECE))
             if state in _GONE:
                 raise Crashed(f"state {state} at cycle {self.cycle}")
 
     def run(self, cycles: int) -> None:
-        """Let so many cycles pass."""
+        """Run for this number of cycles."""
         self.run_until(self.cycle + cycles)
 
     def run_ms(self, ms: float) -> None:
-        """Let so many milliseconds pass."""
+        """Run for this number of milliseconds."""
         self.run(round(ms * CYCLES_PER_MS))
 
-    # --- serial wire
+    # --- serial line
 
     def send(self, data: bytes) -> int:
-        """Put bytes on the wire, behind those still on it; the cycle at which the last stop bit will end."""
+        """Queue bytes on the serial line; return the cycle at which the last stop bit ends."""
         start = max(self.cycle, self._wire_free)
         self._c.bench_send(self._board, data, len(data), self.byte_cycles)
         self._wire_free = start + len(data) * self.byte_cycles
         return self._wire_free
 
     def deliver(self, data: bytes) -> None:
-        """Send, and let time pass until the last byte is with the board."""
+        """Send, and run until the board has received the last byte."""
         self.run_until(self.send(data))
 
     def sent(self, since: int = 0) -> NDArray[np.void]:
@@ -178,7 +180,7 @@ class Avr:
         return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
 
     def receive(self) -> bytes:
-        """Bytes that have come from the board since the last call; only those whole by now."""
+        """Complete bytes from the board since the last call."""
         heard = b""
         while count := self._c.bench_receive(self._board, self._heard, _HEARD):
             heard += self._heard.raw[:count]
@@ -186,7 +188,7 @@ class Avr:
 
     @property
     def overruns(self) -> int:
-        """Bytes that the UART lost because nobody fetched those before them."""
+        """Bytes that the UART lost because the firmware had not read earlier ones."""
         return int(self._report.overruns)
 
     # --- pins
@@ -211,7 +213,7 @@ class Avr:
         return self.level("enable") == 0
 
     def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """When an arm's steps began, in cycles, and their directions, +1 or -1."""
+        """Start cycles of an arm's steps, and their directions, +1 or -1."""
         edges = self.all_edges()
         steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"].astype(np.int64)
         turns = edges[edges["signal"] == 3 + arm]
@@ -221,24 +223,24 @@ class Avr:
         return steps, np.where(forward == 1, 1, -1)
 
     def pulses(self) -> Steps:
-        """Steps on the pins since power came, forward minus backward."""
+        """Steps on the pins since power-on, forward minus backward."""
         x, y, z = (int(self.steps(arm)[1].sum()) for arm in range(3))
         return x, y, z
 
     # --- the rest of the board
 
     def reset(self) -> None:
-        """Press the button."""
+        """Press the reset button."""
         self._c.bench_reset(self._board)
 
     @property
     def resets(self) -> int:
-        """Resets since power came, by button or watchdog."""
+        """Resets since power-on, by button or watchdog."""
         return int(self._report.resets)
 
     @property
     def eeprom(self) -> bytes:
-        """What the memory holds now."""
+        """Content of the EEPROM."""
         held = ctypes.create_string_buffer(EEPROM_SIZE)
         self._c.bench_eeprom(self._board, held, EEPROM_SIZE)
         return held.raw
@@ -259,7 +261,7 @@ class Avr:
         """Put the instruction back."""
         self._c.bench_mend(self._board, broken)
 
-    # --- what it costs
+    # --- processor time
 
     @property
     def slept(self) -> int:
@@ -267,7 +269,7 @@ class Avr:
         return int(self._report.slept)
 
     def work(self, vector: int) -> Work:
-        """What an interrupt has cost since power came; see VECTORS."""
+        """Cycles of an interrupt since power-on; see VECTORS."""
         row = self._report.work[vector]
         return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
 

@@ -1,4 +1,4 @@
-"""A simulated Mega behind a pseudo-terminal, in real time: plug a program in where a board would be.
+"""A simulated Mega behind a pseudo-terminal, in real time.
 
 python tests/avr/live.py --path /tmp/board    then  python -m hw_node --name bea --port /tmp/board
 Lines on standard input work it, and are repeated when done:
@@ -64,10 +64,10 @@ class Cable:
         return self._spoilt(os.read(self.master, 4096))
 
     def give(self, said: bytes) -> None:
-        """To whoever has it open."""
+        """Send bytes to the program that has the port open."""
         if self.swallowing:
             said = self._without_an_answer(said)
-        with contextlib.suppress(BlockingIOError):  # nobody reads: a real chip's buffer overflows as well
+        with contextlib.suppress(BlockingIOError):  # without a reader; a real chip's buffer overflows as well
             os.write(self.master, self._spoilt(said))
 
     def _spoilt(self, data: bytes) -> bytes:
@@ -147,7 +147,7 @@ class Live:
     # -- life -----------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Until it is told to quit."""
+        """Run until the control line `quit`."""
         ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1)  # otherwise each slice ends 0.05 ms late
         next_s = time.monotonic()
         while self._running:

@@ -1,4 +1,4 @@
-"""A Mega on the bench that can be talked to frame by frame, and what its pins may never do."""
+"""The simulated Mega as a Rig or a Core, and the checks of its pins."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rig import ROOT, Rig, Steps
 from beatrix_zenoh.board.link import Decoder
 
 HEX: Final = ROOT / "hw_node/beatrix-mega2560.hex"
-"""What is flashed into real boards."""
+"""The hex file for real boards."""
 LOADER: Final = Path(
     "/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex"
 )
-"""What is on every Mega: Debian's arduino-core-avr."""
+"""The Mega's boot loader, from Debian's arduino-core-avr."""
 START_MS: Final = 30
 """From reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
 PULSE_MIN: Final = 16
@@ -27,13 +27,13 @@ SETUP_MIN: Final = 4
 
 
 class MegaCore:
-    """The Mega as a Core for Rig: what is received has been answered when `receive` returns."""
+    """The Mega as a Core for Rig: replies are sent when `receive` returns."""
 
     def __init__(self, avr: Avr) -> None:
         self.avr = avr
 
     def receive(self, data: bytes) -> None:
-        """Put bytes on the wire; wait for them to be dealt with and answered."""
+        """Send bytes to the board and wait for the replies."""
         self.avr.deliver(data)
         self.avr.run_ms(4)
 
@@ -51,7 +51,7 @@ class MegaCore:
 
 
 class MegaPort(MegaCore):
-    """The Mega as a Core for Program: bytes take their time on the wire, and nobody waits for them.
+    """The Mega as a Core for Program: `receive` queues bytes and does not wait.
 
     Use it in `with`: its pins are looked at in the end.
     """
@@ -72,7 +72,7 @@ class MegaPort(MegaCore):
 
 
 class Mega(Rig):
-    """Rig on the real firmware. Use it in `with`: its pins are looked at in the end."""
+    """Rig on the Mega. Use it in `with`, which checks its pins at the end."""
 
     def __init__(
         self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000
@@ -88,25 +88,25 @@ class Mega(Rig):
         close(self.avr, in_order=kind is None)
 
     def restart(self, after_cycles: int = 0) -> None:
-        """Press reset, so many cycles from now; returns when the board has said HELLO."""
+        """Press reset after this number of cycles; return when the board has started."""
         self.avr.run(after_cycles)
         self.avr.reset()
         self.hear_again()
         self.tick(START_MS)
 
     def hear_again(self) -> None:
-        """Forget the frame that a reset has cut off."""
+        """Discard the frame that a reset has interrupted."""
         self.core.transmit()
         self._decoder = Decoder()
         self.others.clear()
 
     def settle(self) -> None:
-        """Let the steps that are planned be made and reported."""
+        """Run until planned steps are made and reported."""
         self.tick(20)
 
 
 def close(avr: Avr, *, in_order: bool) -> None:
-    """Free a board; if its test has passed, look at its pins and its wire once more."""
+    """Free a board; if its test has passed, check its pins and its serial line."""
     try:
         if in_order:
             assert pin_faults(avr) == []
@@ -116,7 +116,7 @@ def close(avr: Avr, *, in_order: bool) -> None:
 
 
 def pin_faults(avr: Avr) -> list[str]:
-    """What the drivers would not have understood, and every step without power."""
+    """Pulses that violate the timing of the drivers, and steps while they are off."""
     edges = avr.all_edges()
     found = []
     for arm in range(3):

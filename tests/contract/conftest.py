@@ -1,27 +1,30 @@
-"""The bodies every contract test runs against."""
+"""The bodies of every contract test."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import pytest
-from body import Body
+from body import Body, run_on_bodies
 from stage import Stage, ready
 
 from beatrix_zenoh import Robot
 
-BODIES = ("sim", "hw", "in-process", "mega")
+BODIES = ("sim", "in-process", "mega")
+"""A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated Mega."""
 
 
-@pytest.fixture(scope="module", params=BODIES)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    run_on_bodies(metafunc, "body", BODIES)
+
+
+@pytest.fixture(scope="session")
 def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Body]:
-    """One body, shared by the tests of a file."""
+    """One body, shared by all tests."""
     kind: str = request.param
     with Stage() as stage:
         if kind == "sim":
             stage.simulation("bea")
-        elif kind == "hw":
-            stage.hardware("bea")
         elif kind == "mega":
             path = tmp_path_factory.mktemp("mega") / "board"
             stage.mega(path)
@@ -33,11 +36,11 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 @pytest.fixture
 def robot(body: Body) -> Iterator[Robot]:
-    """The robot at home, enabled and calibrated, driven by ana."""
+    """A client of the seat ana; the robot is at home, enabled and calibrated. All clients close after the test."""
     robot = body.robot()
     robot.stop()
     robot.disable()
     ready(robot)
     yield robot
     robot.stop()
-    robot.client.close()
+    body.stage.close_clients()

@@ -1,4 +1,4 @@
-"""Motions: the same requests, the same replies, the same commanded positions from every body."""
+"""Motions: every body gives the same replies and set points for the same requests."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import math
 import pytest
 from stage import ask_raw, until
 
-from beatrix_zenoh import Interrupted, Refused, Robot, codec
+from beatrix_zenoh import Interrupted, Refused, Robot, codec, suggestion
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
-from beatrix_zenoh.drive import Gear
-from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.motion.gear import Gear
+from beatrix_zenoh.motion.kinematics import Neck
 
 STEP_DEG = 360 / Gear().steps_per_turn
 MEASURED_DEG = 0.25
@@ -33,12 +33,12 @@ def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
     until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}", 2.0)
 
 
-def test_absolute_move_ends_at_the_target(robot: Robot) -> None:
+def test_an_absolute_motion_ends_at_the_target(robot: Robot) -> None:
     robot.move(10, -5, 3, speed=60)
     assert_rests_at(robot, (10, -5, 3))
 
 
-def test_relative_move_starts_from_the_set_point(robot: Robot) -> None:
+def test_a_relative_motion_starts_from_the_set_point(robot: Robot) -> None:
     robot.move(4, 4, 4, speed=60)
     robot.move(1, -2, 0, relative=True, speed=60)
     assert_rests_at(robot, (5, 2, 4))
@@ -52,7 +52,7 @@ def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose", 2.0)
 
 
-def test_relative_look_adds_to_the_pose(robot: Robot) -> None:
+def test_a_relative_pose_is_added_to_the_present_pose(robot: Robot) -> None:
     robot.look(yaw=10, speed=60)
     robot.look(pitch=5, relative=True, speed=60)
     until(lambda: near(robot.positions().head, (10, 5, 0), 0.4), "head at the pose", 2.0)
@@ -63,7 +63,7 @@ def test_equal_arms_turn_the_head_left(robot: Robot) -> None:
     until(lambda: near(robot.positions().head, (12, 0, 0), MEASURED_DEG), "head turned left", 2.0)
 
 
-def test_two_replies_accepted_then_done(robot: Robot) -> None:
+def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
     key = keys.pose(robot.name, robot.twin, "ana")
     replies = ask_raw(robot.client, key, codec.encode(PoseQuery(yaw=0.1)), codec.MSGPACK)
     accepted, done = (codec.decode(reply.payload, MotionReply) for reply in replies)
@@ -78,17 +78,17 @@ def test_two_replies_accepted_then_done(robot: Robot) -> None:
     assert done.position.x == pytest.approx(0.1, abs=math.radians(STEP_DEG))
 
 
-def test_speed_is_honoured(robot: Robot) -> None:
+def test_the_duration_follows_from_the_speed(robot: Robot) -> None:
     slow = robot.move(6, 0, 0, speed=6)
     assert slow.duration == pytest.approx(6 / 6 + 6 / 180, rel=0.02)
 
 
-def test_motion_to_where_it_is_is_done_at_once(robot: Robot) -> None:
+def test_a_motion_to_the_present_position_ends_at_once(robot: Robot) -> None:
     motion = robot.move(0, 0, 0)
     assert motion.duration == 0
 
 
-def test_newer_motion_replaces_the_running_one(robot: Robot) -> None:
+def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     first = robot.look(yaw=40, wait=False)
     robot.look(yaw=-5, speed=60)
     with pytest.raises(Interrupted) as ended:
@@ -97,7 +97,7 @@ def test_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     assert_rests_at(robot, (-5, -5, -5))
 
 
-def test_stop_in_mid_move_rests_at_an_exact_count(robot: Robot) -> None:
+def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 3, "moving")
     reply = robot.stop()
@@ -116,22 +116,22 @@ def test_stop_in_mid_move_rests_at_an_exact_count(robot: Robot) -> None:
     assert not robot.status().moving
 
 
-def test_stop_at_rest_says_so(robot: Robot) -> None:
+def test_stop_at_rest_is_answered_with_nothing_moves(robot: Robot) -> None:
     assert "Nothing moves" in robot.stop().message
 
 
-def test_home_is_answered_when_the_arms_are_home(robot: Robot) -> None:
+def test_home_is_answered_when_the_arms_are_at_home(robot: Robot) -> None:
     robot.move(5, 5, 5, speed=60)
     robot.home()
     assert_rests_at(robot, (0, 0, 0))
 
 
 REFUSALS = [
-    ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "apart"),
-    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "apart"),
+    ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "30.0°"),
+    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "25.0° apart; at least 30.0°"),
     ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),
     ((5.0, 0.0, 0.0), 0.0, Reason.SPEED_LIMIT, "speed"),
-    ((5.0, 0.0, 0.0), 1e-30, Reason.SPEED_LIMIT, "slowest"),
+    ((5.0, 0.0, 0.0), 1e-30, Reason.SPEED_LIMIT, "0.022°/s"),
     ((5.0, 0.0, 0.0), -3.0, Reason.SPEED_LIMIT, "speed"),
     ((5.0, 0.0, 0.0), 1000.0, Reason.SPEED_LIMIT, "90"),
     ((math.degrees(1e6), 0.0, 0.0), 30.0, None, ""),
@@ -141,8 +141,9 @@ REFUSALS = [
 ]
 
 
+@pytest.mark.bodies("in-process")
 @pytest.mark.parametrize(("arms", "speed", "reason", "word"), REFUSALS)
-def test_unreachable_motion_is_refused_and_nothing_moves(
+def test_an_impossible_motion_is_refused_and_nothing_moves(
     robot: Robot, arms: tuple[float, float, float], speed: float, reason: Reason | None, word: str
 ) -> None:
     before = raw_positions(robot).steps
@@ -154,27 +155,41 @@ def test_unreachable_motion_is_refused_and_nothing_moves(
     assert not robot.status().moving
 
 
+@pytest.mark.bodies("in-process")
 @pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (60.0, "35"), (80.0, "35"), (179.0, "")])
-def test_unreachable_pose_names_the_limit(robot: Robot, pitch: float, word: str) -> None:
+def test_the_refusal_of_an_impossible_pose_has_the_limit(robot: Robot, pitch: float, word: str) -> None:
     with pytest.raises(Refused) as refusal:
         robot.look(pitch=pitch)
     assert refusal.value.reason is Reason.OUT_OF_REACH
     assert word in refusal.value.message
 
 
+def test_the_suggestion_of_a_refusal_is_accepted(robot: Robot) -> None:
+    with pytest.raises(Refused) as refusal:
+        robot.look(pitch=60)
+    offer = suggestion(refusal.value)
+    assert offer is not None
+    assert offer.head is not None
+    assert offer.head.pitch == pytest.approx(35, abs=0.5)
+    robot.look(*offer.head, speed=60)
+    assert suggestion(Refused(Reason.BUSY)) is None
+
+
+@pytest.mark.bodies("in-process")
 @pytest.mark.parametrize("yaw", [200.0, 500.0])
-def test_a_turn_too_far_speaks_of_the_head(robot: Robot, yaw: float) -> None:
-    with pytest.raises(Refused, match=r"(?i)yaw [25]00\.0 deg.* cables allow .*180\.0 deg") as refusal:
+def test_the_refusal_of_a_yaw_is_about_the_head(robot: Robot, yaw: float) -> None:
+    with pytest.raises(Refused, match=r"yaw [25]00\.0°; -180\.0° to 180\.0°") as refusal:
         robot.look(yaw=yaw)
     assert refusal.value.reason is Reason.YAW_LIMIT
 
 
-def test_arms_that_would_cross_are_told_so(robot: Robot) -> None:
-    with pytest.raises(Refused, match="short and middle arms would have passed each other"):
+@pytest.mark.bodies("in-process")
+def test_arms_that_would_pass_each_other_are_refused(robot: Robot) -> None:
+    with pytest.raises(Refused, match="short and middle arms would pass each other"):
         robot.move(92, -92, 0)
 
 
-def test_the_whole_path_is_checked_not_only_its_end(robot: Robot) -> None:
+def test_the_whole_path_is_checked(robot: Robot) -> None:
     robot.look(pitch=30, speed=60)
     with pytest.raises(Refused):
         robot.move(90, 90, 0, relative=True)

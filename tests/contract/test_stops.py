@@ -1,61 +1,106 @@
-"""STOP and EMERGENCY_STOP against programs that do not think of them."""
+"""STOP and EMERGENCY_STOP while programs go on sending requests."""
 
 from __future__ import annotations
+
+import time
 
 import pytest
 from body import Body
 from stage import ready, until
 
-from beatrix_zenoh import Refused, Robot, codec
+from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, Fault, Reason
-from beatrix_zenoh.bus import Question
+from beatrix_zenoh._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
+from beatrix_zenoh.bus import Query
 
 
-def test_an_emergency_is_not_undone_by_a_program_that_begins_with_enable(body: Body, robot: Robot) -> None:
+def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
     boss = body.robot("boss")
     boss.emergency_stop()
-    with pytest.raises(Refused, match="EMERGENCY_STOP was pressed while this program was at work") as refusal:
-        robot.enable()
-    assert refusal.value.reason is Reason.STOPPED
+    later = body.robot("ana")
+    for program in (robot, later, robot, boss):
+        with pytest.raises(Refused) as refusal:
+            program.enable()
+        assert refusal.value.reason is Reason.EMERGENCY
     status = boss.status()
     assert (status.enabled, status.fault) == (False, Fault.EMERGENCY)
-    later = body.robot("ana")  # a person who looked and types
+    later.command(Command.RESET)
+    assert not later.status().enabled, "the motors stay off"
     ready(later)
     assert later.status().calibrated
     boss.client.close()
     later.client.close()
 
 
-def test_stop_between_two_motions_of_a_loop_holds(body: Body, robot: Robot) -> None:
+def test_stop_between_two_motions_of_a_program_refuses_the_next(body: Body, robot: Robot) -> None:
     boss = body.robot("boss")
     robot.move(3, 3, 3, speed=60)
     until(lambda: not boss.status().moving, "at rest")
     assert boss.status().holder == "ana"
     boss.stop()
-    with pytest.raises(Refused, match="STOP was pressed while ana was driving"):
+    with pytest.raises(Refused, match="STOP"):
         robot.move(0, 0, 0, speed=60)
     boss.client.close()
 
 
-def test_stop_is_answered_at_once_beside_a_queue_of_commands(body: Body, robot: Robot) -> None:
-    """Each of them waits for telemetry; one after the other they take most of a second."""
+def test_another_session_of_the_seat_that_pressed_stop_need_not_pause(body: Body, robot: Robot) -> None:
+    other = body.robot("ana")
+    robot.move(3, 3, 3, speed=60)
+    other.stop()
+    with pytest.raises(Refused) as refused:
+        robot.move(0, 0, 0, speed=60)
+    assert refused.value.reason is Reason.STOPPED
+    other.move(4, 4, 4, speed=60)
+    other.client.close()
+
+
+def test_stop_is_answered_within_a_second(robot: Robot) -> None:
+    motion = robot.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 3, "moving")
+    began_s = time.monotonic()
+    robot.stop()
+    assert time.monotonic() - began_s < 1.0, "0.2 s to decelerate, and a busy test machine"
+    with pytest.raises(Interrupted):
+        motion.wait()
+
+
+def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robot) -> None:
+    boss = body.robot("boss")
+    with robot.events(timeout_s=20.0) as events:
+        began_ns = robot.positions().t * 1e9  # STOPs of the test before may still arrive
+        boss.stop()
+        received: list[Event] = []
+
+        def receive(timeout_s: float) -> bool:
+            stops = [event for event in events.take(timeout_s) if event.kind is EventKind.STOP]
+            received.extend(event for event in stops if event.t_mono_ns > began_ns)
+            return bool(received)
+
+        until(lambda: receive(0.1), "the event")
+        robot.status()
+        receive(0.3)
+    assert [(event.action, event.seat, event.count) for event in received] == [("STOP", "boss", 1)]
+    boss.client.close()
+
+
+def test_stop_goes_before_waiting_commands(body: Body, robot: Robot) -> None:
+    """Each command waits for telemetry; all together take most of a second."""
     boss = body.robot("boss")
     key = keys.command(robot.name, robot.twin, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))
-    questions = [robot.client.bus.question(key, enable, codec.MSGPACK, "interactive_high") for _ in range(60)]
+    queries = [robot.client.bus.query(key, enable, codec.MSGPACK, "interactive_high") for _ in range(60)]
     boss.stop()
-    waiting = sum(map(unanswered, questions))
-    for question in questions:
-        question.close()
+    waiting = sum(map(unanswered, queries))
+    for query in queries:
+        query.close()
     boss.client.close()
     assert waiting > 10
 
 
-def unanswered(question: Question) -> bool:
-    """Its first reply has not come."""
+def unanswered(query: Query) -> bool:
+    """Return whether no reply has arrived."""
     try:
-        question.next(0)
+        query.next(0)
     except TimeoutError:
         return True
     return False

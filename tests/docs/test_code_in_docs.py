@@ -1,4 +1,4 @@
-"""The Python of README and tutorial runs as printed."""
+"""The Python of README, tutorial and how-to pages runs as printed, with the files that the page shows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,17 @@ import pytest
 from stage import Stage
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = ("README.md", "docs/tutorial/first-steps.md")
+PAGES = (
+    "README.md",
+    "docs/tutorial/first-steps.md",
+    "docs/how-to/choreographies.md",
+    "docs/how-to/simulated-eyes.md",
+    "docs/how-to/motion-files.md",
+    "docs/how-to/cameras.md",
+    "docs/how-to/share-a-robot.md",
+)
+FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
+"""Files that a page shows; the first line of each is its name."""
 
 
 class Prompt(InteractiveConsole):
@@ -35,9 +45,15 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
 
 @pytest.mark.parametrize("page", PAGES)
 @pytest.mark.timeout(120)
-def test_python_of_page_runs(page: str, stage: Stage) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+def test_python_of_page_runs(
+    page: str, stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
+    monkeypatch.chdir(tmp_path)
+    for content, name in FILES.findall(text):
+        (tmp_path / name).write_text(content, encoding="utf-8")
     prompt = Prompt({"__name__": "page"})
     for block in blocks:
         for line in [*block.splitlines(), ""]:

@@ -1,4 +1,4 @@
-"""Firmware built for the tests, once a session."""
+"""Fixtures of the firmware tests: builds, boards."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from rig import ROOT, Core, Rig
 from beatrix_zenoh.board.virtual import Firmware
 
 Build = Callable[..., Path]
+ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 PACKAGES = {
     "clang++-14": "clang-14 lld-14 libclang-rt-14-dev",
     "g++": "g++",
@@ -22,9 +23,18 @@ PACKAGES = {
 }
 
 
+@pytest.hookimpl(tryfirst=True)  # before the hook for all tests, which may remove the mark
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Count no Python coverage in firmware tests: it makes them much slower."""
+    here = Path(__file__).parent
+    for item in items:
+        if item.path.parent == here and item.path.stem != "test_flash":
+            item.add_marker(pytest.mark.no_cover)
+
+
 @pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
-    """Make a target of firmware/Makefile in a folder of this session; skips without its compiler."""
+    """Function that makes a target of firmware/Makefile in a folder of this session; skips without its compiler."""
     folder = tmp_path_factory.mktemp("firmware")
 
     def make(target: str, compiler: str, *settings: str) -> Path:
@@ -40,9 +50,17 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     return make
 
 
+@pytest.fixture(scope="session")
+def sketch(build: Build) -> Path:
+    """The hex file of the sketch, compiled as in the Arduino IDE."""
+    if not ARDUINO.exists():
+        pytest.skip(f"{ARDUINO} is missing: apt-get install arduino-core-avr")
+    return build("arduino", "avr-g++") / "beatrix.ino.hex"
+
+
 @pytest.fixture(params=["virtual", "mega"])
 def body(request: pytest.FixtureRequest) -> Iterator[Core]:
-    """The firmware in each of its bodies, for a Program to speak to."""
+    """The firmware on each target, for a Program."""
     if request.param == "virtual":
         yield Firmware()
         return
@@ -52,7 +70,7 @@ def body(request: pytest.FixtureRequest) -> Iterator[Core]:
 
 @pytest.fixture
 def rig() -> Rig:
-    """A board fresh from reset."""
+    """A board after reset."""
     return Rig()
 
 

@@ -1,19 +1,19 @@
-// The core alone: its guard from places where no motion can bring the arms, and its motions by the million.
+// The core alone: its limits from positions that no motion reaches, and millions of ticks of random motions.
 #include "motion.h"
 
 using namespace beatrix;
 
-extern "C" int guard_first_tick(const int32_t start[ARMS], const int32_t target[ARMS]) {
+extern "C" int check_first_tick(const int32_t start[ARMS], const int32_t target[ARMS]) {
   Axis axes[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
     axes[i].place(start[i]);
     Ramp ramp;
-    Fine top = from_quarters(SPEED_MAX / 3);
+    Fixed top = from_quarters(SPEED_MAX / 3);
     set_ramp(top, from_q26(ACCELERATION), ticks_to_rest(top), &ramp);
     axes[i].follow(target[i], ramp);
     axes[i].plan();
   }
-  return guard_tick(axes);
+  return check_tick(axes);
 }
 
 namespace {
@@ -36,7 +36,7 @@ struct Seen {
   int64_t ticks, crossed, steep, trips, missed;
 };
 
-// Targets close to what is allowed: arms close together, or turned far.
+// Targets close to the limits: arms close together, or turned far.
 Move any_move(Chance &chance, bool far) {
   Move move;
   int32_t turn = far ? chance.between(2200, 2340) * (chance.between(0, 1) ? 1 : -1) : chance.between(-300, 300);
@@ -48,29 +48,32 @@ Move any_move(Chance &chance, bool far) {
   return move;
 }
 
-void look(const Motion &motion, const Fine before[ARMS], bool settled, bool fresh, Seen *seen) {
+void check_state(const Motion &motion, const Fixed before[ARMS], bool settled, bool fresh, Seen *seen) {
   int32_t steps[ARMS];
   for (uint8_t i = 0; i < ARMS; i++) {
     const Axis &axis = motion.axis(i);
     steps[i] = axis.steps();
-    Fine change = axis.end() - axis.start() - before[i];
-    // The last rest of a motion is one move of up to `a`; a new one may begin the other way right after it.
-    Fine allowed = from_q26(ACCELERATION * (fresh ? 2 : 1));
+    Fixed change = axis.end() - axis.start() - before[i];
+    // The last tick of a motion changes the speed by up to `a`; a new motion may start in the other direction right after.
+    Fixed allowed = from_q26(ACCELERATION * (fresh ? 2 : 1));
+    // A slow arm may stop at once to turn back.
+    Fixed speed = before[i] < Fixed() ? -before[i] : before[i];
+    if (fresh && speed < from_quarters(4 * 150)) allowed = allowed + speed;
     if (!settled && (change > allowed || change < -allowed)) seen->steep++;
-    if (!motion.moving() && motion.outcome() == OUTCOME_DONE && axis.end() != to_fine(axis.target())) seen->missed++;
+    if (!motion.moving() && motion.outcome() == OUTCOME_DONE && axis.end() != to_fixed(axis.target())) seen->missed++;
   }
-  if (guard_steps(steps) != OUTCOME_NONE) seen->crossed++;
+  if (check_steps(steps) != OUTCOME_NONE) seen->crossed++;
 }
 
-void pass(Motion &motion, int32_t ticks, Seen *seen) {
+void run_ticks(Motion &motion, int32_t ticks, Seen *seen) {
   for (int32_t t = 0; t < ticks; t++) {
-    Fine before[ARMS];
+    Fixed before[ARMS];
     for (uint8_t i = 0; i < ARMS; i++) before[i] = motion.axis(i).end() - motion.axis(i).start();
     bool moved = motion.moving(), braked = motion.braking();
     motion.tick();
-    // Braked arms are settled on their last steps, all at once.
+    // After braking, all arms are placed at their last steps.
     bool settled = braked && !motion.braking();
-    look(motion, before, settled, t == 0, seen);
+    check_state(motion, before, settled, t == 0, seen);
     if (moved && !motion.moving() && (motion.outcome() == OUTCOME_GAP || motion.outcome() == OUTCOME_YAW)) seen->trips++;
     seen->ticks++;
   }
@@ -85,15 +88,15 @@ extern "C" void live(uint32_t seed, uint32_t motions, Seen *seen) {
     Move move = any_move(chance, i / 100 % 2);
     int32_t target[ARMS];
     for (uint8_t arm = 0; arm < ARMS; arm++) target[arm] = move.target[arm];
-    if (guard_steps(target) == OUTCOME_NONE) {
-      uint32_t todo[ARMS];
+    if (check_steps(target) == OUTCOME_NONE) {
+      uint32_t distance_to_go[ARMS];
       bool resting;
-      motion.survey(move, todo, &resting);
+      motion.measure(move, distance_to_go, &resting);
       Plan plan;
-      motion.plan(move, chance.between(0, 1), todo, resting, &plan);
+      motion.plan(move, chance.between(0, 1), distance_to_go, resting, &plan);
       motion.start(plan);
     }
     if (chance.between(0, 9) == 0) motion.brake(OUTCOME_STOPPED);
-    pass(motion, chance.between(1, chance.between(0, 3) ? 300 : 4000), seen);
+    run_ticks(motion, chance.between(1, chance.between(0, 3) ? 300 : 4000), seen);
   }
 }

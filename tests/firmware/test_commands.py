@@ -1,4 +1,4 @@
-"""The state machine as a table, and the rules around it."""
+"""Requests in every state, as a table, and their rules."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BRAKING, LATCHED = MOVING | State.STOPPING, State.EMERGENCY
 
 
 def off(_rig: Rig) -> None:
-    """Fresh from reset."""
+    """The state after reset."""
 
 
 def on(rig: Rig) -> None:
@@ -50,6 +50,7 @@ COMMANDS: dict[str, Callable[[Rig], Error]] = {
     "ENABLE 1": lambda rig: rig.enable(1),
     "ENABLE 0": lambda rig: rig.enable(0),
     "CALIBRATE": lambda rig: rig.ask(FrameType.CALIBRATE),
+    "RESET": lambda rig: rig.ask(FrameType.RESET),
 }
 OK = Error.OK
 TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
@@ -60,6 +61,7 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
     (off, "ENABLE 1"): (OK, ON),
     (off, "ENABLE 0"): (OK, OFF),
     (off, "CALIBRATE"): (Error.NOT_ENABLED, OFF),
+    (off, "RESET"): (OK, OFF),
     (on, "PING"): (OK, ON),
     (on, "MOVE"): (Error.NOT_CALIBRATED, ON),
     (on, "STOP"): (OK, ON),
@@ -67,6 +69,7 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
     (on, "ENABLE 1"): (OK, ON),
     (on, "ENABLE 0"): (OK, OFF),
     (on, "CALIBRATE"): (OK, HOME),
+    (on, "RESET"): (OK, ON),
     (home, "PING"): (OK, HOME),
     (home, "MOVE"): (OK, MOVING),
     (home, "STOP"): (OK, HOME),
@@ -74,6 +77,7 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
     (home, "ENABLE 1"): (OK, HOME),
     (home, "ENABLE 0"): (OK, OFF),
     (home, "CALIBRATE"): (OK, HOME),
+    (home, "RESET"): (OK, HOME),
     (moving, "PING"): (OK, MOVING),
     (moving, "MOVE"): (OK, MOVING),
     (moving, "STOP"): (OK, BRAKING),
@@ -81,6 +85,7 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
     (moving, "ENABLE 1"): (OK, MOVING),
     (moving, "ENABLE 0"): (OK, OFF),
     (moving, "CALIBRATE"): (Error.NOT_AT_REST, MOVING),
+    (moving, "RESET"): (OK, MOVING),
     (braking, "PING"): (OK, BRAKING),
     (braking, "MOVE"): (OK, MOVING),
     (braking, "STOP"): (OK, BRAKING),
@@ -88,13 +93,15 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
     (braking, "ENABLE 1"): (OK, BRAKING),
     (braking, "ENABLE 0"): (OK, OFF),
     (braking, "CALIBRATE"): (Error.NOT_AT_REST, BRAKING),
+    (braking, "RESET"): (OK, BRAKING),
     (latched, "PING"): (OK, LATCHED),
     (latched, "MOVE"): (Error.NOT_ENABLED, LATCHED),
     (latched, "STOP"): (OK, LATCHED),
     (latched, "EMERGENCY_STOP"): (OK, LATCHED),
-    (latched, "ENABLE 1"): (OK, ON),
+    (latched, "ENABLE 1"): (Error.EMERGENCY, LATCHED),
     (latched, "ENABLE 0"): (OK, LATCHED),
     (latched, "CALIBRATE"): (Error.NOT_ENABLED, LATCHED),
+    (latched, "RESET"): (OK, OFF),
 }
 
 
@@ -116,7 +123,7 @@ def test_the_table_is_complete() -> None:
     assert len(TABLE) == len({before for before, _ in TABLE}) * len(COMMANDS)
 
 
-def test_a_change_of_state_is_told_at_once(rig: Rig) -> None:
+def test_telemetry_reports_a_change_of_state_at_once(rig: Rig) -> None:
     rig.enable()
     assert rig.state == ON
     rig.ask(FrameType.CALIBRATE)
@@ -134,13 +141,22 @@ def test_an_emergency_stops_within_the_same_call(ready: Rig) -> None:
     assert ready.steps == at
 
 
-def test_telemetry_tells_how_fast_each_arm_goes(ready: Rig) -> None:
+def test_telemetry_contains_the_velocity_of_each_arm(ready: Rig) -> None:
     ready.move((400, -400, 0), (1000, 2002, 1000))
     ready.tick(400)
-    assert ready.last.velocity == (250, -501, 0)  # 500.5 is rounded away from the whole number below
+    assert ready.last.velocity == (250, -501, 0)  # 500.5 is rounded away from zero
 
 
-def test_switching_off_in_mid_move_is_told(ready: Rig) -> None:
+def test_reset_clears_the_latch_and_leaves_the_motors_off(ready: Rig) -> None:
+    ready.ask(FrameType.EMERGENCY_STOP)
+    assert ready.enable() == Error.EMERGENCY
+    assert ready.ask(FrameType.RESET) == Error.OK
+    assert ready.state == OFF
+    assert ready.enable() == Error.OK
+    assert ready.state == ON
+
+
+def test_telemetry_reports_motors_switched_off_in_mid_move(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
     ready.enable(0)
@@ -205,7 +221,7 @@ def test_a_bad_name_is_refused_and_changes_nothing(name: bytes) -> None:
         ((-2325, -2325, -2325), (1, 1, 1), Error.YAW),
     ],
 )
-def test_moves_that_cannot_be_are_refused(
+def test_impossible_moves_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], error: Error
 ) -> None:
     assert ready.move(target, speed) == error
@@ -222,14 +238,14 @@ def test_moves_that_cannot_be_are_refused(
         ((2325, 2325, 2325), 1, Error.YAW),
     ],
 )
-def test_straight_moves_that_cannot_be_are_refused(
+def test_impossible_straight_moves_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: int, error: Error
 ) -> None:
     assert ready.move(target, speed, straight=True) == error
     assert bool(ready.state & State.MOVING) == (error == Error.OK)
 
 
-def test_a_repeated_move_is_made_once(ready: Rig) -> None:
+def test_a_repeated_move_runs_once(ready: Rig) -> None:
     other = Rig().ready()
     for rig, times in ((ready, 3), (other, 1)):
         for _ in range(times):
@@ -240,7 +256,7 @@ def test_a_repeated_move_is_made_once(ready: Rig) -> None:
     assert (ready.steps, ready.outcome) == ((300, -100, 7), Outcome.DONE)
 
 
-def test_a_straight_move_under_the_number_of_another_is_no_repetition(ready: Rig) -> None:
+def test_a_straight_move_with_the_number_of_a_move_is_a_new_move(ready: Rig) -> None:
     ready.move((300, 300, 300), 800, motion=5)
     ready.ask(FrameType.STOP)
     ready.run()
@@ -249,7 +265,7 @@ def test_a_straight_move_under_the_number_of_another_is_no_repetition(ready: Rig
     assert (ready.steps, ready.outcome) == ((300, 300, 300), Outcome.DONE)
 
 
-def test_a_move_after_another_home_is_no_repetition(ready: Rig) -> None:
+def test_after_calibration_the_same_move_is_a_new_move(ready: Rig) -> None:
     ready.move((300, 300, 300), motion=5)
     ready.run()
     ready.ask(FrameType.CALIBRATE)
@@ -257,7 +273,7 @@ def test_a_move_after_another_home_is_no_repetition(ready: Rig) -> None:
     assert State.MOVING in ready.state
 
 
-def test_a_move_after_one_of_text_is_no_repetition(ready: Rig) -> None:
+def test_after_a_text_motion_the_same_move_is_a_new_move(ready: Rig) -> None:
     ready.move((0, 0, 0), motion=5)
     ready.run()
     ready.raw(b"@CALNOW\r@MOVRALL 20 20 20 200\r")
@@ -278,7 +294,7 @@ def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
     assert (ready.steps, ready.outcome) == (at, Outcome.STOPPED)
 
 
-def test_a_motion_is_known_by_its_number(ready: Rig) -> None:
+def test_telemetry_contains_the_number_of_the_motion(ready: Rig) -> None:
     ready.move((300, 300, 300), motion=65535)
     assert (ready.last.motion, ready.outcome) == (65535, Outcome.NONE)
     ready.tick(100)
@@ -288,13 +304,13 @@ def test_a_motion_is_known_by_its_number(ready: Rig) -> None:
     assert (ready.last.motion, ready.outcome) == (0, Outcome.DONE)
 
 
-def test_a_move_to_where_the_arms_are_is_done_in_a_tick(ready: Rig) -> None:
+def test_a_move_to_the_present_position_takes_one_tick(ready: Rig) -> None:
     ready.move((0, 0, 0), motion=9)
     ready.tick()
     assert (ready.state, ready.outcome, ready.last.motion) == (HOME, Outcome.DONE, 9)
 
 
-def test_499_ms_without_a_frame_are_borne(ready: Rig) -> None:
+def test_499_ms_without_a_frame_do_not_stop_the_arms(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     for _ in range(4):
         ready.tick(499)
@@ -310,7 +326,7 @@ def test_501_ms_without_a_frame_stop_the_arms_but_not_the_motors(ready: Rig) -> 
     assert (ready.state, ready.outcome) == (HOME, Outcome.HOST_LOST)
 
 
-def test_damaged_frames_are_no_heartbeat(ready: Rig) -> None:
+def test_damaged_frames_do_not_count_as_heartbeat(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     for _ in range(51):
         ready.tick(10)
@@ -318,7 +334,7 @@ def test_damaged_frames_are_no_heartbeat(ready: Rig) -> None:
     assert State.STOPPING in ready.state
 
 
-def test_an_echo_is_no_heartbeat(ready: Rig) -> None:
+def test_an_echo_does_not_count_as_heartbeat(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     for _ in range(51):
         ready.tick(10)
@@ -326,7 +342,7 @@ def test_an_echo_is_no_heartbeat(ready: Rig) -> None:
     assert State.STOPPING in ready.state
 
 
-def test_at_rest_silence_means_nothing(ready: Rig) -> None:
+def test_at_rest_no_heartbeat_is_needed(ready: Rig) -> None:
     ready.tick(5000)
     assert (ready.state, ready.outcome) == (HOME, Outcome.NONE)
     ready.move((1, 1, 1))

@@ -1,4 +1,4 @@
-"""`beatrix flash` against the boot loader that is on every Arduino Mega: the real one, on the bench."""
+"""`beatrix flash` with the real boot loader of the Arduino Mega, on the simulated board."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SP
 IMAGE = flash.firmware(None)
 PAGES = -(-len(IMAGE) // PAGE)
 CLOSE = 0
-"""Stands for a command: the port being closed."""
+"""Pseudo-command: closing the port."""
 
 Fault = Callable[[bytes], bytes]
-"""What becomes of a message on its way to the board; may raise."""
+"""Changes a message to the board; may raise."""
 
 
 class BenchWire:
-    """The bench's serial wire, in virtual time; can lose and spoil what the board says and what it is told.
+    """Serial line of the simulated board, in virtual time; can damage bytes in both directions.
 
     The fault befalls the message that is the `nth` of its command.
     """
@@ -92,26 +92,26 @@ def close_window(data: bytes) -> bytes:
 
 
 def change(data: bytes) -> bytes:
-    """Two errors that leave the XOR, in the second half of a page."""
+    """Two errors in the second half of a page that keep the XOR."""
     spoilt = bytearray(data)
     spoilt[200] ^= 4
     spoilt[230] ^= 4
     return bytes(spoilt)
 
 
-def put(wire: BenchWire, image: bytes = IMAGE, tell: flash.Progress = lambda *_: None) -> None:
-    """As `flash`, without a port to look for."""
-    with flash.phases() as now:
-        flash.program(wire, image, tell, now)
+def put(wire: BenchWire, image: bytes = IMAGE, show_progress: flash.Progress = lambda *_: None) -> None:
+    """Flash as `flash.flash`, without looking for a port."""
+    with flash.report_board_state() as now:
+        flash.program(wire, image, show_progress, now)
 
 
 def board() -> Avr:
-    """A Mega as it is sold: nothing but its boot loader."""
+    """A new Mega: only the boot loader."""
     return Avr(LOADER, baud=stk500.BAUD)
 
 
 def hello(avr: Avr) -> HelloReply | None:
-    """Who answers at the firmware's speed."""
+    """HELLO_REPLY of the firmware, None without firmware."""
     avr.byte_cycles = 640
     avr.run_ms(1500)
     avr.receive()
@@ -124,7 +124,7 @@ def hello(avr: Avr) -> HelloReply | None:
 def test_a_new_board_is_flashed_verified_and_answers() -> None:
     told: list[tuple[str, int, int]] = []
     with board() as avr:
-        put(BenchWire(avr), tell=lambda *news: told.append(news))
+        put(BenchWire(avr), show_progress=lambda *news: told.append(news))
         said = hello(avr)
     assert said is not None
     assert said.contract == CONTRACT
@@ -132,17 +132,17 @@ def test_a_new_board_is_flashed_verified_and_answers() -> None:
     assert [news[0] for news in told] == sorted((news[0] for news in told), reverse=True)
 
 
-def test_answers_lost_on_the_wire_are_asked_for_again() -> None:
+def test_lost_replies_are_requested_again() -> None:
     with board() as avr:
         put(BenchWire(avr, spoil=0.005))
         assert hello(avr) is not None
 
 
 @pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, 2), (READ, PAGES)])
-def test_a_board_left_half_written_is_told_and_does_not_run(command: int, nth: int) -> None:
+def test_a_half_written_board_does_not_start_and_the_error_says_so(command: int, nth: int) -> None:
     with board() as avr:
         put(BenchWire(avr))
-        with pytest.raises(NoAnswer, match=r"cable is out.*only half of a firmware.*flash` again"):
+        with pytest.raises(NoAnswer, match=r"cable is out.*incomplete firmware.*flash` again"):
             put(BenchWire(avr, at=command, nth=nth, fault=pull))
         avr.reset()
         assert hello(avr) is None
@@ -152,30 +152,38 @@ def test_a_board_left_half_written_is_told_and_does_not_run(command: int, nth: i
         assert hello(avr) is not None
 
 
+AT_EDGES = [
+    (SIGN_ON, 1, flash.UNTOUCHED, None),
+    (SPI, 3, flash.UNTOUCHED, None),
+    (ERASE, 1, flash.FIRST_PAGE, None),
+    (PROGRAM, 1, flash.FIRST_PAGE, None),
+    (READ, 1, flash.FIRST_PAGE, False),
+    (PROGRAM, 2, flash.HALF_WRITTEN, False),
+    (READ, PAGES + 1, flash.FIRST_PAGE, True),
+    (LEAVE, 1, flash.COMPLETE, True),
+    (CLOSE, 1, flash.COMPLETE, True),
+]
+"""Command, its count, state of the board if this message fails, and whether the firmware then starts."""
+BETWEEN = [
+    (PROGRAM, PAGES, flash.HALF_WRITTEN, False),
+    (READ, 2, flash.HALF_WRITTEN, False),
+    (READ, PAGES, flash.HALF_WRITTEN, False),
+    (ERASE, 2, flash.FIRST_PAGE, False),
+    (PROGRAM, PAGES + 1, flash.FIRST_PAGE, False),
+]
+"""The same, later: each takes long, so they run with one error and one signal only."""
+ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
+
+
 @pytest.mark.parametrize(
-    ("command", "nth", "truth", "runs"),
-    [
-        (SIGN_ON, 1, flash.NOTHING, None),
-        (SPI, 3, flash.NOTHING, None),
-        (ERASE, 1, flash.FIRST, None),
-        (PROGRAM, 1, flash.FIRST, None),
-        (READ, 1, flash.FIRST, False),
-        (PROGRAM, 2, flash.HALF, False),
-        (PROGRAM, PAGES, flash.HALF, False),
-        (READ, 2, flash.HALF, False),
-        (READ, PAGES, flash.HALF, False),
-        (ERASE, 2, flash.FIRST, False),
-        (PROGRAM, PAGES + 1, flash.FIRST, False),
-        (READ, PAGES + 1, flash.FIRST, True),
-        (LEAVE, 1, flash.WHOLE, True),
-        (CLOSE, 1, flash.WHOLE, True),
-    ],
+    ("command", "nth", "state", "runs", "fault", "code"),
+    [(*at, *fault) for at in AT_EDGES for fault in (ERROR, INTERRUPT, KILL, HANG_UP)]
+    + [(*at, *fault) for at in BETWEEN for fault in (ERROR, KILL)],
 )
-@pytest.mark.parametrize(("fault", "code"), [(pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)])
-def test_whenever_it_ends_it_says_what_is_then_true_of_the_board(
+def test_every_abort_prints_the_state_of_the_board(
     command: int,
     nth: int,
-    truth: str,
+    state: str,
     runs: bool | None,
     fault: Fault,
     code: int,
@@ -186,54 +194,59 @@ def test_whenever_it_ends_it_says_what_is_then_true_of_the_board(
         wire = BenchWire(avr, at=command, nth=nth, fault=fault)
         monkeypatch.setattr(flash, "SerialPort", lambda *_: wire)
         assert flash.main(["--port", "bench"]) == code
-        assert capsys.readouterr().err.endswith(f"{truth}\n")
-        if runs is not None:  # else nothing has ever been on that board
+        assert capsys.readouterr().err.endswith(f"{state}\n")
+        if runs is not None:  # None: the board never had a firmware
             avr.reset()
             assert (hello(avr) is not None) == runs
 
 
 @pytest.mark.parametrize(
-    ("nth", "truth"),
-    [(1, flash.FIRST), (PAGES // 2, flash.HALF), (PAGES, flash.HALF), (PAGES + 1, flash.FIRST)],
+    ("nth", "state"),
+    [
+        (1, flash.FIRST_PAGE),
+        (PAGES // 2, flash.HALF_WRITTEN),
+        (PAGES, flash.HALF_WRITTEN),
+        (PAGES + 1, flash.FIRST_PAGE),
+    ],
 )
-def test_a_page_that_came_out_wrong_is_found_and_not_started_if_that_can_be(nth: int, truth: str) -> None:
+def test_a_page_written_wrongly_is_detected_and_not_started(nth: int, state: str) -> None:
     with board() as avr:
-        with pytest.raises(NoAnswer, match="reads back something else") as failed:
+        with pytest.raises(NoAnswer, match="reads back other bytes") as failed:
             put(BenchWire(avr, at=PROGRAM, nth=nth, fault=change))
-        assert failed.value.message.endswith(truth)
-        if truth == flash.HALF:
+        assert failed.value.message.endswith(state)
+        if state == flash.HALF_WRITTEN:
             avr.reset()
             assert hello(avr) is None
 
 
-def test_a_board_that_answers_something_else_is_not_written_to() -> None:
+def test_a_board_without_boot_loader_is_not_written() -> None:
     with (
         Avr(HEX) as avr,
-        pytest.raises(NoAnswer, match=r"answer: is it an Arduino Mega.*Nothing was written"),
+        pytest.raises(NoAnswer, match=r"does not answer.*is an Arduino Mega.*Nothing was written"),
     ):
         put(BenchWire(avr))
 
 
-def test_a_port_without_a_reset_line_is_told_and_nothing_written(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_port_without_a_reset_line_is_rejected(capsys: pytest.CaptureFixture[str]) -> None:
     master, slave = os.openpty()
     tty.setraw(slave)
     assert flash.main(["--port", os.ttyname(slave)]) == 1
     said = capsys.readouterr().err
     assert said.endswith(
-        f"has no reset line, so it is no Arduino's USB port: name that with --port. {flash.NOTHING}\n"
+        f"has no reset line, so it is not the USB port of an Arduino. Name that port with --port. {flash.UNTOUCHED}\n"
     )
     os.close(master)
     os.close(slave)
 
 
-def test_bars_are_drawn_once_writing_has_begun(
+def test_the_progress_bar_appears_with_the_first_write(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setenv("FORCE_COLOR", "1")  # as good as a terminal
-    with flash.progress() as tell:
+    monkeypatch.setenv("FORCE_COLOR", "1")  # makes rich treat stderr as a terminal
+    with flash.progress() as show_progress:
         assert capsys.readouterr().err == ""
-        tell("Writing", 0, 10)
-        tell("Writing", 10, 10)
+        show_progress("Writing", 0, 10)
+        show_progress("Writing", 10, 10)
     drawn = capsys.readouterr().err
     assert "100%" in drawn
     assert "Verifying" not in drawn
@@ -243,7 +256,7 @@ def test_bars_are_drawn_once_writing_has_begun(
 
 
 @given(noise=st.binary(max_size=40), body=st.binary(min_size=1, max_size=300), sequence=st.integers(0, 255))
-def test_an_answer_is_found_in_noise_and_never_in_a_spoilt_one(
+def test_a_reply_is_found_in_noise_and_a_damaged_one_is_ignored(
     noise: bytes, body: bytes, sequence: int
 ) -> None:
     message = bytes([0x1B, sequence]) + len(body).to_bytes(2, "big") + b"\x0e" + body
@@ -255,10 +268,10 @@ def test_an_answer_is_found_in_noise_and_never_in_a_spoilt_one(
     assert stk500.find(noise.replace(b"\x1b", b"") + message + bytes([check]), sequence) == body
 
 
-def test_a_reader_that_has_gone_does_not_end_the_writing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_closed_stderr_does_not_abort_the_writing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flash, "note", pull)
-    with flash.progress() as tell:
-        tell("Writing", 0, 10)
+    with flash.progress() as show_progress:
+        show_progress("Writing", 0, 10)
 
 
 def line(at: int, kind: int, data: bytes) -> str:
@@ -296,37 +309,35 @@ def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
     [
         ("", "after line 0"),
         (A + "\n" + B, "after line 3"),
-        ("hello\n", "line 1 is no record"),
-        (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is no record"),
-        (THE_END, "holds no data"),
-        (B + THE_END, "line 1 begins at 0x10"),
-        (A + B + line(31, 0, b"AA") + THE_END, "line 3 writes once more what line 2 "),
-        (B + A + line(15, 0, b"A") + THE_END, "line 3 writes once more what line 2 "),
+        ("hello\n", "line 1 is not a record"),
+        (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is not a record"),
+        (THE_END, "contains no data"),
+        (B + THE_END, "line 1 is the lowest, at 0x10"),
+        (A + B + line(31, 0, b"AA") + THE_END, "line 3 overlaps line 2"),
+        (B + A + line(15, 0, b"A") + THE_END, "line 3 overlaps line 2"),
         (A + THE_END + "\n" + B, "line 4 comes after the end"),
-        (A + line(0, 9, b"x") + THE_END, "line 2 is no record that Intel HEX knows: kind 9"),
+        (A + line(0, 9, b"x") + THE_END, "line 2 has an unknown kind of record: kind 9"),
         (A + line(0, 4, bytes([255] * 8)) + B + THE_END, "line 2 .* kind 4 with 8 bytes"),
         (A + line(0, 2, b"") + B + THE_END, "line 2 .* kind 2 with 0 bytes"),
-        (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3 lies at 0xffff0000; .* up to 0x3e000"),
-        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4 lies at 0x3e000"),
-        (A + line(0, 2, b"\x30\0") + line(0xDFFF, 0, b"ZZ") + THE_END, "line 3 lies at 0x3dfff"),
+        (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3 ends at 0xffff0010; .* at 0x3e000"),
+        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4 ends at 0x3e001"),
+        (A + line(0, 2, b"\x30\0") + line(0xDFFF, 0, b"ZZ") + THE_END, "line 3 ends at 0x3e001"),
     ],
 )
-def test_what_is_no_image_for_the_board_is_refused_and_its_line_named(
-    tmp_path: Path, text: str, why: str
-) -> None:
+def test_an_invalid_image_is_rejected_with_the_wrong_line(tmp_path: Path, text: str, why: str) -> None:
     path = tmp_path / "some.hex"
     path.write_text(text)
     with pytest.raises(WrongUsage, match=why):
         flash.firmware(path)
 
 
-def test_what_is_no_file_or_far_too_long_is_not_read(tmp_path: Path) -> None:
+def test_special_files_and_long_files_are_rejected(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "long").write_text("\n" * (hexfile.LONGEST_FILE + 1))
     for path, why in (
-        (Path("/dev/zero"), "no regular file"),
-        (tmp_path / "pipe", "no regular file"),
-        (tmp_path, "no regular file"),
+        (Path("/dev/zero"), "not a regular file"),
+        (tmp_path / "pipe", "not a regular file"),
+        (tmp_path, "not a regular file"),
         (tmp_path / "none", "No such file"),
         (tmp_path / "long", "is longer"),
     ):
@@ -348,7 +359,7 @@ RECORD = st.builds(
     | st.lists(RECORD | st.text(max_size=20)).map(lambda lines: (A + "".join(lines) + THE_END).encode())
 )
 @example(text=b"")
-def test_any_file_is_an_image_or_its_wrong_line_is_named(
+def test_any_file_is_an_image_or_an_error_with_its_line(
     tmp_path_factory: pytest.TempPathFactory, text: bytes
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "any.hex"
@@ -357,7 +368,7 @@ def test_any_file_is_an_image_or_its_wrong_line_is_named(
         image, refused = hexfile.read(path), ""
     except WrongUsage as error:
         image, refused = b"", error.message
-    known = r"any\.hex(, line \d+ | was cut off after line \d+: | holds no data)"
+    known = r"any\.hex(, line \d+ | has no end record after line \d+: | contains no data)"
     assert re.search(known, refused) if refused else 0 < len(image) <= FLASH
 
 

@@ -16,17 +16,16 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
 IN_TICK = 550
-"""Cycles after a tick was due: it is running, it has interrupted the byte before, and what comes now is dealt with
-before anything else and before the next."""
+"""Cycles after a tick was due: the tick is running, and the main loop handles a byte that arrives now right after it."""
 AHEAD_MS = 2
 """A tick plans the millisecond that begins one millisecond after it was due."""
 STOP_MS = 660
 LENGTH_MS = 1200
-"""All arms have rested for a while: a stop from full speed takes half a second."""
+"""Until all arms rest: a stop from full speed takes half a second."""
 
 
 def script(seed: int) -> dict[int, bytes]:
-    """Frames by the millisecond in which they are dealt with: moves, retargets, stops, and STOP in the end."""
+    """Frames by the millisecond in which the board handles them: moves, new targets, stops, and a final STOP."""
     chance = random.Random(seed)
     frames, ms = {}, 5
     while ms < STOP_MS - 40:
@@ -43,7 +42,7 @@ def script(seed: int) -> dict[int, bytes]:
 
 
 def last_tick(mega: Mega) -> int:
-    """The cycle at which the last tick was due; its interrupt may have come later."""
+    """The cycle at which the last tick was due; its interrupt may have started later."""
     late = []
     for _ in range(20):
         mega.avr.run(CYCLES_PER_MS)
@@ -58,8 +57,8 @@ def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int6
     return counts[np.searchsorted(steps, times)]
 
 
-@pytest.mark.parametrize("seed", range(50))
-def test_mega_and_virtual_board_are_never_more_than_a_step_apart(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(16))
+def test_mega_and_virtual_board_differ_by_at_most_a_step(seed: int) -> None:
     frames = script(seed)
     firmware = Firmware()
     Rig(firmware).ready()

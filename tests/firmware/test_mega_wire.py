@@ -1,10 +1,11 @@
-"""The Mega's serial wire: damaged frames, noise, floods, half frames, and none of it moves a motor."""
+"""Serial line of the Mega: damaged frames, noise, floods and partial frames never move a motor."""
 
 from __future__ import annotations
 
 import random
 from itertools import pairwise
 
+import pytest
 from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
 from rig import damaged
@@ -15,7 +16,7 @@ from beatrix_zenoh.board.link import encode
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
 
 
-def test_of_3000_damaged_moves_none_is_acted_on_and_the_next_frame_is_served() -> None:
+def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered() -> None:
     chance, whole = random.Random(1), MOVE.strip(b"\0")
     with Mega() as mega:
         mega.ready()
@@ -26,7 +27,7 @@ def test_of_3000_damaged_moves_none_is_acted_on_and_the_next_frame_is_served() -
                 data = damaged(MOVE, chance)
             replies = mega.raw(data + b"\0" + encode(FrameType.PING, seq % 256, b""))
             served += (replies[-1].type, replies[-1].seq, replies[-1].payload) == (0x82, seq % 256, b"\0")
-            # A `@` where a frame begins, and a line end behind it, make text of no known word.
+            # A `@` where a frame begins, and a line end behind it, make an unknown line of text.
             assert {reply.payload for reply in replies[:-1]} <= {bytes([Error.BAD_LENGTH]), b"\x01NACK\n"}
         mega.tick(50)
         assert served == 3000
@@ -35,7 +36,7 @@ def test_of_3000_damaged_moves_none_is_acted_on_and_the_next_frame_is_served() -
         assert State.MOVING not in mega.state
 
 
-def test_a_minute_of_noise_leaves_board_and_motors_as_they_were() -> None:
+def test_a_minute_of_noise_changes_neither_board_nor_motors() -> None:
     chance = random.Random(2)
     minute = 60 * 16_000_000
     with Mega() as mega:
@@ -55,7 +56,7 @@ def test_a_minute_of_noise_leaves_board_and_motors_as_they_were() -> None:
             mega.avr.send(data)
             mega.avr.run_ms(chance.randint(0, 60))
         mega.avr.run_ms(100)
-        # Two seconds without a valid frame: lines are answered as in 2023, nothing else is.
+        # Two seconds without a valid frame: only lines are answered, as in 2023.
         assert set(mega.core.transmit().rpartition(b"\0")[2].split()) == {b"ACK", b"NACK"}
         mega.hear_again()
         assert mega.raw(b"\0") == []
@@ -65,7 +66,7 @@ def test_a_minute_of_noise_leaves_board_and_motors_as_they_were() -> None:
         assert mega.avr.resets == 0
 
 
-def test_a_full_wire_loses_no_request_and_no_reply() -> None:
+def test_a_full_serial_line_loses_no_request_and_no_reply() -> None:
     with Mega() as mega:
         mega.ready()
         mega.move((600, 600, 600))
@@ -76,7 +77,7 @@ def test_a_full_wire_loses_no_request_and_no_reply() -> None:
         assert [frame.seq for frame in mega.others] == list(range(1, 30))
 
 
-def test_replies_come_while_nobody_reads_telemetry_in_order() -> None:
+def test_many_requests_are_answered_in_order() -> None:
     with Mega() as mega:
         mega.ready()
         mega.tick(1000)
@@ -84,8 +85,8 @@ def test_replies_come_while_nobody_reads_telemetry_in_order() -> None:
         assert {b - a for a, b in pairwise(ticks)} == {10}
 
 
-def test_a_reply_whose_queueing_is_interrupted_by_a_tick_is_sent_once() -> None:
-    """Long enough for the wire to send all that is queued before the tick lets go."""
+def test_a_reply_queued_across_a_tick_is_sent_once() -> None:
+    """The tick takes longer than sending all queued bytes."""
     pings = encode(FrameType.PING, 1, b"") * 2
     with Mega() as mega:
         mega.ready()
@@ -99,3 +100,51 @@ def test_a_reply_whose_queueing_is_interrupted_by_a_tick_is_sent_once() -> None:
             assert len(mega.raw(pings)) == 2
         mega.run()
         mega.settle()
+
+
+SLOW_TO_ANSWER = (b"@GETALLPOS\r", b"@FOO\r", b"@\r", b"@MOVAX 1\r")
+SEEN_MS = 1.5
+"""From the last byte of a stop frame to its effect, while the longest line of text is handled."""
+
+
+@pytest.mark.parametrize("seq", [0, 13, 64, 99], ids="seq {}".format)
+@pytest.mark.parametrize("line", SLOW_TO_ANSWER, ids=lambda line: line.decode().strip())
+def test_an_emergency_behind_a_flood_of_text_stops_at_once_and_is_acknowledged_once(
+    line: bytes, seq: int
+) -> None:
+    stop = encode(FrameType.EMERGENCY_STOP, seq, b"")
+    with Mega() as mega:
+        mega.ready()
+        mega.raw(b"@CALNOW\r")
+        mega.move((1500, 1500, 1500))
+        mega.tick(900)
+        mega.others.clear()
+        came = mega.avr.send(line * 200 + stop)
+        mega.tick(400)
+        off = int(mega.avr.edges("enable")["cycle"][-1])
+        assert 0 < off - came < SEEN_MS * CYCLES_PER_MS
+        acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
+        assert acks == [(seq, b"\0")]
+        assert mega.state == State.EMERGENCY
+
+
+def test_discarded_bytes_are_counted_and_leave_no_partial_line() -> None:
+    with Mega() as mega:
+        mega.ready()
+        assert mega.last.overflowed == 0
+        mega.avr.send(b"@FOO\r" * 400)
+        mega.tick(300)
+        assert mega.last.overflowed == 255
+        assert mega.ask(FrameType.PING) == Error.OK
+
+
+def test_requests_before_a_stop_start_no_motion_after_it() -> None:
+    """Moves that wait behind slow lines are handled after the stop has acted."""
+    move = encode(FrameType.MOVE, 9, Move(513, (200, 200, 200), (1400, 1400, 1400)).pack())
+    with Mega() as mega:
+        mega.ready()
+        mega.others.clear()
+        mega.avr.send(b"@GETALLPOS\r" * 30 + move + b"@CALNOW\r@MOVRX 5\r" + encode(FrameType.STOP, 5, b""))
+        mega.tick(400)
+        assert mega.steps == (0, 0, 0)
+        assert (4 | 0x80, 5) in [(frame.type, frame.seq) for frame in mega.others]

@@ -1,4 +1,4 @@
-"""Who hears what: frames for those who speak frames, and silence unless spoken to."""
+"""Frames for hosts, plain text for programs, nothing without input."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ DONE, REFUSED = [ACK, ACK], [ACK, NACK]
 PING = encode(FrameType.PING, 1, b"")
 
 
-def test_a_board_nobody_speaks_to_is_silent() -> None:
+def test_a_board_that_receives_nothing_sends_nothing() -> None:
     firmware = Firmware()
     firmware.tick(10_000)
     assert firmware.transmit() == b""
 
 
-def test_who_opens_the_board_directly_sees_plain_replies_and_nothing_else() -> None:
+def test_without_frames_the_board_sends_plain_replies_only() -> None:
     firmware = Firmware()
     firmware.receive(b"@ENMOTORS ON\r@CALNOW\r@GETXPOS\r@GETALLPOS\r@MOVRX 200 200\r@FOO\r")
     firmware.tick(3000)
@@ -43,7 +43,7 @@ def test_who_opens_the_board_directly_sees_plain_replies_and_nothing_else() -> N
     )
 
 
-def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> None:
+def test_telemetry_ends_two_seconds_after_the_last_frame_of_the_host() -> None:
     firmware = Firmware()
     firmware.tick(500)
     firmware.receive(PING)
@@ -65,14 +65,14 @@ def test_a_host_hears_telemetry_until_it_has_been_silent_for_two_seconds() -> No
         b"\0\0\0",
     ],
 )
-def test_only_valid_requests_make_a_host(data: bytes) -> None:
+def test_only_a_valid_request_counts_as_a_host(data: bytes) -> None:
     firmware = Firmware()
     firmware.receive(data)
     firmware.tick(100)
     assert firmware.transmit() in (b"", b"NACK\n")
 
 
-def test_when_the_host_has_gone_replies_are_plain_again() -> None:
+def test_replies_are_plain_after_the_host_timeout() -> None:
     firmware = Firmware()
     firmware.receive(PING)
     firmware.tick(HOST_GONE - 1)
@@ -84,7 +84,7 @@ def test_when_the_host_has_gone_replies_are_plain_again() -> None:
     assert firmware.transmit() == b"ACK\nACK\n"
 
 
-def test_a_host_that_goes_stops_the_text_motion_and_those_that_wait() -> None:
+def test_losing_the_host_stops_the_text_motion_and_cancels_the_queued_ones() -> None:
     program = Program(framed=True).ready()
     program.send(b"@MOVRALL 600 600 600\r@MOVRX 50\r@CALNOW\r@MOVRX 50\r")
     program.framed = False
@@ -95,7 +95,7 @@ def test_a_host_that_goes_stops_the_text_motion_and_those_that_wait() -> None:
     assert at[0] < 150
     program.core.tick(5000)
     assert program.core.steps() == at
-    assert program.core.transmit()[-20:].count(b"\0") > 0  # the last that was said was said in frames
+    assert program.core.transmit()[-20:].count(b"\0") > 0  # the last bytes were frames
 
 
 def test_without_a_host_a_text_motion_needs_no_heartbeat() -> None:
@@ -113,7 +113,7 @@ def test_text_between_frames_and_frames_between_lines() -> None:
 
 
 @pytest.mark.parametrize("cut", range(1, 14))
-def test_a_frame_in_the_middle_of_a_line_ends_the_line_and_is_obeyed(cut: int) -> None:
+def test_a_frame_inside_a_line_discards_the_line_and_is_executed(cut: int) -> None:
     program = Program(framed=True)
     line = b"@COMSTATUS   \r"
     program.send(line[:cut] + encode(FrameType.PING, 9, b""))
@@ -122,7 +122,7 @@ def test_a_frame_in_the_middle_of_a_line_ends_the_line_and_is_obeyed(cut: int) -
     assert program.say("@COMSTATUS") == DONE
 
 
-def test_lines_inside_of_frames_are_no_lines() -> None:
+def test_lines_inside_frames_are_ignored() -> None:
     rig = Rig()
     for text in (b"\r@STOPALL\r", b"@STOPALL\r\n@CALNOW\r"):
         (reply,) = rig.raw(encode(FrameType.SET_NAME, 1, text.ljust(32, b"\r")))
@@ -130,13 +130,13 @@ def test_lines_inside_of_frames_are_no_lines() -> None:
     assert rig.raw(encode(0x3E, 1, b"\n@COMSTATUS\r" * 4))[0].payload == bytes([Error.UNKNOWN])
 
 
-def test_noise_that_looked_like_a_frame_does_not_keep_the_text_port_deaf() -> None:
+def test_noise_that_looks_like_a_frame_blocks_text_for_at_most_two_seconds() -> None:
     program = Program()
     program.send(b"\0" + b"\x05noise")
     for _ in range(20):
         program.send(b"@COMSTATUS\r")
         program.tick(100)
-    assert len(program.new()) >= 2 * 13  # until it is too long for a frame
+    assert len(program.new()) >= 2 * 13  # after the noise is longer than a frame
     program.send(b"\0" + b"\x05noise")
     program.tick(2001)
     assert program.say("@COMSTATUS") == DONE
@@ -151,7 +151,7 @@ def test_an_abandoned_frame_is_counted_once() -> None:
     assert rig.last.rejected == 1
 
 
-def test_texts_and_warnings_are_numbered_and_leave_replies_alone() -> None:
+def test_text_and_warning_frames_share_one_sequence_number() -> None:
     firmware = Firmware()
     firmware.receive(PING + b"@CALNOW\r@MOVRX 1\r")
     firmware.tick(100)
@@ -161,11 +161,11 @@ def test_texts_and_warnings_are_numbered_and_leave_replies_alone() -> None:
     assert [TextWarning.unpack(frame.payload).code for frame in warnings] == [WarningCode.MOTORS_OFF]
 
 
-def test_text_leaves_room_for_a_reply_and_goes_on_when_there_is_more() -> None:
+def test_text_leaves_room_for_a_reply_and_continues_later() -> None:
     firmware = Firmware()
-    line = b"@GETALLPOS\r" * 20
+    line = b"@GETALLPOS\r" * 15  # the receive buffer takes 191 bytes at once
     firmware._memory.write(firmware._store, line, firmware._receive_at)
-    for _ in range(100):  # nobody empties the transmit buffer meanwhile
+    for _ in range(100):  # without emptying the transmit buffer
         assert firmware._call("receive", len(line)) == len(line)
     hello = encode(FrameType.HELLO, 1, b"")
     firmware._memory.write(firmware._store, hello, firmware._receive_at)
@@ -179,8 +179,8 @@ def test_text_leaves_room_for_a_reply_and_goes_on_when_there_is_more() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_whatever_comes_every_known_line_is_answered_and_frames_keep_working(seed: int) -> None:
-    """Noise, frames and lines in any order; a line is whole where it begins after a delimiter."""
+def test_after_any_input_known_lines_and_frames_are_answered(seed: int) -> None:
+    """Noise, frames and lines in any order; a line after a delimiter is complete."""
     chance = random.Random(seed)
     program = Program(framed=True).ready()
     for _ in range(150):

@@ -1,4 +1,4 @@
-"""Programs of 2023 know no limits: their motions are shortened on their line, told as done, and warned of."""
+"""Limits of text motions: shortened on their line, answered as done, with a warning."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from rig import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
 
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
-from beatrix_zenoh.drive import Gear
-from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.motion.gear import Gear
+from beatrix_zenoh.motion.kinematics import Neck
 
 DONE = ["ACK\n", "ACK\n"]
 NECK, GEAR = Neck(), Gear()
 TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
 TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
 YAW_SUM_MAX = math.floor(3 * GEAR.steps_per_turn / 360 * ROBOT.limits.text_yaw_max)
-"""Microsteps of the sum that the text port allows: see firmware/core/reach.cpp."""
+"""Microsteps of the sum that the text port allows: see firmware/beatrix/src/core/text_limits.cpp."""
 
 
 def gaps(steps: Steps) -> list[int]:
-    """Between neighbouring arms, microsteps."""
+    """Gaps between neighbouring arms, microsteps."""
     x, y, z = steps
     return [ARM_SPACING + y - x, ARM_SPACING + z - y, ARM_TURN - 2 * ARM_SPACING + x - z]
 
 
 def tilt(steps: Steps) -> float:
-    """Of the head, deg."""
+    """Tilt of the head, deg."""
     return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
 
 
 def allowed(steps: Steps) -> bool:
-    """As the text port may go."""
+    """Whether the text port allows this position."""
     return (
         TILT_GAP_MIN <= min(gaps(steps)) <= max(gaps(steps)) <= TILT_GAP_MAX
         and abs(sum(steps)) <= YAW_SUM_MAX
@@ -49,7 +49,7 @@ def framed() -> Program:
 
 
 def border() -> list[Steps]:
-    """All differences of the arms at which the text port ends; the short arm stays at 0."""
+    """Positions on the border of the text port's limits; the short arm stays at 0."""
     low, high = TILT_GAP_MIN - ARM_SPACING, TILT_GAP_MAX - ARM_SPACING
     poses: list[Steps] = []
     for first in range(low, high + 1):
@@ -59,7 +59,7 @@ def border() -> list[Steps]:
     return poses
 
 
-def test_on_the_whole_border_the_head_tilts_no_further_than_it_may() -> None:
+def test_on_the_whole_border_the_tilt_is_within_its_limit() -> None:
     poses = border()
     assert len(poses) > 4000
     assert all(allowed(pose) for pose in poses)
@@ -69,7 +69,7 @@ def test_on_the_whole_border_the_head_tilts_no_further_than_it_may() -> None:
 
 
 def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, float]) -> float:
-    """Way from home, microsteps."""
+    """Largest allowed distance from home in a direction, microsteps."""
     low, high = 0.0, 1000.0
     for _ in range(30):
         middle = (low + high) / 2
@@ -78,8 +78,8 @@ def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, floa
     return low
 
 
-def test_the_border_gives_little_away() -> None:
-    """Share of the way to the tilt limit that is allowed, in every direction, and share of the area."""
+def test_the_border_is_close_to_the_tilt_limit() -> None:
+    """Allowed share of the distance to the tilt limit in every direction, and of the area."""
     ways, areas = [], []
     for degrees in range(0, 360, 2):
         angle = math.radians(degrees)
@@ -98,10 +98,10 @@ def test_the_border_gives_little_away() -> None:
 @pytest.mark.parametrize(
     ("target", "warning"),
     [
-        ((300, 0, -300), None),  # the limit of the course of 2023
+        ((300, 0, -300), None),  # the limit of the planner of 2023
         ((-300, 0, 300), None),
         ((300, 0, 300), None),
-        ((2100, 2100, 2100), None),  # what sound followers ask for
+        ((2100, 2100, 2100), None),  # requested by sound followers
         ((-2100, -2100, -2100), None),
         ((700, 0, 0), WarningCode.TILT),
         ((0, 900, -900), WarningCode.TILT),
@@ -128,7 +128,7 @@ def test_a_motion_is_shortened_on_its_line_and_the_limit_is_named(
     assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX  # type: ignore[arg-type]
 
 
-def test_at_the_limit_there_is_no_further_but_along_it_and_back(framed: Program) -> None:
+def test_at_a_limit_motions_along_it_and_back_are_possible(framed: Program) -> None:
     framed.run("@MOVRX 2000")
     edge = framed.position
     assert framed.run("@MOVRX 50") == DONE
@@ -142,7 +142,9 @@ def test_at_the_limit_there_is_no_further_but_along_it_and_back(framed: Program)
 
 
 @pytest.mark.parametrize("way", [(200, -100, -100), (-200, 100, 100), (-100, 200, -100), (100, -50, -50)])
-def test_along_the_limit_of_the_turn_the_guard_is_not_met(framed: Program, way: Steps) -> None:
+def test_motions_along_the_yaw_limit_are_not_stopped_by_the_firmware_limits(
+    framed: Program, way: Steps
+) -> None:
     framed.run("@MOVAALL 9000 9000 9000")
     x, y, z = way
     before = framed.position
@@ -155,7 +157,7 @@ def test_along_the_limit_of_the_turn_the_guard_is_not_met(framed: Program, way: 
 TOO_FAR_OUT = MoveStraight(5, (400, -600, 400), 2000).pack()
 
 
-def test_from_beyond_the_limit_only_ways_back_are_open(framed: Program) -> None:
+def test_from_beyond_a_limit_only_motions_back_are_allowed(framed: Program) -> None:
     framed.frame(FrameType.MOVE_STRAIGHT, TOO_FAR_OUT)
     framed.tick(3000)
     assert framed.core.steps() == (400, -600, 400)
@@ -175,7 +177,7 @@ MOVES = st.tuples(st.sampled_from(["@MOVAALL", "@MOVRALL"]), st.tuples(ANYWHERE,
 
 @settings(max_examples=15)
 @given(st.lists(MOVES, min_size=1, max_size=5))
-def test_wherever_programs_want_to_go_they_stay_within_the_limits(script: list[tuple[str, Steps]]) -> None:
+def test_random_programs_stay_within_the_limits(script: list[tuple[str, Steps]]) -> None:
     program = Program(framed=True).ready()
     for word, (x, y, z) in script:
         program.send(f"{word} {x} {y} {z}\r".encode("ascii"))

@@ -1,4 +1,4 @@
-"""The port's own zero and permission, beside the machine's home."""
+"""Zero and calibration of the text port, separate from home."""
 
 from __future__ import annotations
 
@@ -28,16 +28,14 @@ def state(program: Program) -> State:
     return State(program.telemetry[-1].state)
 
 
-def test_at_power_up_motors_are_off_and_nothing_is_calibrated() -> None:
+def test_at_power_up_motors_are_off_and_home_is_unknown() -> None:
     program = Program()
     assert program.say("@CALSTATUS", "@MOVRX 1 1", "@MOVHOME") == REFUSED * 3
     assert program.position == (0, 0, 0)
 
 
 @pytest.mark.parametrize("switch", ["ON", "OFF"])
-def test_switching_the_motors_takes_the_permission_and_keeps_the_positions(
-    program: Program, switch: str
-) -> None:
+def test_enmotors_clears_the_ports_calibration_and_keeps_the_positions(program: Program, switch: str) -> None:
     assert program.run("@MOVRALL 10 20 30") == DONE
     assert program.say(f"@ENMOTORS {switch}", "@CALSTATUS", "@MOVRX 1") == DONE + REFUSED * 2
     assert program.position == (10, 20, 30)
@@ -54,14 +52,14 @@ def test_calnow_makes_the_present_position_0_without_motion(program: Program) ->
     assert program.core.steps() == (10, 20, 30)
 
 
-def test_calnow_tells_the_machine_its_home_if_it_has_none(framed: Program) -> None:
+def test_calnow_sets_home_if_home_is_unknown(framed: Program) -> None:
     framed.say("@ENMOTORS ON")
     assert state(framed) == State.ENABLED
     framed.say("@CALNOW")
     assert state(framed) == State.ENABLED | State.CALIBRATED
 
 
-def test_calnow_leaves_a_known_home_alone(framed: Program) -> None:
+def test_calnow_keeps_a_known_home(framed: Program) -> None:
     framed.ready().run("@MOVRALL 100 100 100")
     framed.say("@ENMOTORS ON", "@CALNOW")
     framed.frame(FrameType.MOVE_STRAIGHT, TO_ORIGIN)
@@ -70,7 +68,7 @@ def test_calnow_leaves_a_known_home_alone(framed: Program) -> None:
     assert framed.position == (-100, -100, -100)
 
 
-def test_calnow_with_motors_off_tells_the_machine_nothing(framed: Program) -> None:
+def test_calnow_with_motors_off_does_not_set_home(framed: Program) -> None:
     assert framed.say("@CALNOW", "@CALSTATUS") == DONE * 2
     assert state(framed) == State(0)
 
@@ -85,9 +83,9 @@ def test_the_hosts_calibration_does_not_move_the_ports_positions(framed: Program
     assert framed.core.steps() == (1, 0, 0)
 
 
-def test_with_motors_off_moves_are_counted_and_not_made() -> None:
+def test_with_motors_off_moves_are_only_counted() -> None:
     firmware = Firmware()
-    framed = Program(firmware, framed=True)
+    framed = Program(firmware, framed=True, look_ms=1)
     framed.say("@CALNOW")
     begin = framed.ms
     assert framed.run("@MOVRX 100 200") == DONE
@@ -108,7 +106,7 @@ def test_a_counted_move_can_be_stopped_and_then_does_not_count(program: Program)
     assert program.position == (0, 0, 0)
 
 
-def test_a_home_lost_behind_the_ports_back_refuses_moves_until_calnow(framed: Program) -> None:
+def test_moves_are_refused_until_calnow_if_the_host_clears_home(framed: Program) -> None:
     framed.ready()
     for on in (0, 1):
         framed.frame(FrameType.ENABLE, Enable(on).pack())
@@ -119,13 +117,13 @@ def test_a_home_lost_behind_the_ports_back_refuses_moves_until_calnow(framed: Pr
     assert framed.core.steps() == (10, 0, 0)
 
 
-def test_an_emergency_is_not_ended_by_text(framed: Program) -> None:
+def test_text_cannot_clear_an_emergency(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.EMERGENCY_STOP)
     assert framed.say("@MOVRX 10", "@ENMOTORS ON", "@CALNOW", "@MOVRX 10") == REFUSED * 2 + DONE + REFUSED
     assert set(framed.warnings) == {WarningCode.EMERGENCY}
     assert state(framed) == State.EMERGENCY
-    framed.frame(FrameType.ENABLE, Enable(1).pack())
+    framed.frame(FrameType.RESET)
     assert framed.say("@ENMOTORS ON", "@CALNOW") == DONE * 2
     assert framed.run("@MOVRX 10") == DONE
 
@@ -138,7 +136,7 @@ OFF = (FrameType.ENABLE, b"\0")
 
 @pytest.mark.parametrize("frame", [MOVE_ELSEWHERE, STOP, EMERGENCY, OFF], ids=lambda frame: frame[0].name)
 @pytest.mark.parametrize("motors", ["ON", "OFF"])
-def test_a_frame_that_ends_a_text_move_makes_it_refused_and_calls_off_those_behind(
+def test_a_frame_that_ends_a_text_move_refuses_it_and_cancels_the_queued_ones(
     frame: tuple[FrameType, bytes], motors: str
 ) -> None:
     framed = Program(framed=True)
@@ -149,7 +147,7 @@ def test_a_frame_that_ends_a_text_move_makes_it_refused_and_calls_off_those_behi
     framed.frame(*frame)
     framed.tick(3000)
     if motors == "OFF" and frame == MOVE_ELSEWHERE:
-        assert framed.new() == [ACK, *DONE, *DONE]  # refused: motors are off; nobody was disturbed
+        assert framed.new() == [ACK, *DONE, *DONE]  # refused: motors are off; the queue is unchanged
         return
     assert framed.new() == [NACK, *REFUSED, *DONE]
     if frame == MOVE_ELSEWHERE:
@@ -157,7 +155,7 @@ def test_a_frame_that_ends_a_text_move_makes_it_refused_and_calls_off_those_behi
         assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.DONE)
 
 
-def test_a_move_that_has_arrived_is_done_though_the_host_moves_on_at_once(framed: Program) -> None:
+def test_a_finished_move_is_done_although_the_host_moves_at_once(framed: Program) -> None:
     framed.ready()
     framed.send(b"@MOVRX 1\r")
     framed.core.tick(1)
@@ -167,7 +165,7 @@ def test_a_move_that_has_arrived_is_done_though_the_host_moves_on_at_once(framed
     assert framed.core.steps() == (0, 0, 0)
 
 
-def test_a_text_move_replaces_the_hosts_and_says_so_by_its_number(framed: Program) -> None:
+def test_a_text_move_replaces_the_motion_of_the_host_under_its_own_number(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (500, 500, 500), 2000).pack())
     framed.tick(300)
@@ -178,7 +176,7 @@ def test_a_text_move_replaces_the_hosts_and_says_so_by_its_number(framed: Progra
     assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (0, Outcome.DONE)
 
 
-def test_stopall_stops_the_hosts_motion_too(framed: Program) -> None:
+def test_stopall_stops_a_motion_of_the_host(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (500, 500, 500), 800).pack())
     framed.tick(500)
@@ -188,7 +186,7 @@ def test_stopall_stops_the_hosts_motion_too(framed: Program) -> None:
     assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.STOPPED)
 
 
-def test_opening_the_port_forgets_everything_but_the_machines_home(framed: Program) -> None:
+def test_opening_the_port_resets_all_but_home(framed: Program) -> None:
     framed.ready().run("@MOVRALL 100 100 100")
     framed.send(b"@MOVRALL 300 300 300\r@MOVRX 5\r@GETXPOS\r")
     framed.tick(500)
@@ -212,7 +210,7 @@ def test_opening_the_port_makes_the_present_position_0(framed: Program) -> None:
     assert framed.position == (0, 0, 0)
 
 
-def test_opening_the_port_leaves_the_hosts_motion_alone(framed: Program) -> None:
+def test_opening_the_port_does_not_stop_a_motion_of_the_host(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (200, 200, 200), 2000).pack())
     framed.frame(FrameType.TEXT_OPEN)

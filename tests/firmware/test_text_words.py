@@ -1,4 +1,4 @@
-"""What a line means: ends of lines, words, arguments, limits."""
+"""Lines of text: ends, words, arguments, lengths."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def program() -> Program:
 
 
 @pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n", b"\n\r", b"\r\r\n\n"])
-def test_every_usual_end_of_line_is_one_end(program: Program, end: bytes) -> None:
+def test_cr_lf_and_crlf_each_end_a_line_once(program: Program, end: bytes) -> None:
     program.send(b"@COMSTATUS" + end + b"@CALSTATUS" + end)
     assert program.new() == DONE * 2
 
@@ -44,7 +44,7 @@ def test_a_line_may_come_in_pieces(program: Program) -> None:
     assert program.new() == DONE
 
 
-def test_half_a_line_is_forgotten_after_two_seconds_without_an_answer(program: Program) -> None:
+def test_an_incomplete_line_is_discarded_after_two_seconds(program: Program) -> None:
     program.send(b"@ENMO")
     program.tick(2001)
     program.send(b"TORS ON\r")
@@ -60,7 +60,7 @@ def test_an_unknown_word_is_answered_once(program: Program, line: str) -> None:
 
 
 @pytest.mark.parametrize("line", ["COMSTATUS", "hello", "0 COMSTATUS"])
-def test_what_does_not_begin_with_an_at_is_not_answered(program: Program, line: str) -> None:
+def test_text_without_an_at_sign_is_not_answered(program: Program, line: str) -> None:
     assert program.say(line) == []
     assert program.say("@COMSTATUS") == DONE
 
@@ -93,14 +93,14 @@ def test_the_guide_lists_every_word(word: str) -> None:
 
 
 @pytest.mark.parametrize("word", WHOLE + RESERVED)
-def test_words_without_arguments_are_known_alone_only(program: Program, word: str) -> None:
+def test_words_without_arguments_must_end_the_line(program: Program, word: str) -> None:
     assert program.say(f"@{word} ", f"@{word} 5") == UNKNOWN * 2
     answer = program.say(f"@{word}")
     assert (answer[0], answer[-1]) == (ACK, NACK if word in RESERVED else ACK)
 
 
 @pytest.mark.parametrize("word", WITH_ARGUMENTS + EXTENSIONS)
-def test_words_with_arguments_are_known_before_a_space_only(program: Program, word: str) -> None:
+def test_words_with_arguments_must_be_followed_by_a_space(program: Program, word: str) -> None:
     assert program.say(f"@{word}") == UNKNOWN
     assert program.say(f"@{word} ") == (REFUSED if word == "ENMOTORS" else DONE)
     assert program.position == (0, 0, 0)
@@ -214,7 +214,7 @@ def test_a_wrong_switch_changes_nothing(program: Program, argument: str) -> None
     ("line", "answer"),
     [
         ("@MOVRX 0 " + "1 " * 17 + "1", DONE),  # 20 words
-        ("@MOVRX 0 " + "1 " * 17 + "1 ", DONE),  # a space after the last is no word
+        ("@MOVRX 0 " + "1 " * 17 + "1 ", DONE),  # a trailing space does not start a word
         ("@MOVRX 0 " + "1 " * 18 + "1", UNKNOWN),
         ("@MOVRX 0 " + " " * 18 + "1", UNKNOWN),
         ("@MOVRX 0 " + "1" * 19, DONE),
@@ -226,14 +226,14 @@ def test_a_wrong_switch_changes_nothing(program: Program, argument: str) -> None
         ("@" * 300, UNKNOWN),
     ],
 )
-def test_long_lines_and_words_are_refused_whole(program: Program, line: str, answer: list[str]) -> None:
+def test_long_lines_and_words_are_refused(program: Program, line: str, answer: list[str]) -> None:
     assert program.say(line) == answer
     assert program.say("@COMSTATUS") == DONE
     assert program.position == (0, 0, 0)
 
 
 @given(st.binary(max_size=200).map(lambda data: data.translate(None, b"\0\r\n")))
-def test_any_line_is_answered_by_one_or_two_lines_or_more_where_it_asks(line: bytes) -> None:
+def test_any_line_is_answered_at_least_once(line: bytes) -> None:
     program = Program()
     program.send(b"@" + line + b"\r")
     program.tick(5)

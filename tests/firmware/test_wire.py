@@ -1,4 +1,4 @@
-"""What the firmware makes of bytes: golden frames, damaged frames, noise, text."""
+"""Decoding of bytes: golden frames, damaged frames, noise, text."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ STRAIGHT = encode(FrameType.MOVE_STRAIGHT, 7, MoveStraight(513, (100, -200, 300)
 
 
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda v: f"{v['frame']}-{v['seq']}")
-def test_golden_frames_are_answered_under_their_seq(rig: Rig, vector: dict[str, str]) -> None:
+def test_golden_frames_are_answered_with_their_seq(rig: Rig, vector: dict[str, str]) -> None:
     (reply,) = rig.raw(bytes.fromhex(vector["wire"]))
     assert (reply.type, reply.seq) == (FrameType[vector["frame"]] | 0x80, int(vector["seq"]))
     (HelloReply if vector["frame"] == "HELLO" else Ack).unpack(reply.payload)
 
 
-def test_hello_tells_contract_version_boot_and_name() -> None:
+def test_hello_reply_contains_contract_version_boot_and_name() -> None:
     rig = Rig(Firmware(boot=0xDEADBEEF, name="bea-1"))
     (asked,) = rig.raw(encode(FrameType.HELLO, 5, b""))
     assert (asked.type, asked.seq) == (FrameType.HELLO_REPLY, 5)
@@ -48,13 +48,13 @@ def test_hello_tells_contract_version_boot_and_name() -> None:
 
 
 @pytest.mark.parametrize("move", [MOVE, STRAIGHT])
-def test_of_3000_damaged_moves_none_is_acted_on(ready: Rig, move: bytes) -> None:
+def test_none_of_3000_damaged_moves_is_executed(ready: Rig, move: bytes) -> None:
     chance, whole = random.Random(1), move.strip(b"\0")
     tried = 0
     while tried < 3000:
         data = damaged(move, chance)
         if whole in data.split(b"\0"):
-            continue  # only the delimiters were hit: the frame is as it was
+            continue  # only the delimiters were damaged
         tried += 1
         # A delimiter that becomes 0x01 makes a frame one byte longer whose CRC is right (a property of CRCs without a
         # final xor): the length refuses it. A `@` where a frame begins, and a line end behind it, make unknown text.
@@ -70,7 +70,7 @@ def test_of_3000_damaged_moves_none_is_acted_on(ready: Rig, move: bytes) -> None
 
 @settings(max_examples=60)
 @given(st.lists(st.binary(max_size=400), max_size=6), st.integers(1, len(MOVE) - 2))
-def test_noise_and_half_frames_leave_board_and_motors_as_they_were(noise: list[bytes], cut: int) -> None:
+def test_noise_and_partial_frames_change_neither_board_nor_motors(noise: list[bytes], cut: int) -> None:
     rig = Rig()
     for chunk in noise:
         rig.raw(chunk)
@@ -88,21 +88,37 @@ def test_every_request_is_answered_once(kind: int, payload: bytes) -> None:
     assert (reply.type, reply.seq) == (kind | 0x80, 77)
 
 
-@pytest.mark.parametrize("kind", [0x00, 0x0A, 0x0C, 0x3F])
-def test_an_unknown_type_is_called_unknown(rig: Rig, kind: int) -> None:
+@pytest.mark.parametrize("kind", [0x00, 0x0A, 0x0D, 0x3F])
+def test_an_unknown_type_is_refused_as_unknown(rig: Rig, kind: int) -> None:
     (reply,) = rig.raw(encode(kind, 1, b"?"))
     assert reply.payload == bytes([Error.UNKNOWN])
 
 
 @pytest.mark.parametrize("kind", [0x40, 0x80, 0x82, 0xC0, 0xFF])
-def test_replies_and_telemetry_that_come_back_are_no_requests(rig: Rig, kind: int) -> None:
+def test_echoed_replies_and_telemetry_are_ignored(rig: Rig, kind: int) -> None:
     assert rig.raw(encode(kind, 1, b"")) == []
 
 
 @pytest.mark.parametrize("kind", [kind for kind in FrameType if kind < 0x80])
-def test_a_payload_of_the_wrong_length_is_called_so(rig: Rig, kind: FrameType) -> None:
+def test_a_payload_of_the_wrong_length_is_refused(rig: Rig, kind: FrameType) -> None:
     (reply,) = rig.raw(encode(kind, 1, bytes(17)))
     assert reply.payload == bytes([Error.BAD_LENGTH])
+
+
+@pytest.mark.parametrize("kind", [FrameType.STOP, FrameType.EMERGENCY_STOP], ids=lambda kind: kind.name)
+def test_a_stop_is_acknowledged_once_with_every_seq(rig: Rig, kind: FrameType) -> None:
+    lines = b"@GETALLPOS\r" * 5
+    for seq in range(256):
+        replies = [frame for frame in rig.raw(lines + encode(kind, seq, b"")) if frame.type == kind | 0x80]
+        assert [frame.seq for frame in replies] == [seq]
+        rig.tick(10)
+
+
+def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
+    reset, stop = encode(FrameType.RESET, 1, b""), encode(FrameType.EMERGENCY_STOP, 2, b"")
+    replies = rig.raw(reset + encode(FrameType.ENABLE, 3, b"\1") + stop)
+    assert [frame.payload[0] for frame in replies] == [Error.EMERGENCY, Error.EMERGENCY, Error.OK]
+    assert rig.state == State.EMERGENCY
 
 
 def test_frames_arrive_byte_by_byte(ready: Rig) -> None:
@@ -111,7 +127,7 @@ def test_frames_arrive_byte_by_byte(ready: Rig) -> None:
     assert [reply.payload for reply in ready.raw(MOVE[-1:])] == [b"\0"]
 
 
-def test_thrown_away_frames_are_counted(rig: Rig) -> None:
+def test_rejected_frames_are_counted(rig: Rig) -> None:
     rig.raw(b"\0\0\x05\x02\xff\x70\xcd\0" + b"\x02" * 100 + b"\0\x01\0\0")
     rig.tick(10)
     assert rig.last.rejected == 3
@@ -122,7 +138,7 @@ def test_telemetry_comes_every_ten_milliseconds_and_counts(rig: Rig) -> None:
     assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
 
 
-def test_telemetry_goes_on_in_time_when_its_clock_begins_anew(rig: Rig) -> None:
+def test_telemetry_keeps_its_period_when_the_tick_counter_wraps(rig: Rig) -> None:
     for _ in range(67):
         rig.ask(FrameType.PING)
         rig.tick(1000)
@@ -137,20 +153,20 @@ def byte_a_millisecond(rig: Rig, data: bytes) -> None:
         rig.tick(1)
 
 
-def test_telemetry_waits_for_a_frame_that_comes_in(rig: Rig) -> None:
+def test_telemetry_waits_for_an_incoming_frame(rig: Rig) -> None:
     ping = encode(FrameType.PING, 1, b"")
     rig.tick(10 - len(ping) + 2)  # its period ends just before the last byte
     byte_a_millisecond(rig, ping)
     assert [t.tick for t in rig.telemetry] == [11]
 
 
-def test_telemetry_waits_no_longer_than_it_has_patience(rig: Rig) -> None:
+def test_telemetry_waits_at_most_for_telemetry_patience(rig: Rig) -> None:
     byte_a_millisecond(rig, b"\0" + b"\x30" * 40)
     period = TELEMETRY_PERIOD + TELEMETRY_PATIENCE
     assert [t.tick for t in rig.telemetry] == [period, 2 * period, 3 * period]
 
 
-def test_telemetry_does_not_wait_for_a_frame_that_was_left_off(rig: Rig) -> None:
+def test_telemetry_does_not_wait_for_an_abandoned_frame(rig: Rig) -> None:
     rig.raw(b"\0\x30\x30")
     rig.tick(50)
     assert [t.tick for t in rig.telemetry] == [10, 20, 30, 40, 50]
@@ -160,7 +176,7 @@ def test_telemetry_leaves_room_for_a_reply() -> None:
     firmware = Firmware()
     hello = encode(FrameType.HELLO, 1, b"")
     firmware._memory.write(firmware._store, hello, firmware._receive_at)
-    for _ in range(2):  # nobody empties the transmit buffer meanwhile
+    for _ in range(2):  # without emptying the transmit buffer
         firmware._call("receive", len(hello))
         firmware._call("tick", HOST_GONE - 1)
     assert firmware._call("receive", len(hello)) == len(hello)

@@ -1,16 +1,44 @@
-"""Robots with a port for old programs, and robots to type at."""
+"""Fixtures: both robots of one name, robots with a port for old programs, robots for the command line."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import pytest
+from body import run_on_bodies
 from old_program import Place
 from shell import Shell, both, wait_until_free
 from stage import Stage
 
+from beatrix_zenoh import Twin
 
-@pytest.fixture(scope="module", params=["sim", "hw"])
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    run_on_bodies(metafunc, "place", ("sim", "hw"))
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    """Simulation and virtual robot `bea`; a file that needs others has a fixture of its own."""
+    with Stage() as made:
+        made.simulation("bea")
+        made.hardware("bea")
+        yield made
+
+
+@pytest.fixture
+def twin(stage: Stage) -> Iterator[Twin]:
+    """Both robots at home."""
+    with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
+        made.stop()
+        made.disable()
+        made.enable()
+        made.calibrate()
+        yield made
+        made.stop()
+
+
+@pytest.fixture(scope="module")
 def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
     path = tmp_path_factory.mktemp("legacy") / "COM4"
     with Stage() as stage:

@@ -1,17 +1,20 @@
-"""Verbs that serve: one Ctrl-C ends all they started, and nothing survives them."""
+"""Verbs that serve: one Ctrl-C ends all their processes."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from old_program import Program
 from pty_board import PtyBoard
 from stage import Process, free_endpoint, until
 
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
 
@@ -20,12 +23,12 @@ CLI = ("-m", "beatrix_zenoh.cli")
 
 @pytest.fixture
 def endpoint() -> str:
-    """A free one."""
+    """A free endpoint."""
     return free_endpoint()
 
 
 def alive(number: int) -> bool:
-    """The process runs."""
+    """Whether the process runs."""
     try:
         return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -33,7 +36,7 @@ def alive(number: int) -> bool:
 
 
 def children(process: Process) -> dict[str, int]:
-    """Verb and number of the processes somebody started."""
+    """Verb and process id of the child processes."""
     found = {}
     for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
         for number in listing.read_text().split():
@@ -44,7 +47,7 @@ def children(process: Process) -> dict[str, int]:
 
 @pytest.fixture(autouse=True)
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where processes put their temporary files."""
+    """The folder for temporary files of processes."""
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     return tmp_path
 
@@ -55,14 +58,14 @@ def up(endpoint: str, temporary: Path) -> Iterator[Process]:
     process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
     try:
         process.expect("router")
-        process.expect("What they write")
+        process.expect("The output of all processes")
         yield process
     finally:
         process.end(signal.SIGKILL)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_router_says_that_it_is_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
+def test_router_prints_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
     router = Process(*CLI, "router", "--listen", endpoint)
     assert router.expect("ready") == f"ready {endpoint}"
     zbus.connect(endpoint).close()
@@ -79,7 +82,7 @@ def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
 
 
 ELSEWHERE = "tcp/192.0.2.7:7447"
-"""An address for documentation (RFC 5737): nobody's, so not ours."""
+"""An address for documentation (RFC 5737), which no computer has."""
 
 
 def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
@@ -91,35 +94,17 @@ def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
 def test_up_does_not_start_the_router_of_another_computer(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(zbus, "listens", lambda _: False)  # asking would leave this computer
+    monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # asking would leave this computer
     assert app.run(["up", "--connect", ELSEWHERE]) == 3
     assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("host", "ours"),
-    [
-        ("127.0.0.1", True),
-        ("localhost", True),
-        ("0.0.0.0", True),
-        ("192.0.2.7", False),
-    ],
-)
-def test_only_an_address_of_this_computer_can_be_listened_at(host: str, *, ours: bool) -> None:
-    code = "import sys; from beatrix_zenoh import bus; sys.exit(not bus.ours(sys.argv[1]))"
-    assert (Process("-c", code, f"tcp/{host}:7447").wait() == 0) is ours
-
-
-def test_a_port_or_a_path_that_is_no_text_is_told(endpoint: str, tmp_path: Path) -> None:
-    odd = os.fsdecode(b"/tmp/\xff")
-    robot = Process(*CLI, "hw", "--port", odd, "--connect", endpoint)
-    assert robot.wait() == 2
-    assert any("whose name is no text" in line for line in robot.lines)
-    with zbus.open_router(endpoint):
-        path = os.fsdecode(os.fsencode(tmp_path) + b"/\xff")
-        robot = Process(*CLI, "hw", "--port", "virtual:", "--legacy", path, "--connect", endpoint)
-        robot.expect("ready")
-        assert robot.end() == 0
+def test_only_an_address_of_this_computer_can_be_listened_at() -> None:
+    code = "import sys; from beatrix_zenoh import bus; print([bus.is_local(host) for host in sys.argv[1:]])"
+    hosts = ("127.0.0.1", "localhost", "0.0.0.0", "192.0.2.7")
+    asked = Process("-c", code, *(f"tcp/{host}:7447" for host in hosts), traced=False)
+    assert asked.wait() == 0
+    assert asked.lines == ["[True, True, True, False]"]
 
 
 def test_options_of_a_process_pass_through(endpoint: str) -> None:
@@ -130,13 +115,13 @@ def test_options_of_a_process_pass_through(endpoint: str) -> None:
     assert wrong.wait() == 2
 
 
-def test_a_board_in_software_without_its_colon_is_wrong_usage_before_any_router_is_missed() -> None:
+def test_virtual_without_its_colon_is_wrong_usage_before_the_router_is_needed() -> None:
     robot = Process(*CLI, "hw", "--port", "virtual", "--connect", free_endpoint())
     assert robot.wait() == 2
     assert any("with a colon" in line for line in robot.lines)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])  # SIGTERM: Process.end
 def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)
     assert set(started) == {"router", "sim", "hw"}
@@ -145,18 +130,13 @@ def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals,
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_nothing_survives_a_killed_up(up: Process, temporary: Path) -> None:
+def test_no_child_survives_a_killed_up(up: Process) -> None:
     started = children(up)
     up.end(signal.SIGKILL)
     until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
-    assert list(temporary.iterdir())
-    another = Process(*CLI, "up", "--connect", free_endpoint(), "--no-sim", "--hw", "virtual:")
-    another.expect("What they write")
-    assert another.end(signal.SIGINT) == 0
-    assert not list(temporary.iterdir())
 
 
-def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
+def test_up_ends_all_processes_and_fails_when_one_dies(up: Process) -> None:
     started = children(up)
     os.kill(started["sim"], signal.SIGKILL)
     assert up.wait() == 1
@@ -165,18 +145,65 @@ def test_up_ends_the_rest_and_fails_when_one_dies(up: Process) -> None:
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_up_says_when_the_board_is_lost_and_when_it_is_back(endpoint: str, tmp_path: Path) -> None:
+def test_up_reports_the_loss_and_the_return_of_the_board(endpoint: str, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
         up = Process(*CLI, "up", "--connect", endpoint, "--no-sim", "--hw", str(board.path))
-        up.expect("What they write")
+        up.expect("The output of all processes")
         board.unplug()
         up.expect(f"hardware: {board.path} is not there: plug the board in")
         board.plug()
-        up.expect(f"hardware: The board at {board.path} is there.")
+        up.expect(f"hardware: The board at {board.path} is connected.")
         assert up.end() == 0
 
 
-def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
+def test_a_log_file_holds_requests_stops_and_a_lost_board(endpoint: str, tmp_path: Path) -> None:
+    log = tmp_path / "day.log"
+    with PtyBoard(tmp_path / "board") as board, zbus.open_router(endpoint):
+        served = ("--name", "bea", "--connect", endpoint, "--port", str(board.path), "--log-file", str(log))
+        node = Process(*CLI, "hw", *served)
+        node.expect("ready")
+        with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
+            robot.make_ready()
+            with pytest.raises(Refused):
+                robot.look(pitch=50)
+            robot.look(yaw=5, speed=60)
+            robot.stop()
+        board.unplug()
+        node.expect(f"{board.path} is not there")
+        assert node.end() == 0
+    text = log.read_text(encoding="utf-8")
+    for line in (
+        r"command ENABLE of ana: Motors on",
+        r"command CALIBRATE of ana",
+        r"motion pose accepted of ana",
+        r"motion pose refused of ana: OUT_OF_REACH: The head would tilt",
+        r"motion pose done of ana: Arrived",
+        r"stop STOP.*: Nothing moves",
+        rf"WARNING .*{board.path} is not there: plug the board in",
+    ):
+        assert re.search(line, text), text
+
+
+def test_a_log_file_that_cannot_be_written_is_wrong_usage(endpoint: str, tmp_path: Path) -> None:
+    node = Process(*CLI, "hw", "--port", "virtual:", "--connect", endpoint, "--log-file", str(tmp_path))
+    assert node.wait() == 2
+    assert any(f"--log-file {tmp_path}" in line for line in node.lines)
+
+
+def test_up_gives_each_robot_a_log_file(endpoint: str, tmp_path: Path) -> None:
+    log = tmp_path / "day.log"
+    up = Process(
+        *CLI, "up", "--connect", endpoint, "--hw", "virtual:", "--name", "bea", "--log-file", str(log)
+    )
+    up.expect("The output of all processes")
+    with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
+        robot.stop()
+    assert up.end() == 0
+    assert "stop STOP" in (tmp_path / "day-sim.log").read_text(encoding="utf-8")
+    assert (tmp_path / "day-hw.log").exists()
+
+
+def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
     session = zbus.open_router(endpoint)
     up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
     try:
@@ -191,14 +218,31 @@ def test_up_uses_a_router_that_is_there_and_leaves_it(endpoint: str) -> None:
         up.end(signal.SIGKILL)
 
 
-def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("robots", "driven"), [(["--hw", "virtual:", "--no-sim"], "hardware"), ([], "simulation")]
+)
+def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path, robots: list[str], driven: str) -> None:
+    path = tmp_path / "ttyACM0"
+    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", *robots, "--legacy", str(path))
+    try:
+        assert up.expect("Programs of 2023 open") == f"Programs of 2023 open {path} and drive the {driven}."
+        program = Program(path)
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        program.port.close()
+        assert up.end(signal.SIGINT) == 0
+        assert not path.is_symlink()
+    finally:
+        up.end(signal.SIGKILL)
+
+
+def test_up_reports_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Path) -> None:
     up = Process(
         *CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", str(tmp_path / "tty")
     )
     try:
         assert "fault BOARD_LOST" in up.expect("hardware")
         assert "is not there: plug the board in" in up.expect("hardware:")
-        up.expect("What they write")
+        up.expect("The output of all processes")
         listing = Process(*CLI, "ls", "--connect", endpoint)
         assert listing.wait() == 0
         assert any("is not there: plug the board in" in line for line in listing.lines)
@@ -206,9 +250,9 @@ def test_up_tells_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Pa
         assert up.end(signal.SIGINT) == 0
 
 
-def test_up_under_a_name_that_is_taken_says_so(up: Process, endpoint: str) -> None:
+def test_up_reports_a_name_that_is_in_use(up: Process, endpoint: str) -> None:
     second = Process(*CLI, "up", "--connect", endpoint, "--name", "bea")
-    assert second.wait(20) == 1
+    assert second.wait() == 1
     assert any("on line at" in line and "already" in line for line in second.lines)
     assert alive(up.pid)
 

@@ -1,28 +1,28 @@
-"""`beatrix stop` and the verbs that switch, as people use them: real processes."""
+"""`beatrix stop` and the verbs that send commands, as real processes."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
 
-import pytest
 from shell import NAME, Shell, another
-from stage import until
+from stage import END_S, until
 
-pytestmark = pytest.mark.xdist_group("cli")
+from beatrix_zenoh import Refused
+from beatrix_zenoh._generated.messages import Reason
 
 
-def test_stop_ends_a_motion_and_its_asker_is_told(free: Shell) -> None:
+def test_stop_ends_a_motion_and_the_command_that_asked_for_it_fails(free: Shell) -> None:
     with free.robot("hw") as robot:
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
         until(lambda: robot.status().moving, "the motion begins")
         rows = free.json("stop", "--who", "ben")["robots"]
-        output, _ = look.communicate(timeout=10)
+        output, _ = look.communicate(timeout=END_S)
     assert {(row["on"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
     assert (look.returncode, "STOP" in output) == (1, True)
 
 
-def test_no_setting_stands_in_the_way_of_stop(shell: Shell, tmp_path: Path) -> None:
+def test_no_setting_prevents_stop(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "beatrix.toml").write_text('robot = "bea1', encoding="utf-8")
     done = shell.run("stop", "--json", cwd=tmp_path, BEATRIX_ROBOT="Bea 1", BEATRIX_WHO="Frau Müller")
     rows = json.loads(done.stdout)["robots"]
@@ -38,21 +38,52 @@ def test_stop_takes_several_names_and_both_twins(shell: Shell) -> None:
     assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw"), ("bea2", "hw")}
 
 
-def test_stop_that_finds_nobody_of_the_name_that_is_set_says_how_to_stop_all(shell: Shell) -> None:
+def test_stop_without_a_robot_of_the_configured_name_explains_how_to_stop_all(shell: Shell) -> None:
     done = shell.run("stop", BEATRIX_ROBOT="bea9")
     assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
     assert "`beatrix stop --all` stops every robot." in done.stderr
 
 
-def test_emergency_stop_of_all_robots_needs_enable_afterwards(shell: Shell) -> None:
+def test_after_an_emergency_stop_enable_is_refused_until_reset(shell: Shell) -> None:
     shell.good("stop", "--all", "--emergency")
     assert {row["fault"] for row in shell.json("ls")["robots"]} == {"EMERGENCY"}
-    assert "EMERGENCY_STOP was pressed" in shell.good("ls")
+    assert "EMERGENCY_STOP is latched" in shell.good("ls")
+    refused = shell.run("enable", "--on", "hw")
+    assert (refused.returncode, "`beatrix reset`" in refused.stderr) == (1, True)
+    rows = shell.json("reset", "--on", "both")["robots"]
+    assert [row["on"] for row in rows] == ["sim", "hw"]
+    assert {row["state"] for row in shell.json("ls")["robots"]} == {"motors off"}, "reset switches nothing on"
     shell.good("enable", "--on", "both")
     shell.good("calibrate", "--on", "both")
 
 
-def test_of_both_robots_the_one_that_refuses_is_named(shell: Shell) -> None:
+def test_help_of_the_emergency_stop_names_reset(shell: Shell) -> None:
+    assert "beatrix reset" in " ".join(shell.good("stop", "--help").split())
+
+
+def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        motion = robot.look(yaw=60, speed=10, wait=False)
+        done = free.run("stop", "--name", "Bea 2", "--name", NAME, "--json")
+        assert (motion.exception(5.0) or Refused(Reason.OK)).reason is Reason.STOPPED
+    document = json.loads(done.stdout)
+    results = {(row["robot"], row["on"]): row["reason"] for row in document["robots"]}
+    assert results == {(NAME, "sim"): "OK", (NAME, "hw"): "OK", ("Bea 2", ""): "BAD_VALUE"}
+    assert (done.returncode, document["result"]) == (2, False)
+
+
+def test_stop_with_a_name_that_is_not_on_line_stops_the_others_and_then_fails(shell: Shell) -> None:
+    done = shell.run("stop", "--name", "bea7", "--name", NAME)
+    assert (done.returncode, done.stdout.count("the arms rest")) == (3, 2)
+    assert "bea7 is not on line" in done.stderr
+
+
+def test_stop_with_only_invalid_names_is_wrong_usage(shell: Shell) -> None:
+    done = shell.run("stop", "--name", "Bea 2")
+    assert (done.returncode, done.stdout, "'Bea 2' is not a robot name" in done.stderr) == (2, "", True)
+
+
+def test_with_both_robots_the_refusing_one_is_named(shell: Shell) -> None:
     shell.good("disable", "--on", "hw")
     done = shell.run("calibrate", "--on", "both")
     shell.good("enable", "--on", "hw")
@@ -61,14 +92,14 @@ def test_of_both_robots_the_one_that_refuses_is_named(shell: Shell) -> None:
     assert f"\n{NAME} (hw): The motors are off" in done.stderr
 
 
-def test_stop_that_finds_nobody_is_exit_code_three(shell: Shell) -> None:
+def test_stop_without_a_robot_is_exit_code_three(shell: Shell) -> None:
     assert shell.run("stop", "--name", "bea7").returncode == 3
 
 
-def test_hardware_taken_for_want_of_a_simulation_is_told(shell: Shell) -> None:
+def test_the_choice_of_hardware_without_a_simulation_is_reported(shell: Shell) -> None:
     with another(shell, "bea2"):
-        told = shell.run("enable", "--name", "bea2").stderr
+        printed = shell.run("enable", "--name", "bea2").stderr
         asked = shell.run("enable", "--name", "bea2", "--on", "hw").stderr
         shown = shell.run("info", "--name", "bea2").stderr
-    assert told == "No simulation of bea2 is on line: this goes to the hardware.\n"
+    assert printed == "No simulation of bea2 is on line: using the hardware.\n"
     assert asked == shown == ""

@@ -1,4 +1,4 @@
-"""The command line as people use it: real processes, exit codes, text and JSON."""
+"""The command line: exit codes, text and JSON; as processes if pipes or signals matter."""
 
 from __future__ import annotations
 
@@ -11,21 +11,25 @@ from pathlib import Path
 
 import pytest
 from shell import NAME, Shell, another
-from stage import free_endpoint, until
+from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import Incoming
 
-pytestmark = pytest.mark.xdist_group("cli")
+
+def wait_for(process: subprocess.Popen[str], words: str) -> str:
+    """Wait for the next line of output with these words, until the test's time-out."""
+    assert process.stdout is not None
+    return next(line for line in process.stdout if words in line)
 
 
 def yaw_deg(robot: Robot) -> float:
     return robot.positions().commanded.short
 
 
-# -- asking -----------------------------------------------------------------------------------
+# -- reading -----------------------------------------------------------------------------------
 
 
 def test_ls_lists_both_robots(shell: Shell) -> None:
@@ -38,7 +42,9 @@ def test_ls_lists_both_robots(shell: Shell) -> None:
 
 def test_output_into_a_pipe_is_plain_text(shell: Shell) -> None:
     for verb in (("ls",), ("top", "--once"), ("doctor",), ("--help",), ("look", "--help")):
-        text = shell.good(*verb)
+        process = shell.start(*verb)
+        text, _ = process.communicate(timeout=END_S)
+        assert process.returncode == 0
         assert text.isprintable() or all(line.isprintable() for line in text.splitlines())
         assert not set(text) & set("│┃━─╭╰")
 
@@ -51,9 +57,9 @@ def test_warnings_are_shown_by_ls(shell: Shell) -> None:
 
 
 def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
-    with shell.robot("hw") as robot:  # as when two networks are joined in which both serve
-        robot.client.bus.announce(f"beatrix/{NAME}/hw/@claim/ffff")
-        assert "hw): 2 nodes serve under this name" in shell.good("ls")
+    with shell.robot("hw") as robot:  # as if two networks with one such node each were joined
+        robot.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")
+        assert "hw): 2 nodes serve this robot" in shell.good("ls")
         assert [row["nodes"] for row in shell.json("ls")["robots"]] == [1, 2]
     assert "2 nodes" not in shell.good("ls")
 
@@ -64,12 +70,12 @@ def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     assert "35°" in shell.good("info")
 
 
-def test_only_robot_on_line_needs_no_name_and_is_named_beside_the_result(shell: Shell) -> None:
+def test_the_only_robot_on_line_needs_no_name_and_is_named_in_the_result(shell: Shell) -> None:
     done = shell.run("info")
     assert NAME in done.stderr
 
 
-def test_echo_shows_as_many_as_asked_for(shell: Shell) -> None:
+def test_echo_shows_the_requested_number(shell: Shell) -> None:
     lines = shell.good("echo", "--count", "3", "--json").splitlines()
     first, *_, last = (json.loads(line) for line in lines)
     assert (len(lines), last["seq"] - first["seq"]) == (3, 2)
@@ -78,6 +84,55 @@ def test_echo_shows_as_many_as_asked_for(shell: Shell) -> None:
 
 def test_echo_shows_status_in_words(shell: Shell) -> None:
     assert "ready" in shell.good("echo", "status", "--count", "1", "--on", "hw")
+
+
+def test_echo_shows_the_last_events_and_then_the_next_ones(free: Shell) -> None:
+    free.run("look", "--pitch", "50", "--on", "hw")
+    free.good("look", "--yaw", "5", "--speed", "60", "--on", "hw")
+    echo = free.start("echo", "events", "--on", "hw")
+    try:
+        refused = wait_for(echo, "OUT_OF_REACH")
+        assert "bea1 (hw)  ana  motion pose refused OUT_OF_REACH: The head would" in refused
+        assert "ana  motion pose done: Arrived" in wait_for(echo, " done")
+        free.good("calibrate", "--on", "hw")
+        assert "ana  command CALIBRATE: This is home now." in wait_for(echo, "CALIBRATE")
+    finally:
+        echo.terminate()
+        echo.communicate(timeout=END_S)
+
+
+def test_echo_counts_past_events_and_gives_them_as_json(shell: Shell) -> None:
+    for _ in range(2):
+        shell.good("stop", "--on", "sim")
+    rows = [json.loads(line) for line in shell.good("echo", "events", "--count", "2", "--json").splitlines()]
+    assert len(rows) == 2
+    assert (rows[-1]["robot"], rows[-1]["on"], rows[-1]["kind"], rows[-1]["reason"]) == (
+        NAME,
+        "sim",
+        "stop",
+        "OK",
+    )
+    assert rows[-1]["seq"] - rows[0]["seq"] == 1
+
+
+def test_echo_of_both_merges_their_events_by_time(shell: Shell) -> None:
+    for _ in range(2):
+        shell.good("stop")
+    lines = shell.good("echo", "events", "--count", "4", "--on", "both", "--json").splitlines()
+    rows = [json.loads(line) for line in lines]
+    times = [row["t_wall_ns"] for row in rows]
+    assert times == sorted(times)
+    assert {row["on"] for row in rows} == {"sim", "hw"}
+
+
+def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
+    with another(shell, "bea5") as node:
+        echo = shell.start("echo", "events", "--name", "bea5")
+        shell.good("stop", "--name", "bea5")
+        wait_for(echo, "stop STOP")
+        node.end()
+        output, _ = echo.communicate(timeout=END_S)
+    assert (echo.returncode, "bea5 (hw) is not on line" in output) == (3, True)
 
 
 def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
@@ -95,13 +150,23 @@ def test_hz_counts_fifty_positions_a_second_and_no_loss(shell: Shell) -> None:
     assert math.isfinite(row["age_ms"])
 
 
+def test_hz_and_echo_show_pictures(shell: Shell) -> None:
+    (row,) = shell.json("hz", "camera/left", "--seconds", "1", "--on", "hw")["robots"]
+    assert row["lost"] == 0
+    assert 20 < row["hz"] < 40
+    picture = json.loads(shell.good("echo", "camera/right", "--count", "1", "--on", "hw", "--json"))
+    assert (picture["on"], picture["eye"], picture["width"], picture["height"]) == ("hw", "right", 640, 480)
+    assert picture["bytes"] > 1000
+    assert "right eye, picture" in shell.good("echo", "camera/right", "--count", "1", "--on", "hw")
+
+
 def test_top_shows_all_robots_once(shell: Shell) -> None:
     rows = shell.json("top", "--once")["robots"]
     assert [(row["robot"], row["on"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
     assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
 
 
-def test_top_into_a_pipe_is_plain_tables_as_they_come(shell: Shell) -> None:
+def test_top_into_a_pipe_prints_plain_tables(shell: Shell) -> None:
     top = shell.start("top")
     assert top.stdout is not None
     lines = [top.stdout.readline().rstrip("\n") for _ in range(8)]
@@ -121,16 +186,16 @@ def test_doctor_finds_router_contract_and_clock(shell: Shell) -> None:
     assert any(what == f"{NAME} (sim)" and "its clock is" in found for what, found in findings)
 
 
-def test_doctor_says_what_to_do_without_a_router() -> None:
+def test_doctor_explains_what_to_do_without_a_router() -> None:
     done = Shell(free_endpoint()).run("doctor")
     assert done.returncode == 1
     assert "beatrix router" in done.stdout
 
 
-# -- driving ----------------------------------------------------------------------------------
+# -- moving ----------------------------------------------------------------------------------
 
 
-def test_look_turns_the_simulation_unless_told_otherwise(shell: Shell) -> None:
+def test_look_turns_the_simulation_by_default(shell: Shell) -> None:
     with shell.robot("hw") as hardware:
         before = hardware.positions().commanded
         (row,) = shell.json("look", "--yaw", "12", "--speed", "80")["robots"]
@@ -146,7 +211,7 @@ def test_look_on_both_is_previewed_and_turns_both(shell: Shell) -> None:
     assert pitches == pytest.approx([-8, -8], abs=0.5)
 
 
-def test_move_understands_negative_angles_and_relative_ones(shell: Shell) -> None:
+def test_move_accepts_negative_and_relative_angles(shell: Shell) -> None:
     shell.good("move", "-10", "-5", "0", "--speed", "80")
     (row,) = shell.json("move", "-1", "2", "-3.5", "--relative")["robots"]
     assert list(row["arms_deg"].values()) == pytest.approx([-11, -3, -3.5], abs=0.5)
@@ -180,11 +245,12 @@ def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
 
 
 @pytest.mark.parametrize(
-    ("yaw", "told"), [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "number that large")]
+    ("yaw", "message"),
+    [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "number that large")],
 )
-def test_an_angle_that_no_message_holds_is_wrong_usage(shell: Shell, yaw: str, told: str) -> None:
+def test_an_angle_beyond_the_range_of_messages_is_wrong_usage(shell: Shell, yaw: str, message: str) -> None:
     done = shell.run("look", "--yaw", yaw)
-    assert (done.returncode, done.stdout, told in done.stderr) == (2, "", True)
+    assert (done.returncode, done.stdout, message in done.stderr) == (2, "", True)
 
 
 def test_interrupted_look_stops_the_robot(free: Shell) -> None:
@@ -193,7 +259,7 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
         until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
         look.send_signal(signal.SIGINT)
-        output, _ = look.communicate(timeout=10)
+        output, _ = look.communicate(timeout=END_S)
         assert look.returncode == 130
         assert "(hw): Stopped; the arms rest at" in output
         assert not robot.status().moving
@@ -206,7 +272,7 @@ def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
         until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
         look.send_signal(signal.SIGINT)
-        output, _ = look.communicate(timeout=10)
+        output, _ = look.communicate(timeout=END_S)
         document = json.loads(output.splitlines()[-1])
         assert (look.returncode, document["result"], document["reason"]) == (130, False, "STOPPED")
         assert "Stopped; the arms rest at" in document["message"]
@@ -214,11 +280,11 @@ def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
 
 def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
-        start = yaw_deg(hardware)  # the one that begins last
+        start = yaw_deg(hardware)  # the last to begin
         look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
         until(lambda: yaw_deg(hardware) < start - 2, "both move, and their asker knows", 10.0)
         look.send_signal(signal.SIGINT)
-        output, _ = look.communicate(timeout=10)
+        output, _ = look.communicate(timeout=END_S)
         assert look.returncode == 130
         assert "(sim): Stopped;" in output
         assert "(hw): Stopped;" in output
@@ -226,13 +292,13 @@ def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
         assert not simulation.status().moving
 
 
-def test_no_wait_lets_the_motion_go_on(free: Shell) -> None:
+def test_no_wait_does_not_stop_the_motion(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
-        free.good("look", "--yaw", f"{start + 6:.0f}", "--speed", "10", "--on", "hw", "--no-wait")
+        free.good("look", "--yaw", f"{start + 20:.0f}", "--speed", "10", "--on", "hw", "--no-wait")
         assert robot.status().moving
         until(lambda: not robot.status().moving, "it rests")
-        assert yaw_deg(robot) == pytest.approx(start + 6, abs=1)
+        assert yaw_deg(robot) == pytest.approx(start + 20, abs=1)
 
 
 # -- exit codes ---------------------------------------------------------------------------------
@@ -245,7 +311,7 @@ def test_wrong_usage_is_exit_code_two(words: tuple[str, ...]) -> None:
     assert Shell(free_endpoint()).run(*words).returncode == 2
 
 
-def test_nobody_there_is_exit_code_three(shell: Shell) -> None:
+def test_an_unknown_robot_is_exit_code_three(shell: Shell) -> None:
     done = shell.run("look", "--name", "bea7")
     assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
 
@@ -267,7 +333,7 @@ def test_frozen_robot_is_named_by_stop_and_exit_code_four(shell: Shell) -> None:
         shell.endpoint
     ) as bus:  # a frozen node counts as alive for two seconds; this one longer
         bus.serve(keys.stop("bea3", "hw"), unanswered.append)
-        bus.announce(keys.alive("bea3", "hw"))
+        bus.declare_token(keys.alive("bea3", "hw"))
         done = shell.run("stop", "--name", "bea3")
         for incoming in unanswered:
             incoming.finish()
@@ -305,3 +371,9 @@ print("slow:", [name for name in {slow} if name in sys.modules])
         check=False,
     )
     assert "slow: []" in done.stdout, done.stdout + done.stderr
+
+
+def test_top_names_the_seats_that_are_connected(shell: Shell) -> None:
+    with shell.robot("sim"):
+        assert {"ana", "ben"} <= {*shell.json("top", "--who", "ben")["seats"]}
+        assert "seats: ana, ben" in shell.good("top", "--once", "--who", "ben")

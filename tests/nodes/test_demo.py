@@ -1,4 +1,4 @@
-"""`beatrix demo`: the first minute, from start to nothing left behind."""
+"""`beatrix demo`, from its start to its clean end."""
 
 from __future__ import annotations
 
@@ -11,33 +11,41 @@ import time
 from pathlib import Path
 
 import pytest
-from bench import given_away, share_given_away
+from bench import stolen_share, stolen_time
 from PIL import Image
 from stage import ROOT, Process
 
+from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.viewer import verify
+
 CLI = ("-m", "beatrix_zenoh.cli")
+RMS_DEG = 0.15
+"""Largest RMS difference, with each motion shifted by its own lag: docs/explanation/what-the-twin-shows.md."""
 NOT_OURS = 0.05
-"""Of the processors' time: no real time can be kept where the host gives more to others."""
+"""Largest share of the processor time that the host may give to other virtual machines for a result in real time."""
 
 
-def test_demo_makes_one_movement_on_both_robots_in_less_than_a_minute(tmp_path: Path) -> None:
+def test_demo_makes_one_movement_on_both_robots(tmp_path: Path) -> None:
     begin = time.monotonic()
-    before = given_away()
+    before = stolen_time()
     done = subprocess.run(
         [sys.executable, *CLI, "demo", "--out", str(tmp_path), "--json"],
         capture_output=True,
         text=True,
-        timeout=55,
+        timeout=150,
         check=False,
         cwd=ROOT,
     )
-    if "too busy to tell" in done.stdout and (share := share_given_away(before)) > NOT_OURS:
+    if "too busy for a result" in done.stdout and (share := stolen_share(before)) > NOT_OURS:
         pytest.skip(f"the host gave {share:.0%} of this computer's time to others, and the demo said so")
     assert done.returncode == 0, done.stdout + done.stderr
     assert time.monotonic() - begin < 60
     report = json.loads(done.stdout)
     assert report["result"] is True
-    assert [axis["axis"] for axis in report["axes"]] == ["short", "middle", "long", "yaw", "pitch", "roll"]
+    assert [axis["axis"] for axis in report["axes"]] == [
+        "short", "middle", "long", "yaw", "pitch", "roll", "head"
+    ]  # fmt: skip
+    assert max(axis["rms_after"] for axis in report["axes"]) <= RMS_DEG
     assert max(axis["at_rest"] for axis in report["axes"][:3]) < 0.5
     assert report["real_time_factor"] == pytest.approx(1, abs=0.05)
     assert 45 < report["hw"]["positions_hz"] < 55
@@ -45,6 +53,11 @@ def test_demo_makes_one_movement_on_both_robots_in_less_than_a_minute(tmp_path: 
     for name, width in (("demo.png", 1500), ("head.png", 1280)):
         with Image.open(tmp_path / name) as picture:
             assert picture.width == width
+    with Image.open(tmp_path / "twins.png") as picture:
+        assert picture.width > 1000
+    assert not verify(tmp_path / "demo.rrd")
+    recorded = read(tmp_path / "demo.rrd")
+    assert set(recorded.robots) == {("demo", "sim"), ("demo", "hw")}
     with (tmp_path / "demo.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) > 1500
@@ -60,8 +73,8 @@ def test_interrupted_demo_stops_and_ends_everything(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_demo_says_at_once_if_it_may_not_write(tmp_path: Path) -> None:
+def test_demo_fails_at_once_if_it_cannot_write(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    demo = Process(*CLI, "demo", "--out", str(tmp_path / "file"))
+    demo = Process(*CLI, "demo", "--out", str(tmp_path / "file"), traced=False)
     assert demo.wait() == 1
     assert any("--out" in line for line in demo.lines)

@@ -1,4 +1,4 @@
-"""`beatrix doctor --jog`, as a person in front of a new robot uses it."""
+"""`beatrix doctor --jog`, as a user of a new robot types it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,21 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stage import ROOT, UNTRACED, Stage, ready, until
+from shell import CLI, beatrix
+from stage import END_S, ROOT, Stage, ready, until, untraced
 
 SHORT_RIGHT = "short\nccw\n"
 RIGHT = SHORT_RIGHT + "middle\ncounter\nlong\nanticlockwise\n"
 AZIMUTH = "90\n"
 BACK_AT = 0.1
 """deg: a microstep is 0.086"""
+
+
+@pytest.fixture(autouse=True)
+def small_and_fast(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The arms need not turn slowly, nor far: the test does not watch them."""
+    monkeypatch.setattr("beatrix_zenoh.cli.jog.JOG_DEG", 3.0)
+    monkeypatch.setattr("beatrix_zenoh.cli.jog.SPEED_DEG_S", 80.0)
 
 
 @pytest.fixture
@@ -27,66 +35,61 @@ def stage() -> Iterator[Stage]:
 
 
 def words(stage: Stage, *more: str) -> list[str]:
-    """What is typed."""
-    command = [sys.executable, "-m", "beatrix_zenoh.cli", "doctor", "--jog", "--name", "bea"]
-    return [*command, "--connect", stage.endpoint, "--who", "ana", *more]
+    """The words after `beatrix`."""
+    return ["doctor", "--jog", "--name", "bea", "--connect", stage.endpoint, "--who", "ana", *more]
 
 
 def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        words(stage, *more), input=answers, capture_output=True, text=True, timeout=60, check=False, cwd=ROOT
-    )
+    return beatrix(*words(stage, *more), answers=answers)
 
 
 @pytest.mark.parametrize(
     ("answers", "advice", "missing"),
     [
-        (RIGHT + AZIMUTH, ["All three are plugged in right."], "Switch"),
+        (RIGHT + AZIMUTH, ["All three motors are plugged in correctly."], "Switch"),
         (
             "m\nc\ncounter\ns\ncw\nl\ncc\n",
             [
                 "Switch the power off first.",
                 "Move the motor of the middle arm from X to Y.",
                 "Move the motor of the short arm from Y to X.",
-                "Turn the plug of the short arm's motor round",
-                "Then `beatrix enable --on hw`, `beatrix calibrate --on hw`, and jog again.",
+                "Reverse the plug of the short arm's motor",
+                "Then `beatrix enable --on hw`, `beatrix calibrate --on hw`, and repeat `beatrix doctor --jog`.",
             ],
-            "Nothing turned",
+            "No arm turned",
         ),
         (RIGHT + "30\n", ["[geometry]\narm0_azimuth = 30.0"], "Switch"),
         (
             SHORT_RIGHT + "none\nl\ncw\n",
             [
-                "Nothing turned on Y, and the middle arm did not turn",
+                "No arm turned for Y, and the middle arm did not turn",
                 "driver",
                 "reference voltage",
-                "Turn the plug of the long arm's motor round",
+                "Reverse the plug of the long arm's motor",
             ],
             "motor power",
         ),
         (
             "none\n" * 3,
-            ["Nothing turned at all. Is the motor power on? USB alone", "and jog again."],
-            "Nothing turned on",
+            ["No arm turned. Is the motor power on? USB powers only", "and repeat `beatrix doctor --jog`."],
+            "No arm turned for",
         ),
         (
             "m\nccw\nnone\nl\nccw\n",
             [
                 "Move the motor of the middle arm from X to Y.",
-                "Nothing turned on Y, and the short arm did not turn",
+                "No arm turned for Y, and the short arm did not turn",
                 "it belongs on X",
             ],
             "the middle arm did not",
         ),
-        (RIGHT + "90,5\n", ["All three are plugged in right."], "Type a number"),
-        ("s\nccw\ns\nccw\nl\nccw\n", ["each arm should turn once"], "Switch"),
+        (RIGHT + "90,5\n", ["All three motors are plugged in correctly."], "Type a number"),
+        ("s\nccw\ns\nccw\nl\nccw\n", ["each arm turns once"], "Switch"),
     ],
     ids=["right", "swapped", "elsewhere", "silent", "unpowered", "two", "comma", "twice"],
 )
-def test_three_jogs_tell_what_is_plugged_in_wrong(
-    stage: Stage, answers: str, advice: list[str], missing: str
-) -> None:
-    stage.hardware("bea")
+def test_three_jogs_find_wrong_plugs(stage: Stage, answers: str, advice: list[str], missing: str) -> None:
+    stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     done = jog(stage, answers)
     for line in advice:
@@ -97,84 +100,90 @@ def test_three_jogs_tell_what_is_plugged_in_wrong(
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_it_asks_where_the_arms_are_at_home_wherever_they_were_before(stage: Stage) -> None:
-    stage.hardware("bea")
+def test_the_azimuth_is_asked_at_home(stage: Stage) -> None:
+    stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     robot.look(yaw=10, speed=60)
     assert jog(stage, RIGHT + AZIMUTH).returncode == 0
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_an_azimuth_that_can_mean_nothing_is_asked_again(stage: Stage) -> None:
-    stage.hardware("bea")
+def test_an_invalid_azimuth_is_asked_again(stage: Stage) -> None:
+    stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, RIGHT + "1000\nnan\nleft\n" + AZIMUTH)
     assert done.returncode == 0
-    assert done.stderr.count("(the robot says 90;") == 4
+    assert done.stderr.count("(the robot's own value is 90;") == 4
     assert done.stderr.count("Type a number from -360 to 360.") == 3
 
 
-def test_arms_that_a_robot_file_has_put_elsewhere_are_right(stage: Stage, tmp_path: Path) -> None:
+def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage, tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[geometry]\narm0_azimuth = 30.0\n")
     where = ("--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
     stage.process("hw_node", *where, "--robot-file", str(tmp_path / "lab.toml")).expect("ready")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, RIGHT + "30\n")
-    assert (done.returncode, done.stdout) == (0, "All three are plugged in right.\n")
+    assert (done.returncode, done.stdout) == (0, "All three motors are plugged in correctly.\n")
     elsewhere = jog(stage, RIGHT + AZIMUTH)
     assert elsewhere.returncode == 1
-    assert "elsewhere than your robot file says (30 deg)" in elsewhere.stdout
+    assert "differently from your robot file (30°)" in elsewhere.stdout
     assert "[geometry]\narm0_azimuth = 90.0" in elsewhere.stdout
 
 
 def test_motors_that_are_off_are_switched_on_for_the_board(stage: Stage) -> None:
-    """Without --on the verbs would go to a simulation of that name."""
-    stage.hardware("bea")
+    """Without --on the verbs would choose a simulation of that name."""
+    stage.node("bea")
     done = jog(stage, "")
     assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
 
 
-def test_what_is_found_is_one_json_document(stage: Stage) -> None:
-    stage.hardware("bea")
+def test_the_result_is_one_json_document(stage: Stage) -> None:
+    stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, "none\n" + RIGHT.removeprefix(SHORT_RIGHT), "--json")
     found = json.loads(done.stdout)
     assert (done.returncode, found["result"], len(found["todo"])) == (1, False, 3)
 
 
-def test_a_robot_that_may_not_move_says_what_it_lacks_before_anybody_looks(stage: Stage) -> None:
-    stage.hardware("bea")
+def test_a_robot_that_cannot_move_is_refused_before_any_question(stage: Stage) -> None:
+    stage.node("bea")
     done = jog(stage, RIGHT)
     assert done.returncode == 1
     assert "enable" in done.stderr
-    assert "Look at the robot" not in done.stderr
+    assert "Watch the robot" not in done.stderr
 
 
 @pytest.mark.parametrize("answers", ["", "short\n", RIGHT], ids=["arm", "way", "azimuth"])
 def test_input_that_ends_is_wrong_usage(stage: Stage, answers: str) -> None:
-    stage.hardware("bea")
+    stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, answers)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "The input has ended before all was answered" in done.stderr
+    assert "The input ended before all questions were answered" in done.stderr
     assert "Traceback" not in done.stderr
 
 
 def test_input_that_ends_is_a_document_with_json(stage: Stage) -> None:
-    stage.hardware("bea")
+    stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, "", "--json")
     assert done.returncode == 2
-    assert json.loads(done.stdout)["message"].startswith("The input has ended")
+    assert json.loads(done.stdout)["message"].startswith("The input ended before")
 
 
 @pytest.mark.parametrize("more", [(), ("--json",)])
 def test_interrupted_at_a_question_it_ends_as_all_verbs_do(stage: Stage, more: tuple[str, ...]) -> None:
-    stage.hardware("bea")
+    stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     pipe = subprocess.PIPE
     process = subprocess.Popen(
-        words(stage, *more), stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=ROOT, env=UNTRACED
+        [sys.executable, *CLI, *words(stage, *more)],
+        stdin=pipe,
+        stdout=pipe,
+        stderr=pipe,
+        text=True,
+        cwd=ROOT,
+        env=untraced(),
     )
     assert process.stderr is not None
     asked = ""
@@ -182,8 +191,8 @@ def test_interrupted_at_a_question_it_ends_as_all_verbs_do(stage: Stage, more: t
         asked += os.read(process.stderr.fileno(), 1000).decode()
     until(lambda: not robot.status().moving, "it waits for an answer")
     process.send_signal(signal.SIGINT)
-    out, said = process.communicate(timeout=10)
+    out, said = process.communicate(timeout=END_S)
     assert process.returncode == 130
     assert "Traceback" not in said
-    told = json.loads(out)["message"] if more else said
-    assert "the arms rest" in told
+    message = json.loads(out)["message"] if more else said
+    assert "the arms rest" in message

@@ -1,4 +1,4 @@
-"""Programs of 2023, unmodified, at the port a node opens for them: real terminals, real processes."""
+"""Unmodified programs of 2023 at the port of a node: real terminals and processes."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from old_program import Place, Program
 from stage import Stage, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Command, Reason
 
 
+@pytest.mark.bodies("sim")
 @pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda path: path.stem)
-def test_a_dialogue_is_spoken_word_for_word(place: Place, dialogue: Path) -> None:
+def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: Path) -> None:
     said = read(dialogue)
     replies = iter(wanted(said))
     with place.program() as program:
@@ -30,7 +31,7 @@ def test_a_dialogue_is_spoken_word_for_word(place: Place, dialogue: Path) -> Non
                 assert program.read(len(due)) == due
 
 
-def test_every_opening_is_a_power_up(place: Place) -> None:
+def test_opening_the_port_forgets_zero_and_motors(place: Place) -> None:
     with place.program() as program:
         program.begin()
         assert program.say("@MOVRX 20 200") == ["ACK\n", "ACK\n"]
@@ -40,25 +41,29 @@ def test_every_opening_is_a_power_up(place: Place) -> None:
         assert program.x == 0
         assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"]
         wait_status(
-            place.robot, lambda status: "@CALNOW must come before it" in " ".join(status.warnings), "told"
+            place.robot,
+            lambda status: "@CALNOW must come before it" in " ".join(status.warnings),
+            "the warning",
         )
 
 
-def test_line_ends_and_what_is_no_line(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_line_ends_and_invalid_lines(place: Place) -> None:
     with place.program() as program:
-        program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n")
-        assert program.read(4) == ["ACK\n"] * 4
+        program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n  \r @COMSTATUS\r")
+        assert program.read(6) == ["ACK\n"] * 6, "leading blanks are ignored"
         for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
             program.port.write(unknown + b"\r")
             assert program.read(1) == ["NACK\n"], unknown
-        program.port.write(b"ACK\rNACK\r")  # as a terminal that echoes sends our own answers back
+        program.port.write(b"ACK\rNACK\r")  # as from a terminal with echo
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.write(b"@COM")
-        time.sleep(2.3)  # the line is forgotten
+        time.sleep(2.3)  # the node drops the unfinished line
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
 
 
-def test_who_drives_is_asked_first_and_an_old_program_drives_like_any_other(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_an_old_program_obeys_and_takes_the_lease(place: Place) -> None:
     with place.program() as program:
         program.begin()
         place.robot.look(yaw=2)
@@ -74,37 +79,38 @@ def test_who_drives_is_asked_first_and_an_old_program_drives_like_any_other(plac
         assert place.robot.status().holder == "legacy"
 
 
-def test_an_old_program_does_not_switch_a_robot_that_somebody_drives(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_an_old_program_does_not_switch_a_robot_that_another_seat_drives(place: Place) -> None:
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=3, speed=2, wait=False)
-        for line in ("@ENMOTORS OFF", "@CALNOW"):
-            assert program.say(line) == ["ACK\n", "NACK\n"], line
+        assert program.say("@ENMOTORS OFF") == ["ACK\n", "NACK\n"]
         motion.wait()
         assert place.robot.status().calibrated
 
 
-def test_a_program_that_asks_without_end_holds_up_nobodys_motion(place: Place) -> None:
-    """Its lines are no heartbeat: the node must go on with its own."""
+def test_a_program_that_queries_continuously_delays_no_motion(place: Place) -> None:
+    """Its lines are no heartbeat: the node must keep sending its own."""
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=40, wait=False)
-        while motion.poll(0.0) is None:
+        while motion.running():
             assert program.say("@GETXPOS", 3)[::2] == ["ACK\n", "ACK\n"]
         motion.wait()
 
 
-def test_limits_of_a_lab_that_old_programs_could_not_keep_are_refused(tmp_path: Path) -> None:
+def test_a_robot_file_with_other_limits_is_refused_with_legacy(tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[limits]\nyaw_max = 10.0\n", encoding="utf-8")
     with Stage() as stage:
         node = ("--connect", stage.endpoint, "--legacy", str(tmp_path / "COM4"))
         process = stage.process("sim_node", *node, "--robot-file", str(tmp_path / "lab.toml"))
-        assert process.wait(20) == 2
-        assert any("do not go together" in line for line in process.lines)
+        assert process.wait() == 2
+        assert any("cannot be used with a --robot-file" in line for line in process.lines)
     assert not (tmp_path / "COM4").is_symlink()
 
 
-def test_the_next_program_gets_no_answer_of_the_one_before(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_the_next_program_gets_no_answers_of_the_program_before(place: Place) -> None:
     until(lambda: place.robot.status().holder == "", "free", 5.0)
     with contextlib.closing(Program(place.path).port) as port:
         port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r")
@@ -115,7 +121,8 @@ def test_the_next_program_gets_no_answer_of_the_one_before(place: Place) -> None
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
 
 
-def test_a_motion_with_motors_off_takes_its_time(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_a_motion_with_motors_off_is_counted(place: Place) -> None:
     with place.program() as program:
         place.robot.disable()
         assert program.say("@ENMOTORS OFF") == program.say("@CALNOW") == ["ACK\n", "ACK\n"]
@@ -124,7 +131,8 @@ def test_a_motion_with_motors_off_takes_its_time(place: Place) -> None:
         assert program.x == 900, "only counted"
 
 
-def test_anybody_stops_an_old_program(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_any_client_stops_an_old_program(place: Place) -> None:
     with place.program() as program:
         program.begin()
         program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
@@ -132,22 +140,40 @@ def test_anybody_stops_an_old_program(place: Place) -> None:
         assert "rest at" in place.robot.stop().message
         assert program.read(4) == ["ACK\n", "NACK\n"] * 2
         assert 0 < program.x < 500
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "who was stopped has to pause"
-        time.sleep(1.1)
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "it may again"
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "a stopped program has to pause"
+        time.sleep(5.1)
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "it has sent no motion for five seconds"
 
 
-def test_a_program_that_is_refused_again_and_again_does_not_drive(place: Place) -> None:
+@pytest.mark.bodies("hw")
+def test_a_program_that_moves_every_second_stays_stopped_until_it_closes_the_port(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        program.port.write(place.turn(600))
+        until(place.far, "moving")
+        place.robot.stop()
+        assert program.read(2) == ["ACK\n", "NACK\n"]
+        for _ in range(7):
+            time.sleep(0.9)
+            assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"]
+            assert not place.robot.status().moving
+    with place.program() as program:
+        program.begin()
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "the next program is not stopped"
+
+
+@pytest.mark.bodies("hw")
+def test_a_refused_program_does_not_take_the_lease(place: Place) -> None:
     with place.program() as program:
         program.begin()
         place.robot.emergency_stop()
         for _ in range(3):
             assert program.say("@ENMOTORS ON") == program.say("@MOVRX 50 200") == ["ACK\n", "NACK\n"]
             assert place.robot.status().holder == ""
-        place.robot.enable()  # as a person who has looked does
+        place.robot.command(Command.RESET)  # as a user after a look at the robot
 
 
-def test_its_own_stop_acts_at_once(place: Place) -> None:
+def test_stopall_acts_at_once(place: Place) -> None:
     with place.program() as program:
         program.begin()
         program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 50 200\r@GETXPOS\r")
@@ -159,10 +185,10 @@ def test_its_own_stop_acts_at_once(place: Place) -> None:
         assert program.read(2) == ["ACK\n", "ACK\n"]
         assert time.monotonic() - began_s < 1.0
         assert not place.robot.status().moving
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "who presses STOP knows"
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "its own STOP does not bind it"
 
 
-def test_a_motion_of_somebody_else_is_stopped_by_an_old_program(place: Place) -> None:
+def test_a_motion_of_another_seat_is_stopped_by_an_old_program(place: Place) -> None:
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=60, wait=False)
@@ -172,8 +198,11 @@ def test_a_motion_of_somebody_else_is_stopped_by_an_old_program(place: Place) ->
         assert end.value.reason is Reason.STOPPED
 
 
-def test_what_is_under_way_when_the_program_ends_is_finished_what_waits_is_not_begun(place: Place) -> None:
+def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are_dropped(
+    place: Place,
+) -> None:
     until(lambda: place.robot.status().holder == "", "free", 5.0)
+    place.robot.make_ready()  # else @CALNOW would set home, from which positions count
     at = place.robot.positions().commanded.short
     with contextlib.closing(Program(place.path).port) as port:
         port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r@MOVRALL -100 -100 -100\r")
@@ -183,8 +212,9 @@ def test_what_is_under_way_when_the_program_ends_is_finished_what_waits_is_not_b
     until(lambda: place.robot.status().holder == "", "free", 3.0)
 
 
-def test_moves_faster_than_they_can_be_made_are_all_answered_in_turn(place: Place) -> None:
-    """Thirty of these at this pace drove firmware 1.0 wild."""
+@pytest.mark.bodies("hw")
+def test_motions_beyond_the_queue_are_refused_in_their_turn(place: Place) -> None:
+    """Firmware 1.0 lost control after thirty of these at this pace."""
     count = 50
     with place.program() as program:
         program.begin()
@@ -192,7 +222,7 @@ def test_moves_faster_than_they_can_be_made_are_all_answered_in_turn(place: Plac
             x = 40 if number % 2 else -40
             program.port.write(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode())
             time.sleep(0.15 if number < 15 else 0.0)
-        until(lambda: "too many are waiting" in " ".join(place.robot.status().warnings), "a warning")
+        until(lambda: "too many lines are waiting" in " ".join(place.robot.status().warnings), "a warning")
         replies = program.read(2 * count)
         assert replies[0::2] == ["ACK\n"] * count
         busy = replies[1::2].count("NACK\n")
@@ -202,7 +232,7 @@ def test_moves_faster_than_they_can_be_made_are_all_answered_in_turn(place: Plac
         assert abs(program.x) == 40
 
 
-def test_limits_shorten_a_motion_and_say_so(place: Place) -> None:
+def test_limits_shorten_a_motion_with_a_warning(place: Place) -> None:
     with place.program() as program:
         program.begin()
         assert program.say("@MOVRALL 500 0 -500") == ["ACK\n", "ACK\n"]

@@ -1,12 +1,14 @@
-"""The port for programs of 2023: programs that follow each other, and the link they find it by; real terminals."""
+"""The pseudo-terminal for programs of 2023: programs one after another, and the link at its path; real terminals."""
 
 from __future__ import annotations
 
 import contextlib
+import grp
 import os
 import pty
 import select
 import signal
+import stat
 import subprocess
 import termios
 import threading
@@ -18,49 +20,48 @@ from serial.tools import list_ports
 from stage import Stage, until
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh.node import Terminal
-from beatrix_zenoh.node.terminal import KEPT, OURS
+from beatrix_zenoh.legacy import Terminal
+from beatrix_zenoh.legacy.terminal import UNREAD_MAX
+from beatrix_zenoh.legacy.terminal_path import GROUP, GROUP_MAY, LINK_PREFIX
 from hw_node.app import main
 
 PATIENCE_S = 10.0
 ANSWER = b"0123456789 0123456789 0123456789\n"
 LOCAL, CONTROL = 3, 6
-"""Places in what termios says."""
+"""Indices in the settings of termios."""
 
 
 class Listener:
-    """Notes what it is told; `heard` waits while `free` is not set."""
+    """Records its calls; `opened` and `received` wait for a permit of `free`."""
 
     def __init__(self, terminal: Terminal) -> None:
-        self.told: list[str] = []
+        self.events: list[str] = []
         self.free = threading.Semaphore(1_000_000)
-        self.greets = self.roomy = True
+        self.begins_answers = True
         self._terminal = terminal
 
     def opened(self) -> None:
-        if self.greets:
-            self._terminal.forget()
-        self.told.append("opened")
+        if self.begins_answers:
+            self._terminal.begin_answers()
+        self.events.append("opened")
+        assert self.free.acquire(timeout=PATIENCE_S)
 
-    def room(self) -> bool:
-        return self.roomy
-
-    def heard(self, line: bytes) -> None:
-        self.told.append(line.decode())
+    def received(self, line: bytes) -> None:
+        self.events.append(line.decode())
         assert self.free.acquire(timeout=PATIENCE_S)
 
     def closed(self) -> None:
-        self.told.append("closed")
+        self.events.append("closed")
 
-    def expect(self, *told: str) -> None:
-        """So much, and nothing else, since it was asked last."""
-        until(lambda: len(self.told) >= len(told), f"told {told}, not {self.told[:9]}")
-        assert self.told == list(told)
-        self.told.clear()
+    def expect(self, *events: str) -> None:
+        """Wait until exactly these events have come since the last call."""
+        until(lambda: len(self.events) >= len(events), f"events {events}, not {self.events[:9]}")
+        assert self.events == list(events)
+        self.events.clear()
 
 
 class Program:
-    """Has opened the terminal, and nothing more: pyserial would empty and set it up as well."""
+    """Opens the terminal without changing its settings, as pyserial would."""
 
     def __init__(self, path: Path) -> None:
         self.at = os.open(path, os.O_RDWR | os.O_NOCTTY)
@@ -88,7 +89,7 @@ class Port:
 
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
-        """A program that comes and goes, both noticed; before it goes, the listener must have been asked for all."""
+        """A program that opens and closes the terminal; all events in between must be expected before it closes."""
         with contextlib.closing(Program(self.terminal.path)) as program:
             self.listener.expect("opened")
             yield program
@@ -106,9 +107,9 @@ def port(tmp_path: Path) -> Iterator[Port]:
 # -- programs that follow each other --------------------------------------------------------------
 
 
-def test_what_a_program_has_not_read_is_not_for_the_next(port: Port) -> None:
+def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Port) -> None:
     with port.program() as dead:
-        for _ in range(KEPT + 1000):
+        for _ in range(UNREAD_MAX // len(ANSWER) + 1000):
             port.terminal.write(ANSWER)
         assert dead.readline() == ANSWER
     with port.program() as program:
@@ -116,19 +117,28 @@ def test_what_a_program_has_not_read_is_not_for_the_next(port: Port) -> None:
         assert program.readline() == b"ACK\n"
 
 
-def test_answers_to_a_program_that_has_gone_are_not_for_the_next(port: Port) -> None:
+def test_answers_to_a_program_that_has_ended_are_not_given_to_the_next(port: Port) -> None:
     with port.program():
         pass
     port.terminal.write(b"late\n")
-    port.listener.greets = False
+    port.listener.begins_answers = False
     with port.program() as program:
         port.terminal.write(b"too late\n")
-        port.terminal.forget()
+        port.terminal.begin_answers()
         port.terminal.write(b"ACK\n")
         assert program.readline() == b"ACK\n"
 
 
-def test_half_a_line_does_not_begin_the_line_of_the_next(port: Port) -> None:
+def test_leading_blanks_of_a_line_are_skipped_as_in_the_firmware(port: Port) -> None:
+    with port.program() as program:
+        program.write(b" @COMSTATUS\r \t @GETXPOS\r  \r@MOVRX  7\r")
+        port.listener.expect("@COMSTATUS", "@GETXPOS", "@MOVRX  7")
+        program.write(b" " * 200)
+        program.write(b"@STOPALL\r")
+        port.listener.expect("@STOPALL")
+
+
+def test_half_a_line_is_not_joined_with_the_line_of_the_next_program(port: Port) -> None:
     with port.program() as dead:
         dead.write(b"@GETXPOS\r@MOVRX 100")
         port.listener.expect("@GETXPOS")
@@ -137,35 +147,34 @@ def test_half_a_line_does_not_begin_the_line_of_the_next(port: Port) -> None:
         port.listener.expect("0")
 
 
-def test_what_a_program_has_left_is_told_apart_from_what_the_next_one_writes(port: Port) -> None:
+def test_lines_left_by_a_program_are_handed_over_before_those_of_the_next(port: Port) -> None:
     port.listener.free = threading.Semaphore(0)
-    lines = [f"@MOVRX {number}" for number in range(700)]
+    lines = [f"@MOVRX {number}" for number in range(300)]
     with contextlib.closing(Program(port.terminal.path)) as dead:
         port.listener.expect("opened")
         dead.write(b"".join(line.encode() + b"\r" for line in lines) + b"@MOV")
-        port.listener.expect(lines[0])
     port.listener.free.release()
-    port.listener.expect(lines[1])
+    port.listener.expect(lines[0])
     with contextlib.closing(Program(port.terminal.path)) as program:
         program.write(b"RX 5\r")
         port.listener.free.release(2000)
-        port.listener.expect(*lines[2:], "closed", "opened", "RX 5")
+        port.listener.expect(*lines[1:], "closed", "opened", "RX 5")
     port.listener.expect("closed")
 
 
-def test_a_program_of_an_instant_is_heard(port: Port) -> None:
+def test_the_line_of_a_program_that_closes_at_once_is_received(port: Port) -> None:
     port.terminal.path.write_bytes(b"@STOPALL\r")
     port.listener.expect("opened", "@STOPALL", "closed")
 
 
-def test_settings_of_a_program_go_with_it(port: Port) -> None:
+def test_terminal_settings_of_a_program_are_discarded_with_it(port: Port) -> None:
     with port.program() as dead:
         subprocess.run(["stty", "sane"], stdin=dead.at, check=True)
     with port.program() as program:
         assert not termios.tcgetattr(program.at)[LOCAL] & (termios.ECHO | termios.ICANON)
 
 
-def test_an_echo_is_switched_off_for_who_comes_and_nothing_else(tmp_path: Path) -> None:
+def test_opening_switches_echo_off_and_changes_no_other_setting(tmp_path: Path) -> None:
     port = Port(tmp_path / "COM4")
     with contextlib.closing(port.terminal), contextlib.closing(Program(port.terminal.path)) as program:
         settings = termios.tcgetattr(program.at)
@@ -182,13 +191,28 @@ def test_an_echo_is_switched_off_for_who_comes_and_nothing_else(tmp_path: Path) 
 
 
 @pytest.mark.skipif(not os.access("/dev", os.W_OK), reason="only an administrator may put a link into /dev")
-def test_a_link_in_dev_is_found_by_programs_that_look_for_ports() -> None:
+def test_a_link_in_dev_is_listed_as_a_serial_port() -> None:
     path = Path("/dev/ttyACM97")
     with Stage() as stage:
         process = stage.simulation("bea", "--legacy", str(path))
         assert str(path) in [port.device for port in list_ports.comports()]
         process.end()
         assert not path.is_symlink()
+
+
+@pytest.mark.parametrize("name", ["ttyACM0", "COM3"])
+def test_the_group_of_serial_ports_may_open_the_terminal(tmp_path: Path, name: str) -> None:
+    with contextlib.closing(Terminal(tmp_path / name)) as terminal:
+        found = terminal.path.stat()
+        try:
+            group = grp.getgrnam(GROUP).gr_gid
+        except KeyError:
+            pytest.skip("no such group on this computer")
+        if os.geteuid() and group not in os.getgroups():
+            assert not found.st_mode & 0o006, "other users may not open it"
+        else:
+            assert found.st_gid == group
+            assert stat.S_IMODE(found.st_mode) == GROUP_MAY
 
 
 def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
@@ -198,14 +222,14 @@ def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
         second = stage.process(
             "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
         )
-        assert second.wait(20) == 1
+        assert second.wait() == 1
         assert any("belongs to another node" in line for line in second.lines)
         assert path.exists()
         first.end()
         assert not path.is_symlink()
 
 
-def test_a_link_left_behind_is_replaced_and_anything_else_refused(tmp_path: Path) -> None:
+def test_a_leftover_link_is_replaced_and_any_other_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:
         stage.simulation("bea", "--legacy", str(path)).end(signal.SIGKILL)
@@ -213,18 +237,16 @@ def test_a_link_left_behind_is_replaced_and_anything_else_refused(tmp_path: Path
         stage.simulation("bea2", "--legacy", str(path)).end()
         assert not path.is_symlink()
         path.write_text("precious")
-        for bad, why in ((path, "is there already"), (tmp_path / "none/COM4", "Choose a path you may write")):
+        for bad, why in ((path, "already exists"), (tmp_path / "none/COM4", "Choose a path you may write")):
             process = stage.process("sim_node", "--connect", stage.endpoint, "--legacy", str(bad))
-            assert process.wait(20) == 1
+            assert process.wait() == 1
             assert any(why in line for line in process.lines)
     assert path.read_text() == "precious"
 
 
-def test_a_link_left_behind_whose_number_somebody_else_has_now_is_replaced(
-    tmp_path: Path, port: Port
-) -> None:
+def test_a_leftover_link_to_a_device_of_another_terminal_is_replaced(tmp_path: Path, port: Port) -> None:
     path = tmp_path / "COM5"
-    path.symlink_to(OURS + str(port.terminal.path.resolve()))
+    path.symlink_to(LINK_PREFIX + str(port.terminal.path.resolve()))
     terminal = Terminal(path)
     assert path.resolve() != port.terminal.path.resolve()
     terminal.close()
@@ -233,12 +255,12 @@ def test_a_link_left_behind_whose_number_somebody_else_has_now_is_replaced(
         pass
 
 
-def test_a_link_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+def test_a_foreign_link_is_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "board"
     master, slave = pty.openpty()
     try:
         path.symlink_to(os.ttyname(slave))
-        with pytest.raises(Refused, match="is there already"):
+        with pytest.raises(Refused, match="already exists"):
             Terminal(path)
         assert path.readlink() == Path(os.ttyname(slave))
     finally:
@@ -246,14 +268,14 @@ def test_a_link_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
         os.close(slave)
 
 
-def test_a_link_that_another_node_lives_by_is_left_alone(port: Port) -> None:
+def test_the_link_of_a_running_node_is_left_alone(port: Port) -> None:
     with pytest.raises(Refused, match="belongs to another node"):
         Terminal(port.terminal.path)
     with port.program():
         pass
 
 
-def test_a_node_takes_away_its_own_link_only(tmp_path: Path) -> None:
+def test_a_node_removes_only_its_own_link(tmp_path: Path) -> None:
     one, other = Terminal(tmp_path / "COM4"), Terminal(tmp_path / "COM5")
     one.path.unlink()
     one.path.symlink_to(other.path.readlink())
@@ -264,7 +286,7 @@ def test_a_node_takes_away_its_own_link_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("through", ["board", "link"])
-def test_the_boards_own_port_is_no_place_for_it(
+def test_the_port_of_the_board_is_refused_as_path(
     tmp_path: Path, through: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "board").symlink_to("/dev/null")
@@ -274,7 +296,7 @@ def test_the_boards_own_port_is_no_place_for_it(
     assert (tmp_path / "board").readlink() == Path("/dev/null")
 
 
-def test_a_window_that_is_closed_ends_the_node_and_its_link(tmp_path: Path) -> None:
+def test_sighup_ends_the_node_and_removes_its_link(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:
         assert stage.simulation("bea", "--legacy", str(path)).end(signal.SIGHUP) == 0

@@ -13,15 +13,8 @@ from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.robot import Motion, stop_together
-
-
-@pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        made.simulation("bea")
-        made.hardware("bea")
-        yield made
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.robot import stop_together
 
 
 @pytest.fixture
@@ -29,6 +22,8 @@ def twin(stage: Stage) -> Iterator[Twin]:
     """Both robots at home."""
     with Twin("bea", connect=stage.endpoint, who="ana") as made:
         made.stop()
+        made.sim.reset()
+        made.hw.reset()
         made.disable()
         made.enable()
         made.calibrate()
@@ -57,12 +52,12 @@ def test_commit_moves_both_to_the_same_place_the_simulation_first(
     accepted: list[str] = []
     begin = Robot.begin
 
-    def begin_and_tell(robot: Robot, road: str, query: MotionQuery | PoseQuery) -> Motion:
-        motion = begin(robot, road, query)
+    def record(robot: Robot, query: MotionQuery | PoseQuery) -> Motion:
+        motion = begin(robot, query)
         accepted.append(robot.twin)
         return motion
 
-    monkeypatch.setattr(Robot, "begin", begin_and_tell)
+    monkeypatch.setattr(Robot, "begin", record)
     plan = twin.preview(yaw=20, pitch=8, speed=60)
     plan.commit()
     assert commanded(twin.sim) == commanded(twin.hw)
@@ -70,7 +65,7 @@ def test_commit_moves_both_to_the_same_place_the_simulation_first(
     assert accepted == ["sim", "hw"]
 
 
-def test_an_aborted_or_committed_plan_is_used_up(twin: Twin) -> None:
+def test_an_aborted_or_committed_plan_cannot_be_used_again(twin: Twin) -> None:
     plan = twin.preview(yaw=2, speed=60)
     plan.abort()
     with pytest.raises(Refused, match="aborted already"):
@@ -82,7 +77,7 @@ def test_an_aborted_or_committed_plan_is_used_up(twin: Twin) -> None:
     assert commanded(twin.hw) != (0, 0, 0)
 
 
-def test_a_plan_from_where_the_robot_no_longer_is_is_refused(twin: Twin) -> None:
+def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
     plan = twin.preview(yaw=10)
     twin.sim.look(yaw=-3, speed=60)
     with pytest.raises(Refused, match=r"bea \(sim\) has moved.*preview again"):
@@ -102,16 +97,16 @@ def test_a_plan_from_where_the_robot_no_longer_is_is_refused(twin: Twin) -> None
         plan.commit()
 
 
-def test_a_relative_plan_of_robots_apart_is_refused_an_absolute_one_brings_them_together(twin: Twin) -> None:
+def test_a_relative_plan_needs_robots_at_one_position_an_absolute_one_does_not(twin: Twin) -> None:
     twin.hw.look(yaw=20, speed=60)
-    with pytest.raises(Refused, match=r"20\.\d deg apart"):
+    with pytest.raises(Refused, match=r"20\.\d° apart"):
         twin.preview(yaw=5, relative=True)
     twin.preview(yaw=5, speed=60).commit()
     twin.preview(yaw=5, speed=60, relative=True).commit()
     assert commanded(twin.sim) == commanded(twin.hw)
 
 
-def test_hardware_that_comes_after_the_preview_is_not_driven_by_it() -> None:
+def test_hardware_that_starts_after_the_preview_is_not_moved() -> None:
     with Stage() as stage, Twin("late", connect=stage.endpoint, who="ana") as late:
         stage.simulation("late")
         late.sim.enable()
@@ -124,7 +119,7 @@ def test_hardware_that_comes_after_the_preview_is_not_driven_by_it() -> None:
             plan.commit()
 
 
-def test_an_impossible_plan_is_refused_before_anything_moves(twin: Twin) -> None:
+def test_an_impossible_plan_is_refused_before_a_robot_moves(twin: Twin) -> None:
     with pytest.raises(Refused, match="35"):
         twin.preview(pitch=50)
     with pytest.raises(Refused) as refusal:
@@ -140,7 +135,7 @@ def test_arms_can_be_previewed_too(twin: Twin) -> None:
     assert commanded(twin.sim) == commanded(twin.hw) == (0, 0, 0)
 
 
-def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: Twin) -> None:
+def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin: Twin) -> None:
     plan = twin.preview(yaw=60)
     twin.hw.disable()
     with pytest.raises(Refused, match=r"bea \(hw\): The motors are off") as refusal:
@@ -148,8 +143,9 @@ def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: T
     assert refusal.value.reason is Reason.NOT_ENABLED
     before = twin.sim.status().motion
     twin.hw.emergency_stop()
-    with pytest.raises(Refused, match=r"bea \(hw\): The emergency stop is latched"):
+    with pytest.raises(Refused, match=r"bea \(hw\): EMERGENCY_STOP is latched"):
         twin.check_ready()
+    twin.hw.reset()
     twin.hw.enable()
     with pytest.raises(Refused, match=r"bea \(hw\): Home is not known") as unknown:
         plan.commit()
@@ -158,13 +154,13 @@ def test_hardware_that_may_not_move_is_asked_before_the_simulation_moves(twin: T
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
 
 
-def test_a_preview_tells_if_the_hardware_may_not_move_now(twin: Twin) -> None:
+def test_the_verdict_of_a_preview_mentions_hardware_that_may_not_move(twin: Twin) -> None:
     assert "But" not in twin.preview(yaw=10).verdict
     twin.hw.disable()
     assert "But the hardware may not move now: The motors are off" in twin.preview(yaw=10).verdict
 
 
-def test_neither_is_switched_while_somebody_else_drives_one(stage: Stage, twin: Twin) -> None:
+def test_neither_is_switched_while_another_seat_drives_one(stage: Stage, twin: Twin) -> None:
     teacher = stage.robot("bea", "hw", "teacher")
     teacher.look(yaw=2, speed=60)
     calibrations = twin.sim.status().calibrations
@@ -175,17 +171,19 @@ def test_neither_is_switched_while_somebody_else_drives_one(stage: Stage, twin: 
     until(lambda: not teacher.status().holder, "free")
 
 
-def test_what_one_of_both_refuses_begins_with_its_name(twin: Twin) -> None:
+def test_a_refusal_of_one_robot_begins_with_its_name(twin: Twin) -> None:
     twin.hw.disable()
     with pytest.raises(Refused, match=r"^bea \(hw\): ") as refusal:
         twin.calibrate()
     assert refusal.value.message.count("bea (hw)") == 1
 
 
-def test_hardware_that_refuses_after_all_stops_the_simulation(
+def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Twin, "check_ready", lambda _: None)  # as if it were disabled just then
+    monkeypatch.setattr(
+        "beatrix_zenoh.client.twin_state.may_move", lambda *_: None
+    )  # as if the robot were disabled just then
     plan = twin.preview(yaw=60)
     twin.hw.disable()
     with pytest.raises(Refused) as refusal:
@@ -217,7 +215,7 @@ def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert commanded(twin.sim)[0] < 60
 
 
-def test_both_are_told_to_stop_before_either_is_waited_for(twin: Twin) -> None:
+def test_stop_is_sent_to_both_before_waiting_for_either(twin: Twin) -> None:
     motions = [robot.look(yaw=90, wait=False) for robot in (twin.sim, twin.hw)]
     answers = stop_together((twin.sim, twin.hw))
     robot, _ = next(answers)
@@ -227,7 +225,7 @@ def test_both_are_told_to_stop_before_either_is_waited_for(twin: Twin) -> None:
     assert [robot for robot, _ in answers] == [twin.hw]
 
 
-def test_what_stops_both_stops_the_hardware_though_the_simulation_is_gone() -> None:
+def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
     with Stage() as stage, Twin("bea", connect=stage.endpoint, who="ana") as twin:
         simulation = stage.simulation("bea")
         stage.hardware("bea")
@@ -245,22 +243,22 @@ def test_what_stops_both_stops_the_hardware_though_the_simulation_is_gone() -> N
         assert other.positions().commanded.short < 60
 
 
-def test_a_hardware_that_has_further_to_go_is_waited_for_and_told(twin: Twin) -> None:
+def test_commit_waits_for_slower_hardware_and_reports_it(twin: Twin) -> None:
     twin.hw.look(yaw=150, speed=60)
     plan = twin.preview_arms(0, 0, 0)
-    assert "The hardware stands 150.0 deg elsewhere" in plan.verdict
+    assert "The hardware stands 150.0° away" in plan.verdict
     plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
 
 
-def test_who_refuses_is_named(twin: Twin) -> None:
+def test_the_robot_that_refuses_is_named(twin: Twin) -> None:
     plan = twin.preview(yaw=10)
     twin.hw.disable()
     with pytest.raises(Refused, match=r"bea \(hw\): The motors are off"):
         plan.commit()
 
 
-def test_a_refused_commit_leaves_the_other_drivers_motion_alone(stage: Stage, twin: Twin) -> None:
+def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage, twin: Twin) -> None:
     bob = stage.robot("bea", "hw", "bob")
     until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
     plan = twin.preview(yaw=30)

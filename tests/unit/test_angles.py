@@ -1,4 +1,4 @@
-"""What the SDK takes for an angle."""
+"""Checks of angles and speeds in the SDK."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ import math
 import numpy as np
 import pytest
 
-from beatrix_zenoh import BeatrixError
+from beatrix_zenoh import BeatrixError, Robot
+from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, to_rad
+from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.names import check_name
-from beatrix_zenoh.robot import motion_query, pose_query, to_rad
 
 
 @pytest.mark.parametrize("angle", [90, 90.0, np.float32(90), np.float64(90), np.int64(90)])
-def test_whatever_counts_is_taken(angle: float) -> None:
+def test_finite_numbers_are_accepted(angle: float) -> None:
     assert to_rad("yaw", angle) == pytest.approx(math.pi / 2)
 
 
 @pytest.mark.parametrize(
-    ("angle", "told"),
+    ("angle", "message"),
     [
         ("20", "yaw is '20': give a number of degrees"),
         (None, "yaw is None: give a number of degrees"),
@@ -29,20 +30,50 @@ def test_whatever_counts_is_taken(angle: float) -> None:
         (1e300, "no message holds a number that large"),
     ],
 )
-def test_whatever_does_not_is_refused_by_name(angle: float, told: str) -> None:
-    with pytest.raises(BeatrixError, match=told):
+def test_other_values_are_refused_with_their_name(angle: float, message: str) -> None:
+    with pytest.raises(BeatrixError, match=message):
         to_rad("yaw", angle)
 
 
-def test_speeds_are_told_in_their_unit() -> None:
+def test_speed_errors_have_their_unit() -> None:
     with pytest.raises(BeatrixError, match=r"speed is 'fast': give a number of degrees/s\."):
         pose_query(0, 0, 0, relative=False, speed="fast")  # type: ignore[arg-type]
 
 
-def test_a_text_is_no_switch() -> None:
+def test_a_text_is_refused_as_a_bool() -> None:
     with pytest.raises(BeatrixError, match=r"relative is 'no': give True or False\."):
         motion_query(0, 0, 0, relative="no", speed=None)  # type: ignore[arg-type]
 
 
-def test_a_number_may_be_a_name() -> None:
+def test_a_number_is_accepted_as_a_name() -> None:
     assert check_name(5) == "5"  # type: ignore[arg-type]
+
+
+def test_each_arm_may_have_its_own_speed() -> None:
+    for speed in ((10, 20, 30), [10.0, 20.0, 30.0]):
+        query = motion_query(0, 0, 0, relative=False, speed=speed)
+        assert query.speed is not None
+        assert (query.speed.x, query.speed.z) == (math.radians(10), math.radians(30))
+    alike = motion_query(0, 0, 0, relative=False, speed=10)
+    assert alike.speed is not None
+    assert alike.speed.x == alike.speed.z == math.radians(10)
+
+
+@pytest.mark.parametrize(
+    ("speed", "message"),
+    [
+        ((10, 20), "speed has 2 numbers: give one for all arms, or three"),
+        ((10, 20, "fast"), "speed is 'fast': give a number of degrees/s"),
+        ("fast", "speed is 'fast'"),
+        ((), "speed has 0 numbers"),
+    ],
+)
+def test_other_speeds_are_refused(speed: Speed, message: str) -> None:
+    with pytest.raises(WrongUsage, match=message):
+        motion_query(0, 0, 0, relative=False, speed=speed)
+
+
+@pytest.mark.parametrize("value", [-1, 0, None, "2", True, math.nan, math.inf, 1e9])
+def test_a_time_out_is_a_number_of_seconds_above_0(value: float) -> None:
+    with pytest.raises(WrongUsage, match=r"timeout_s is .*: give a number of seconds above 0"):
+        Robot("bea", "hw", timeout_s=value)

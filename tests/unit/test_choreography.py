@@ -1,35 +1,45 @@
-"""Choreographies: what a file may hold, that ours can be danced, and in which order it is."""
+"""Choreographies: file contents, the shipped choreography, and the order of poses."""
 
 from __future__ import annotations
 
 import itertools
 import math
+import os
+from pathlib import Path
+from typing import cast
 
 import pytest
 
-from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.choreography import Choreography, Figure, Pose, parse, play, shipped
-from beatrix_zenoh.drive import Arms
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits
+from beatrix_zenoh import Interrupted, Refused, Robot, Twin
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, choreography, load, shipped
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.play import play
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.recording.choreography_check import check_choreography
 
 REST: Arms = (0.0, 0.0, 0.0)
 
 
-def durations(choreography: Choreography) -> list[float]:
-    """How long each of its motions takes; raises Refused for one that is not allowed."""
+def durations(played: Choreography) -> list[float]:
+    """Duration of each motion; raises Refused for a motion that is not allowed."""
     neck, limits, here = Neck(), Limits(), REST
-    speed = math.radians(choreography.speed)
     found = []
-    for _, pose in choreography.steps:
+    for _, pose in played.steps:
+        assert isinstance(pose, Pose)
+        speed = math.radians(pose.speed)
         goal = neck.inverse(*(math.radians(angle) for angle in (pose.yaw, pose.pitch, pose.roll)))
         found.append(limits.check_motion(here, REST, goal, (speed, speed, speed), straight=True).duration)
         here = goal
     return found
 
 
-def test_hello_is_allowed_fits_its_times_and_lasts_about_twenty_seconds() -> None:
+def test_hello_keeps_limits_and_times_and_lasts_about_twenty_seconds() -> None:
     hello = shipped("hello")
     times = [pose.at for _, pose in hello.steps]
     taken = durations(hello)
@@ -40,39 +50,88 @@ def test_hello_is_allowed_fits_its_times_and_lasts_about_twenty_seconds() -> Non
 
 def test_hello_ends_where_it_began() -> None:
     _, last = shipped("hello").steps[-1]
+    assert isinstance(last, Pose)
     assert (last.yaw, last.pitch, last.roll) == (0, 0, 0)
+
+
+HEAD = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure\n"
+ROWS = HEAD + "0,0,5,0,,,,60,nod\n1.5,,,,10,-5,0,,\n2,1,0,0,,,,30,shake\n"
+
+
+def test_a_line_turns_the_head_or_the_arms() -> None:
+    steps = choreography(motion_file.parse(ROWS, "mine")).steps
+    assert steps == [
+        ("nod", Pose(0, 0, 5, 0, 60)),
+        ("nod", ArmPose(1.5, 10, -5, 0, 60)),
+        ("shake", Pose(2, 1, 0, 0, 30)),
+    ]
+    head, arms = (pose.query() for _, pose in steps[:2])
+    assert isinstance(head, PoseQuery)
+    assert (head.absolute, head.pitch, head.speed) == (True, math.radians(5), math.radians(60))
+    assert isinstance(arms, MotionQuery)
+    assert (arms.absolute, arms.position.x) == (True, math.radians(10))
+    assert [str(pose) for _, pose in steps[:2]] == [
+        "yaw +0°, pitch +5°, roll +0°",
+        "arms short +10°, middle -5°, long +0°",
+    ]
+
+
+def test_without_a_figure_the_gesture_has_the_name_of_the_file() -> None:
+    text = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,5,0,60\n"
+    assert choreography(motion_file.parse(text, "folder/greet.csv")).steps == [
+        ("greet", Pose(0, 0, 5, 0, 60))
+    ]
 
 
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("title =", "Invalid value"),
-        ('title = "x"\nspeed = 60.0\nfigure = []', "times"),
-        ('title = "x"\nspeed = 60.0\n[[figure]]\ntitle = "nod"\nposes = [[0.0, 1.0]]', "length"),
+        ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "`beatrix replay`"),
+        (HEAD + "0,0,5,0,,,,,nod\n", "mine.csv, line 2: speed_deg_s is empty"),
         (
-            'title = "x"\nspeed = 60.0\n[[figure]]\ntitle = "nod"\nposes = [[1, 0, 0, 0], [0, 0, 0, 0]]',
-            "decrease",
+            HEAD + "0,0,5,0,,,,0,nod\n",
+            "mine.csv, line 2: speed_deg_s is 0: give a number of degrees/s above 0",
         ),
-        ('title = "x"\nspeed = 60.0\ntempo = 3\n[[figure]]\ntitle = "nod"\nposes = [[1, 0, 0, 0]]', "tempo"),
     ],
 )
-def test_a_file_that_cannot_be_danced_is_refused_with_what_it_should_hold(text: str, what: str) -> None:
-    with pytest.raises(Refused, match=what) as refusal:
-        parse(text, "mine.toml")
-    assert "mine.toml" in refusal.value.message
-    assert "[at, yaw, pitch, roll]" in refusal.value.message
+def test_a_file_that_is_no_choreography_is_refused(text: str, what: str) -> None:
+    with pytest.raises(WrongUsage) as refusal:
+        choreography(motion_file.parse(text, "mine.csv"))
+    assert what in refusal.value.message
+
+
+def test_at_speed_replaces_all_speeds_of_the_file() -> None:
+    assert {pose.speed for _, pose in shipped("hello").at_speed(30).steps} == {30}
+    for speed in (0, -1, math.nan):
+        with pytest.raises(WrongUsage, match="speed is"):
+            shipped("hello").at_speed(speed)
+
+
+def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text(ROWS, encoding="utf-8")
+    assert len(load(path).steps) == 3
+    assert load(Path("hello")) == shipped("hello")
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(WrongUsage, match="no text in UTF-8"):
+        load(path)
+    with pytest.raises(WrongUsage, match="or a shipped choreography: hello"):
+        load(tmp_path / "yours.csv")
+    with pytest.raises(WrongUsage, match="not a regular file"):
+        load(Path(os.devnull))
 
 
 class Recorder:
-    """A stage that writes down what happens on it."""
+    """One robot or both; records its calls."""
 
     def __init__(self, fail_at: int | None = None) -> None:
         self.events: list[tuple[str, float]] = []
         self._fail_at = fail_at
+        self.client = self.bus = self
+        self.closed = False
 
-    def preview(self, yaw: float, pitch: float, roll: float, *, speed: float | None) -> Recorder:
-        assert (pitch, roll, speed) == (0, 0, 60)
-        self.events.append(("preview", yaw))
+    def preview_query(self, query: PoseQuery) -> Recorder:
+        self.events.append(("preview", round(math.degrees(query.yaw))))
         return self
 
     def commit(self) -> None:
@@ -81,19 +140,113 @@ class Recorder:
             raise Refused(Reason.YAW_LIMIT, "too far")
 
 
-TWO_POSES = Choreography("t", 60.0, [Figure("f", [Pose(0.0, 1.0, 0, 0), Pose(0.02, 2.0, 0, 0)])])
+TWO_POSES = Choreography([("f", Pose(0.0, 1.0, 0, 0, 60.0)), ("f", Pose(0.02, 2.0, 0, 0, 60.0))])
 
 
-def test_every_pose_is_previewed_before_it_is_committed() -> None:
+def test_in_lockstep_every_pose_is_previewed_before_it_is_committed() -> None:
     stage = Recorder()
-    told: list[float] = []
-    play(stage, TWO_POSES, lambda _, pose: told.append(pose.yaw))
+    begun: list[str] = []
+    play(cast("Twin", stage), TWO_POSES, lambda title, pose: begun.append(f"{title}: {pose}"), lockstep=True)
     assert stage.events == [("preview", 1), ("commit", 0), ("preview", 2), ("commit", 0)]
-    assert told == [1, 2]
+    assert begun == ["f: yaw +1°, pitch +0°, roll +0°", "f: yaw +2°, pitch +0°, roll +0°"]
 
 
-def test_nothing_follows_a_motion_that_failed() -> None:
+def test_a_failed_motion_ends_the_choreography() -> None:
     stage = Recorder(fail_at=2)
     with pytest.raises(Refused):
-        play(stage, TWO_POSES, lambda *_: None)
+        play(cast("Twin", stage), TWO_POSES, lockstep=True)
     assert len(stage.events) == 2
+
+
+def test_a_lead_and_lockstep_exclude_each_other() -> None:
+    stage = Recorder()
+    with pytest.raises(WrongUsage, match="leave one of them out"):
+        play(cast("Twin", stage), TWO_POSES, lead_s=1.0, lockstep=True)
+    assert stage.events == []
+
+
+class EndedMotion:
+    """A motion that has ended, with an error or at its goal."""
+
+    def __init__(self, error: Interrupted | None) -> None:
+        self._error = error
+
+    def exception(self, _timeout: float) -> Interrupted | None:
+        return self._error
+
+
+class OneRobot(Robot):
+    """A robot without a network."""
+
+    def __init__(self, error: Interrupted | None = None) -> None:
+        self.name, self.twin = "bea", "sim"
+        self.begun: list[float] = []
+        self._error = error
+
+    def begin(self, query: MotionQuery | PoseQuery) -> Motion:
+        assert isinstance(query, PoseQuery)
+        self.begun.append(round(math.degrees(query.yaw)))
+        return cast("Motion", EndedMotion(self._error))
+
+
+class NoStop:
+    """No STOP event."""
+
+    def check(self) -> None:
+        pass
+
+    close = check
+
+
+@pytest.fixture
+def no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.play.StopEvents", lambda _robot: NoStop())
+
+
+@pytest.mark.usefixtures("no_stop")
+def test_one_robot_plays_alone() -> None:
+    robot = OneRobot()
+    play(robot, TWO_POSES)
+    assert robot.begun == [1, 2]
+
+
+@pytest.mark.usefixtures("no_stop")
+def test_a_stopped_robot_ends_the_play() -> None:
+    robot = OneRobot(Interrupted(Reason.STOPPED, "Ended by STOP."))
+    with pytest.raises(Interrupted, match=r"bea \(sim\): Ended by STOP"):
+        play(robot, TWO_POSES)
+    assert robot.begun == [1]
+    with pytest.raises(WrongUsage, match="needs both robots"):
+        play(robot, TWO_POSES, lead_s=1.0)
+
+
+# -- check ----------------------------------------------------------------------------------------
+
+COLUMNS = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "reason"),
+    [
+        ("0,0,60,0,,,,40\n", r"line 2 \(t = 0\.00 s\): The head would tilt", Reason.OUT_OF_REACH),
+        ("0,0,5,0,,,,40\n1,0,60,0\n", r"line 3 \(t = 1\.00 s\): The head would tilt", Reason.OUT_OF_REACH),
+        ("0,0,5,0,,,,40\n\n1,190,0,0\n", r"line 4 \(t = 1\.00 s\): The head would", Reason.YAW_LIMIT),
+        ("0,0,5,0,,,,40\n1,,,,0,0,300\n", r"line 3 \(t = 1\.00 s\): ", None),
+        ("0,0,5,0,,,,40\n1,0,0,0,,,,500\n", r"line 3 \(t = 1\.00 s\): ", Reason.SPEED_LIMIT),
+    ],
+)
+def test_a_choreography_is_refused_as_a_whole_with_line_and_time(
+    text: str, where: str, reason: Reason | None
+) -> None:
+    found = choreography(motion_file.parse(COLUMNS + text, "mine.csv"))
+    with pytest.raises(Refused, match=f"mine.csv, {where}") as refused:
+        check_choreography(found, ROBOT)
+    assert reason in (None, refused.value.reason)
+
+
+def test_possible_choreographies_are_not_refused() -> None:
+    check_choreography(shipped("hello"), ROBOT)
+    check_choreography(shipped("hello").at_speed(90), ROBOT)
+    check_choreography(TWO_POSES, ROBOT)
+    with pytest.raises(Refused, match=r"^step 1 \(t = 0\.00 s\): "):
+        check_choreography(Choreography([("f", Pose(0.0, 0, 60, 0, 20))]), ROBOT)

@@ -1,4 +1,4 @@
-"""What `beatrix doctor` finds on this computer."""
+"""The findings of `beatrix doctor` about this computer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from beatrix_zenoh import Refused
 from beatrix_zenoh.cli import checks, serving
 
 
-def test_missing_extra_is_advice_with_the_line_to_type(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_advice_for_a_missing_extra_contains_the_command_that_installs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("importlib.metadata.requires", lambda _: ["numpy>=2", 'no-such>=1; extra == "plot"'])
     found = {finding.what: finding for finding in checks.packages()}
     assert found["core"].advice == ""
@@ -20,7 +22,18 @@ def test_missing_extra_is_advice_with_the_line_to_type(monkeypatch: pytest.Monke
     assert 'pip install ".[plot]"' in found["extra plot"].advice
 
 
-def test_sources_that_are_not_installed_are_said_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_library_for_another_system_is_not_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    requirements = [
+        "no-such-on-linux>=1; (sys_platform == 'linux') and extra == 'cameras'",
+        "no-such-elsewhere>=1; (sys_platform != 'linux') and extra == 'cameras'",
+    ]
+    monkeypatch.setattr("importlib.metadata.requires", lambda _: requirements)
+    for platform, missed in (("linux", "without no-such-on-linux"), ("darwin", "without no-such-elsewhere")):
+        monkeypatch.setattr("sys.platform", platform)
+        assert {finding.what: finding for finding in checks.packages()}["extra cameras"].found == missed
+
+
+def test_sources_that_are_not_installed_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(name: str) -> list[str]:
         raise metadata.PackageNotFoundError(name)
 
@@ -29,7 +42,7 @@ def test_sources_that_are_not_installed_are_said_so(monkeypatch: pytest.MonkeyPa
     assert "pip install" in finding.todo
 
 
-def test_a_module_that_hides_ours_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_module_that_hides_our_package_is_reported(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "hw_node.py").write_text("", encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(sys.modules, "hw_node", raising=False)
@@ -39,17 +52,17 @@ def test_a_module_that_hides_ours_is_found(monkeypatch: pytest.MonkeyPatch, tmp_
     assert "rename" in finding.todo
 
 
-def test_nothing_is_hidden_normally() -> None:
+def test_no_package_is_hidden_in_a_normal_installation() -> None:
     assert list(checks.hidden_packages()) == []
 
 
-def test_missing_graphics_is_advice(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_graphics_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setattr("ctypes.util.find_library", lambda _: None)
     assert "ray casting" in checks.graphics().found
 
 
-def test_a_port_that_may_not_be_opened_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_port_without_permission_is_reported_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     def ports(_folder: Path, pattern: str) -> list[Path]:
         return [Path("/dev/ttyACM0")] if pattern == "ttyACM*" else []
 
@@ -59,12 +72,24 @@ def test_a_port_that_may_not_be_opened_says_what_to_do(monkeypatch: pytest.Monke
     assert "dialout" in finding.todo
 
 
-def test_a_process_that_is_not_installed_names_its_extra() -> None:
-    with pytest.raises(Refused, match=r'pip install "\.\[gui\]"'):
-        serving.run("gui", [])
+def test_cameras_are_listed_by_their_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(checks, "VIDEO_DEVICES", tmp_path)
+    assert list(checks.cameras()) == []
+    for name in ("usb-0:1:1.0-video-index0", "usb-0:1:1.0-video-index1"):  # the second delivers no pictures
+        (tmp_path / name).touch()
+    (finding,) = checks.cameras()
+    assert (finding.found, finding.todo) == (f"{tmp_path}/usb-0:1:1.0-video-index0 may be opened", "")
+    monkeypatch.setattr("os.access", lambda *_: False)
+    (finding,) = checks.cameras()
+    assert "usermod -aG video" in finding.todo
 
 
-def test_a_process_that_lacks_a_library_names_it_and_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_for_a_missing_program_names_its_extra() -> None:
+    with pytest.raises(Refused, match=r'pip install "\.\[web\]"'):
+        serving.run("web", [])
+
+
+def test_the_error_for_a_missing_library_names_it_and_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     class Entry:
         def load(self) -> None:
             raise ModuleNotFoundError("No module named 'mujoco'", name="mujoco")

@@ -1,4 +1,4 @@
-"""What `beatrix up` tells people to type next."""
+"""The commands that `beatrix up` suggests."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from beatrix_zenoh.cli.up import verbs
 
 
 def status(*, calibrated: bool) -> Status:
-    """Of a robot that rests."""
+    """Status of a robot at rest."""
     return msgspec.structs.replace(READY, enabled=calibrated, calibrated=calibrated)
 
 
-def test_up_tells_nobody_to_calibrate_a_robot_that_knows_home() -> None:
-    knows, lost = status(calibrated=True), status(calibrated=False)
-    assert verbs("", {"hw": knows}) == ["look --yaw 20", "top", "stop"]
-    assert verbs("", {"hw": lost})[:2] == ["enable", "calibrate"]
-    assert verbs("", {"sim": lost, "hw": knows})[:3] == [
+def test_up_suggests_to_calibrate_only_robots_that_are_not_calibrated() -> None:
+    calibrated, uncalibrated = status(calibrated=True), status(calibrated=False)
+    assert verbs("", {"hw": calibrated}) == ["look --yaw 20", "top", "stop"]
+    assert verbs("", {"hw": uncalibrated})[:2] == ["enable", "calibrate"]
+    assert verbs("", {"sim": uncalibrated, "hw": calibrated})[:3] == [
         "enable --on sim",
         "calibrate --on sim",
         "look --yaw 20 --on both",
     ]
-    assert verbs("", {"sim": lost, "hw": None})[:2] == ["enable --on both", "calibrate --on both"]
+    assert verbs("", {"sim": uncalibrated, "hw": None})[:2] == ["enable --on both", "calibrate --on both"]

@@ -1,4 +1,4 @@
-"""Simulated time against wall time: absolute deadlines, what is made up for and what is left out."""
+"""Simulated time and wall time: absolute deadlines, delays and stalls."""
 
 from __future__ import annotations
 
@@ -11,49 +11,51 @@ from beatrix_zenoh._generated.serial import FrameType, MoveStraight
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.virtual import VirtualBoard
 from sim_node.body import Simulation
-from sim_node.clock import LATE_S, PERIOD_S, SLICE_S, STALL_S, Pace
+from sim_node.clock import LATE_S, PERIOD_S, SLICE_S, STALL_S, StepClock
 
 STEP_S = 0.002
 
 
 @pytest.fixture
-def pace() -> Pace:
-    return Pace(STEP_S, 100.0)
+def clock() -> StepClock:
+    return StepClock(STEP_S, 100.0)
 
 
-def test_time_keeps_to_absolute_deadlines(pace: Pace) -> None:
+def test_steps_follow_absolute_deadlines(clock: StepClock) -> None:
     turns = [100.0 + turn * PERIOD_S * 1.1 for turn in range(1, 1001)]
-    steps = sum(pace.due(now_s) for now_s in turns)
+    steps = sum(clock.due(now_s) for now_s in turns)
     assert steps * STEP_S == pytest.approx(turns[-1] - 100.0, abs=STEP_S)
-    assert pace.real_time_factor(turns[-1]) == pytest.approx(1, abs=0.001)
-    assert pace.late == 0
+    assert clock.real_time_factor(turns[-1]) == pytest.approx(1, abs=0.001)
+    assert clock.late == 0
 
 
-def test_a_delay_is_made_up_for_in_slices_and_counted(pace: Pace) -> None:
-    assert pace.due(100.0 + 2 * SLICE_S) == round(SLICE_S / STEP_S)
-    assert pace.wait_s(100.0 + 2 * SLICE_S, resting=False) < PERIOD_S
-    assert pace.due(100.0 + 2 * SLICE_S) == round(SLICE_S / STEP_S)
-    assert pace.due(100.0 + 2 * SLICE_S) == 0
-    assert pace.late > (SLICE_S - LATE_S) / STEP_S
+def test_a_delay_is_made_up_in_slices_and_counted(clock: StepClock) -> None:
+    assert clock.due(100.0 + 2 * SLICE_S) == round(SLICE_S / STEP_S)
+    assert clock.wait_s(100.0 + 2 * SLICE_S, resting=False) < PERIOD_S
+    assert clock.due(100.0 + 2 * SLICE_S) == round(SLICE_S / STEP_S)
+    assert clock.due(100.0 + 2 * SLICE_S) == 0
+    assert clock.late > (SLICE_S - LATE_S) / STEP_S
 
 
 @pytest.mark.parametrize(("behind_s", "host_is_late"), [(1.1 * STALL_S, False), (PERIOD_S, True)])
-def test_a_stall_and_a_late_host_are_left_out(pace: Pace, *, behind_s: float, host_is_late: bool) -> None:
-    assert pace.due(100.0 + behind_s, host_is_late=host_is_late) == 0
-    assert pace.due(100.0 + behind_s) == 0
-    assert pace.due(100.0 + behind_s + PERIOD_S) == PERIOD_S / STEP_S
-    assert pace.real_time_factor(100.0 + behind_s + PERIOD_S) < 1
+def test_simulated_time_skips_a_stall_and_a_late_host(
+    clock: StepClock, *, behind_s: float, host_is_late: bool
+) -> None:
+    assert clock.due(100.0 + behind_s, host_is_late=host_is_late) == 0
+    assert clock.due(100.0 + behind_s) == 0
+    assert clock.due(100.0 + behind_s + PERIOD_S) == PERIOD_S / STEP_S
+    assert clock.real_time_factor(100.0 + behind_s + PERIOD_S) < 1
 
 
-class ForgottenReader:
-    """The simulation's port, whose reader's thread can be made to stand still."""
+class BlockedReader:
+    """The port of the simulation; a test can block the thread that reads from it."""
 
-    name = "forgotten:"
+    name = "blocked:"
     boot_s = 0.0
 
     def __init__(self, board: VirtualBoard) -> None:
         self._board = board
-        self.write = board.write
+        self.write, self.wake = board.write, board.wake
         self.running = threading.Event()
         self.running.set()
 
@@ -62,14 +64,14 @@ class ForgottenReader:
         return self._board.read(timeout_s)
 
     def close(self) -> None:
-        """The board behind stays."""
+        """Keep the board open."""
 
 
-def test_a_simulation_waits_for_a_host_whose_thread_is_forgotten() -> None:
+def test_the_simulation_waits_while_the_reading_thread_is_blocked() -> None:
     simulation = Simulation("bea")
     virtual = simulation.open_port()
     assert isinstance(virtual, VirtualBoard)
-    port = ForgottenReader(virtual)
+    port = BlockedReader(virtual)
     board = Board(lambda: port, lambda _: None, lambda: None)
     board.start()
     try:
@@ -78,7 +80,7 @@ def test_a_simulation_waits_for_a_host_whose_thread_is_forgotten() -> None:
         board.request(FrameType.CALIBRATE)
         board.move(MoveStraight(7, (500, 500, 500), 800))
         port.running.clear()
-        until(lambda: virtual.host_is_late, "that nobody reads")
+        until(lambda: virtual.host_is_late, "the host is late")
         seen: list[tuple[int, int, int]] = []
 
         def at_rest() -> bool:

@@ -1,169 +1,171 @@
-"""Who drives, and for how long; who was stopped must pause."""
+"""The lease that a seat takes: one decision a test."""
 
 from __future__ import annotations
 
 import pytest
 
-from beatrix_zenoh import Refused
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.lease import LINGER_S, Lease
-from beatrix_zenoh.node.halt import PAUSE_S, Halt
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.names import TEACHER
+from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.lease import IDLE_S, LINGER_S, WAITING_MAX, Caller
+from beatrix_zenoh.node.lease_queries import give_back, standing, take
+
+ANA, ANA_AGAIN, BEN, CLEO = (
+    Caller("ana", "a1"),
+    Caller("ana", "a2"),
+    Caller("ben", "b1"),
+    Caller("cleo", "c1"),
+)
+BOSS = Caller(TEACHER, "t1")
 
 
-def test_a_free_robot_is_taken_by_the_first() -> None:
-    lease = Lease()
-    assert lease.holder(0) == ""
-    lease.take("ana", 0)
-    assert lease.holder(0) == "ana"
+@pytest.fixture
+def access() -> Access:
+    return Access()
 
 
-def test_others_are_refused_by_name() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    with pytest.raises(Refused, match="ana drives") as refusal:
-        lease.take("ben", 100)
-    assert refusal.value.reason is Reason.NOT_HOLDER
-
-
-def test_the_lease_lingers_exactly_so_long_after_rest() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.rest(10)
-    with pytest.raises(Refused, match=r"1\.0 s more"):
-        lease.check("ben", 10 + LINGER_S - 1)
-    assert lease.holder(10 + LINGER_S - 0.001) == "ana"
-    assert lease.holder(10 + LINGER_S) == ""
-    lease.take("ben", 10 + LINGER_S)
-
-
-def test_moving_again_keeps_the_lease() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.rest(1)
-    lease.take("ana", 2)
-    assert lease.holder(100) == "ana"
-
-
-def test_the_teacher_outranks_and_then_holds() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.take("teacher", 1)
-    with pytest.raises(Refused, match="teacher drives"):
-        lease.check("ana", 1)
-
-
-def test_a_freed_robot_is_free_at_once() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.free()
-    lease.take("ben", 0)
-
-
-def stopped(driving: str, presser: str) -> Halt:
-    """STOP was pressed at 0 s and the board has been told."""
-    halt = Halt()
-    halt.press(driving, "mine", presser, 0)
-    halt.sent()
-    return halt
-
-
-def test_nobody_moves_while_the_arms_come_to_rest() -> None:
-    halt = stopped("ana", "session")
-    for who, session in (("ana", "session"), ("ben", "")):
-        with pytest.raises(Refused, match="coming to rest"):
-            halt.check(who, session, 5, resting=False)
-
-
-def test_nobody_moves_before_the_board_has_been_told() -> None:
-    halt = Halt()
-    halt.press("ana", "mine", "session", 0)
-    with pytest.raises(Refused, match="coming to rest"):
-        halt.check("ben", "his", 0.1, resting=True)
-
-
-def test_the_stopped_seat_must_be_quiet_for_the_whole_pause() -> None:
-    halt = stopped("ana", "other")
-    for now in (0.5, 1.4, 2.3):
-        with pytest.raises(Refused, match="send no motion"):
-            halt.check("ana", "mine", now, resting=True)
-    halt.check("ana", "mine", 2.3 + PAUSE_S, resting=True)
-
-
-def test_stop_pressed_again_sets_nobody_free() -> None:
-    halt = stopped("ana", "other")
-    for now in (0.3, 0.6, 0.9, 1.2):
-        with pytest.raises(Refused, match="send no motion"):
-            halt.check("ana", "mine", now, resting=True)
-        halt.press("", "", "other", now)
-        halt.sent()
-    with pytest.raises(Refused, match="send no motion"):
-        halt.check("ana", "mine", 1.3, resting=True)
+def refusal(
+    access: Access, caller: Caller, now_s: float, lease: int = 0, action: Action = Action.MOVE
+) -> Reason:
+    try:
+        access.authorize(action, caller, now_s, lease=lease)
+    except Refused as refused:
+        return refused.reason
+    return Reason.OK
 
 
 @pytest.mark.parametrize(
-    ("first", "again"),
-    [("other", ("ana", "mine", "mine")), ("mine", ("", "", "other"))],
-    ids=["own", "other"],
+    ("caller", "action", "reason"),
+    [
+        (ANA, Action.MOVE, Reason.OK),
+        (ANA_AGAIN, Action.MOVE, Reason.OK),
+        (BEN, Action.MOVE, Reason.NOT_HOLDER),
+        (BEN, Action.ENABLE, Reason.NOT_HOLDER),
+        (BEN, Action.CALIBRATE, Reason.NOT_HOLDER),
+        (BEN, Action.STOP, Reason.OK),
+        (BEN, Action.EMERGENCY_STOP, Reason.OK),
+        (BOSS, Action.MOVE, Reason.OK),
+    ],
 )
-def test_somebody_elses_stop_holds_before_and_after_own(first: str, again: tuple[str, str, str]) -> None:
-    halt = stopped("ana", first)
-    halt.press(*again, 0.1)
-    halt.sent()
-    with pytest.raises(Refused, match="send no motion"):
-        halt.check("ana", "mine", 0.2, resting=True)
+def test_a_robot_that_is_taken_and_rests(
+    access: Access, caller: Caller, action: Action, reason: Reason
+) -> None:
+    take(access, ANA, 0)
+    assert refusal(access, caller, 1000, action=action) is reason
 
 
-def test_others_need_not_pause() -> None:
-    stopped("ana", "other").check("ben", "his", 0.1, resting=True)
+def test_only_a_free_robot_is_taken(access: Access) -> None:
+    assert take(access, ANA, 0) == 1
+    with pytest.raises(Refused) as refused:
+        take(access, BEN, 1)
+    assert refused.value.detail is not None
+    assert (refused.value.reason, refused.value.detail.holder) == (Reason.NOT_HOLDER, "ana")
 
 
-def test_who_pressed_stop_himself_need_not_pause() -> None:
-    stopped("ana", "mine").check("ana", "mine", 0.1, resting=True)
-
-
-def test_an_unknown_stopper_is_not_taken_for_an_unknown_driver() -> None:
+def test_a_robot_that_another_seat_moves_is_not_free(access: Access) -> None:
+    access.take(BEN)
     with pytest.raises(Refused):
-        stopped("ana", "").check("ana", "", 0.1, resting=True)
+        take(access, ANA, 0)
+    access.rested(1)
+    assert take(access, ANA, 1 + LINGER_S) == 1
 
 
-def test_what_came_to_nothing_gives_the_robot_back_as_it_was() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.give_back(1)
-    assert lease.holder(1) == "", "it was free"
-    lease.take("ana", 2)
-    lease.rest(3)
-    for now_s in (3.5, 4.5):
-        lease.take("ana", now_s)
-        lease.give_back(now_s)
-    assert lease.holder(3 + LINGER_S - 0.1) == "ana"
-    assert lease.holder(3 + LINGER_S) == "", "what came to nothing prolongs nothing"
+def test_the_same_session_keeps_its_number_and_another_gets_a_new_one(access: Access) -> None:
+    assert [take(access, ANA, 0), take(access, ANA, 1), take(access, ANA_AGAIN, 2)] == [1, 1, 2]
+    assert refusal(access, ANA, 3, lease=1) is Reason.NOT_HOLDER, "the number of an earlier lease"
+    assert refusal(access, ANA_AGAIN, 3, lease=2) is Reason.OK
 
 
-def test_who_still_drove_before_rests_from_then_on() -> None:
-    lease = Lease()
-    lease.take("ana", 0)
-    lease.take("ana", 1)
-    lease.give_back(2)
-    assert lease.holder(2 + LINGER_S - 0.1) == "ana"
-    assert lease.holder(2 + LINGER_S) == ""
+def test_the_teacher_takes_it_from_the_holder(access: Access) -> None:
+    take(access, ANA, 0)
+    assert take(access, BOSS, 1) == 2
+    assert refusal(access, ANA, 1, lease=1) is Reason.NOT_HOLDER
+    assert standing(access, 1).holder == TEACHER
 
 
-def test_a_try_that_is_refused_anyway_prolongs_the_pause() -> None:
-    halt = Halt()
-    halt.press("ana", "her-session", "another", 0.0)
-    halt.sent()
-    halt.tried("ana", 0.9)
-    with pytest.raises(Refused, match="STOP was pressed while ana was driving"):
-        halt.check("ana", "her-session", 1.5, resting=True)
-    halt.tried("ben", 2.4)
-    halt.check("ana", "her-session", 2.6, resting=True)
+def test_it_ends_with_its_session_and_goes_to_the_first_that_waits(access: Access) -> None:
+    take(access, ANA, 0)
+    assert take(access, BEN, 1, wait=True) == take(access, CLEO, 2, wait=True) == 0
+    assert standing(access, 3).waiting == ("ben", "cleo")
+    access.session_changed(BEN, alive=False)
+    access.session_changed(ANA, alive=False)
+    now = standing(access, 4)
+    assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
 
 
-def test_a_try_after_the_pause_begins_no_new_one() -> None:
-    """An old program sends forty lines at once, minutes after somebody's STOP."""
-    halt = Halt()
-    halt.press("ana", "her-session", "another", 0.0)
-    halt.sent()
-    halt.tried("ana", 60.0)
-    halt.check("ana", "her-session", 60.1, resting=True)
+def test_a_lease_that_has_ended_is_not_free_for_its_number(access: Access) -> None:
+    take(access, ANA, 0)
+    give_back(access, ANA)
+    assert refusal(access, ANA, 1) is Reason.OK
+    assert refusal(access, ANA, 1, lease=1) is Reason.NOT_HOLDER
+
+
+def test_an_idle_holder_loses_it_only_to_a_seat_that_waits(access: Access) -> None:
+    take(access, ANA, 0)
+    assert standing(access, 2 * IDLE_S).holder == "ana"
+    take(access, BEN, 2 * IDLE_S, wait=True)
+    assert standing(access, 2 * IDLE_S).holder == "ben"
+
+
+def test_a_holder_who_moves_is_not_idle(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 1, wait=True)
+    access.take(ANA)
+    assert standing(access, 1000).holder == "ana"
+    access.authorize(Action.MOVE, ANA, 1000)
+    access.rested(1001)
+    assert standing(access, 1000 + IDLE_S - 1).holder == "ana"
+    assert standing(access, 1001 + IDLE_S).holder == "ben"
+
+
+def test_giving_back_leaves_the_queue(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    assert give_back(access, BEN)
+    assert not give_back(access, BEN)
+    assert standing(access, 0).waiting == ()
+
+
+def test_the_teacher_ends_the_lease_of_a_seat(access: Access) -> None:
+    take(access, ANA, 0)
+    assert give_back(access, BOSS)
+    assert standing(access, 0).holder == ""
+
+
+def test_the_queue_is_bounded(access: Access) -> None:
+    take(access, ANA, 0)
+    for number in range(WAITING_MAX):
+        take(access, Caller(f"s{number}", ""), 0, wait=True)
+    take(access, Caller("s0", ""), 0, wait=True)
+    with pytest.raises(Refused) as refused:
+        take(access, BEN, 0, wait=True)
+    assert refused.value.reason is Reason.BUSY
+
+
+@pytest.mark.parametrize(
+    ("caller", "action", "reason"),
+    [
+        (ANA, Action.MOVE, Reason.FROZEN),
+        (ANA, Action.ENABLE, Reason.FROZEN),
+        (ANA, Action.CALIBRATE, Reason.FROZEN),
+        (ANA, Action.DISABLE, Reason.OK),
+        (ANA, Action.STOP, Reason.OK),
+        (ANA, Action.GOVERN, Reason.TEACHER_ONLY),
+        (BOSS, Action.MOVE, Reason.OK),
+        (BOSS, Action.GOVERN, Reason.OK),
+    ],
+)
+def test_a_frozen_robot(access: Access, caller: Caller, action: Action, reason: Reason) -> None:
+    access.freeze(on=True)
+    assert refusal(access, caller, 0, action=action) is reason
+
+
+def test_freezing_between_authorize_and_take_holds(access: Access) -> None:
+    access.authorize(Action.MOVE, ANA, 0)
+    access.freeze(on=True)
+    with pytest.raises(Refused) as refused:
+        access.take(ANA)
+    assert refused.value.reason is Reason.FROZEN
+    access.freeze(on=False)
+    access.take(ANA)

@@ -1,28 +1,27 @@
-"""Motions against limits: the whole way counts, not only its end."""
+"""Motions against limits over their whole path."""
 
 from __future__ import annotations
 
 import math
-import re
 import time
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Alternative, Detail, Limit, Reason, Vector3
 from beatrix_zenoh._generated.robot import Geometry, RobotData
 from beatrix_zenoh._generated.robot import Limits as LimitData
-from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.limits import Limits
-from beatrix_zenoh.limits.walk import TOLERANCE
-from beatrix_zenoh.rotation import tilt_of
-from beatrix_zenoh.trajectory import Trajectory
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits.path_check import TOLERANCE
+from beatrix_zenoh.motion.rotation import tilt_of
+from beatrix_zenoh.motion.trajectory import Trajectory
 
 NECK = Neck()
 LIMITS = Limits()
-CROWDED = Limits(RobotData(limits=LimitData(gap_min=60.0)))
-"""A robot whose arms are the tighter limit."""
+CLOSE_ARMS = Limits(RobotData(limits=LimitData(gap_min=60.0)))
+"""A robot for which the arm gap is the tightest limit."""
 REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 
@@ -61,6 +60,36 @@ def refused(
     return caught.value
 
 
+REASONS = {
+    Limit.TILT: Reason.OUT_OF_REACH,
+    Limit.ARM_GAP: Reason.ARM_GAP,
+    Limit.YAW: Reason.YAW_LIMIT,
+}
+
+
+def detail_of(refusal: Refused) -> Detail:
+    assert refusal.detail is not None
+    return refusal.detail
+
+
+def alternative_of(refusal: Refused) -> Alternative:
+    other = detail_of(refusal).alternative
+    assert other is not None
+    return other
+
+
+def astuple(vector: Vector3) -> Arms:
+    return vector.x, vector.y, vector.z
+
+
+def may_rest(arms: Arms) -> bool:
+    try:
+        LIMITS.check_pose(arms)
+    except Refused:
+        return False
+    return True
+
+
 def tilt(arms: Arms) -> float:
     _, pitch, roll = NECK.forward(arms)
     return tilt_of(pitch, roll)
@@ -81,63 +110,78 @@ def test_ordinary_motions_are_accepted(target: Arms, straight: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "reason", "words"),
+    ("target", "limit", "arms", "value", "low", "high"),
     [
-        (
-            arms_at(60, 0, 0),
-            Reason.OUT_OF_REACH,
-            "At the goal the head would tilt 35.6 deg; it may tilt up to 35.0 deg",
-        ),
-        (
-            arms_at(100, 0, 0),
-            Reason.ARM_GAP,
-            "short and middle arms would be 20.0 deg apart; they must keep 30.0 deg",
-        ),
-        (arms_at(0, 0, -100), Reason.ARM_GAP, "middle and long arms would be 20.0 deg apart"),
-        (arms_at(-100, 0, 0), Reason.ARM_GAP, "long and short arms would be 20.0 deg apart"),
-        (arms_at(185, 185, 185), Reason.YAW_LIMIT, r"yaw 185.0 deg; its cables allow \+-180.0 deg"),
-        (arms_at(-185, -185, -185), Reason.YAW_LIMIT, r"yaw -185.0 deg"),
+        (arms_at(60, 0, 0), Limit.TILT, [], 35.6, None, 35.0),
+        (arms_at(100, 0, 0), Limit.ARM_GAP, ["short", "middle"], 20.0, 30.0, None),
+        (arms_at(0, 0, -100), Limit.ARM_GAP, ["middle", "long"], 20.0, 30.0, None),
+        (arms_at(-100, 0, 0), Limit.ARM_GAP, ["long", "short"], 20.0, 30.0, None),
+        (arms_at(185, 185, 185), Limit.YAW, [], 185.0, -180.0, 180.0),
+        (arms_at(-185, -185, -185), Limit.YAW, [], -185.0, -180.0, 180.0),
     ],
 )
 @pytest.mark.parametrize("straight", [True, False])
-def test_a_goal_beyond_a_limit_is_refused_by_name(
-    target: Arms, reason: Reason, words: str, straight: bool
+def test_a_goal_beyond_a_limit_is_refused_with_the_data(
+    target: Arms,
+    limit: Limit,
+    arms: list[str],
+    value: float,
+    low: float | None,
+    high: float | None,
+    straight: bool,
 ) -> None:
     refusal = refused(target, straight=straight)
-    assert refusal.reason == reason
-    assert re.search(words, refusal.message), refusal.message
-    assert re.search(r"leaves the limits \d+\.\d\d s after the start with the arms at", refusal.message)
+    detail = detail_of(refusal)
+    assert refusal.reason == REASONS[limit]
+    assert (detail.limit, detail.arms, detail.unit, detail.at_goal) == (limit, arms, "rad", True)
+    assert math.degrees(detail.value or 0.0) == pytest.approx(value, abs=0.05)
+    for bound, wanted in ((detail.low, low), (detail.high, high)):
+        assert (None if bound is None else round(math.degrees(bound), 6)) == wanted
+    leaves_s, leaves_arms = detail.leaves_s, detail.leaves_arms
+    assert leaves_s is not None
+    assert leaves_arms is not None
+    assert leaves_s > 0
+    assert not may_rest(astuple(leaves_arms))
 
 
 @pytest.mark.parametrize("straight", [True, False])
 @pytest.mark.parametrize(
     "target", [arms_at(60, 0, 0), arms_at(100, 10, 0), arms_at(300, 200, 200), arms_at(190, 190, 190)]
 )
-def test_what_a_refusal_offers_is_accepted(target: Arms, straight: bool) -> None:
-    message = refused(target, straight=straight).message
-    offer = re.search(r"first \d+ % of it, to arms at (.*) deg, would be accepted", message)
-    assert offer, message
-    way = allowed(arms_at(*map(float, offer[1].split(","))), straight=straight)
+def test_the_alternative_of_a_refusal_is_accepted(target: Arms, straight: bool) -> None:
+    other = alternative_of(refused(target, straight=straight))
+    assert other.arms is not None
+    way = allowed(astuple(other.arms))
     assert max(math.dist(REST, arms) for arms in dense(way)) > 0.5 * min(math.dist(REST, target), 1.0)
+    if straight:
+        assert other.head is not None
+        allowed(NECK.inverse(other.head.yaw, other.head.pitch, other.head.roll), straight=True)
+
+
+def test_a_refusal_of_arms_beyond_every_pose_names_the_furthest_position() -> None:
+    refusal = refused(arms_at(400, 370, 365))
+    detail, other = detail_of(refusal), alternative_of(refusal)
+    assert (refusal.reason, detail.limit, detail.arms) == (Reason.YAW_LIMIT, Limit.TRAVEL, ["short"])
+    assert other.arms is not None
+    allowed(astuple(other.arms))
 
 
 def detour() -> tuple[Arms, Arms]:
-    """Two allowed poses; with arms that arrive one after another the head tilts too far between them."""
+    """Two allowed poses; the head tilts too far between them if the arms arrive one after another."""
     return pose(0, 30, 0), pose(0, -15, 30)
 
 
-def test_a_way_that_leaves_the_limits_between_two_allowed_poses_is_refused() -> None:
+def test_a_path_that_leaves_the_limits_between_two_allowed_poses_is_refused() -> None:
     start, target = detour()
     slow: Arms = (1.5, 0.05, 1.5)
     LIMITS.check_pose(start)
     LIMITS.check_pose(target)
-    with pytest.raises(Refused, match="The goal is allowed, but on the way the head would tilt") as caught:
+    with pytest.raises(Refused) as caught:
         LIMITS.check_motion(start, REST, target, slow, straight=False)
-    assert caught.value.reason == Reason.OUT_OF_REACH
-    offer = re.search(r"With speeds of (.*) deg/s, in proportion", caught.value.message)
-    assert offer, caught.value.message
-    together = arms_at(*map(float, offer[1].split(",")))
-    LIMITS.check_motion(start, REST, target, together, straight=False)
+    detail, other = detail_of(caught.value), alternative_of(caught.value)
+    assert (caught.value.reason, detail.limit, detail.at_goal) == (Reason.OUT_OF_REACH, Limit.TILT, False)
+    assert other.speed is not None
+    LIMITS.check_motion(start, REST, target, astuple(other.speed), straight=False)
     LIMITS.check_motion(start, REST, target, slow, straight=True)
 
 
@@ -146,7 +190,7 @@ def test_swinging_through_a_limit_while_braking_is_refused() -> None:
     fast: Arms = (1.5, 1.5, 1.5)
     refusal = refused(pose(150, 0, 0), start=start, velocity=fast)
     assert refusal.reason == Reason.YAW_LIMIT
-    assert "The goal is allowed" in refusal.message
+    assert detail_of(refusal).at_goal is False
 
 
 @pytest.mark.parametrize(
@@ -183,18 +227,18 @@ def test_a_start_beyond_the_yaw_limit_may_be_left_towards_home_only() -> None:
     assert refused(arms_at(401, 401, 401), start=start).reason == Reason.YAW_LIMIT
 
 
-def test_a_start_with_crowded_arms_may_be_left() -> None:
+def test_a_start_with_too_close_arms_may_be_left() -> None:
     start = pose(0, 34, 0)
-    assert min(NECK.gaps(start)) < CROWDED.gap_min
-    allowed(REST, start=start, straight=True, limits=CROWDED)
-    assert refused(pose(0, 34.8, 0), start=start, straight=True, limits=CROWDED).reason == Reason.ARM_GAP
+    assert min(NECK.gaps(start)) < CLOSE_ARMS.gap_min
+    allowed(REST, start=start, straight=True, limits=CLOSE_ARMS)
+    assert refused(pose(0, 34.8, 0), start=start, straight=True, limits=CLOSE_ARMS).reason == Reason.ARM_GAP
 
 
-def test_arms_that_left_each_other_do_not_crowd_again() -> None:
-    start = pose(0, 32.9, 0)  # 59.2 deg apart; thrown apart they reach 60.04 before they turn back
-    assert math.radians(59) < NECK.gaps(start)[0] < CROWDED.gap_min
-    allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
-    refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CROWDED)
+def test_arms_that_have_separated_may_not_close_up_again() -> None:
+    start = pose(0, 32.9, 0)  # 59.2 deg apart; with this velocity they reach 60.04 before they return
+    assert math.radians(59) < NECK.gaps(start)[0] < CLOSE_ARMS.gap_min
+    allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
+    refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
     assert refusal.reason == Reason.ARM_GAP
 
 
@@ -205,13 +249,24 @@ def test_a_limit_counts_from_half_its_tolerance() -> None:
 
 def test_a_short_swing_beyond_a_limit_and_back_is_seen() -> None:
     start = pose(179, 0, 0)
-    allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # turns back at 179.8
+    allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # reverses at 179.8
     assert refused(start, start=start, velocity=(0.36, 0.36, 0.36)).reason == Reason.YAW_LIMIT  # at 180.2
 
 
-def test_the_goal_itself_is_looked_at() -> None:
+def test_the_goal_itself_is_checked() -> None:
     refusal = refused(pose(0, 35.07, 0), start=pose(0, 35, 0), straight=True)
-    assert "At the goal the head would tilt 35.1 deg" in refusal.message
+    detail = detail_of(refusal)
+    assert (detail.limit, detail.at_goal) == (Limit.TILT, True)
+    assert math.degrees(detail.value or 0.0) == pytest.approx(35.07, abs=0.001)
+
+
+def test_a_goal_is_refused_for_a_limit_that_it_exceeds() -> None:
+    """Unequal speeds tilt the head too far on the path, but the goal exceeds only the yaw limit."""
+    with pytest.raises(Refused) as caught:
+        LIMITS.check_motion(REST, REST, pose(190, 30, 0), (1.5, 0.5, 1.0), straight=False)
+    detail = detail_of(caught.value)
+    assert (detail.limit, detail.at_goal) == (Limit.YAW, True)
+    assert math.degrees(detail.value or 0.0) == pytest.approx(190.0)
 
 
 def test_small_motions_do_not_creep_beyond_a_limit() -> None:
@@ -226,12 +281,15 @@ def test_small_motions_do_not_creep_beyond_a_limit() -> None:
     assert tilt(here) <= LIMITS.tilt_max + TOLERANCE
 
 
-def test_arms_that_fit_no_head_are_refused_with_what_to_do() -> None:
-    assert "calibrate" in refused(REST, start=arms_at(170, -170, 20)).message
+def test_the_refusal_of_arms_that_fit_no_head_explains_what_to_do() -> None:
+    refusal = refused(REST, start=arms_at(170, -170, 20))
+    assert refusal.reason is Reason.OUT_OF_REACH
+    assert detail_of(refusal).leaves_s == 0
+    assert "calibrate" in refusal.message
 
 
 @pytest.mark.parametrize("value", [1e6, -1e6, 1e300, math.nan, math.inf, -math.inf])
-def test_absurd_numbers_are_refused_at_once(value: float) -> None:
+def test_extreme_numbers_are_refused_at_once(value: float) -> None:
     began = time.perf_counter()
     for place in range(3):
         x, y, z = (value if i == place else 0.0 for i in range(3))
@@ -246,11 +304,20 @@ def test_absurd_numbers_are_refused_at_once(value: float) -> None:
     assert time.perf_counter() - began < 1.0
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, 1.6])
+@pytest.mark.parametrize("bad", [0.0, -1.0, 1e-4, 1.6])
 def test_speeds_outside_the_limit_are_refused(bad: float) -> None:
-    with pytest.raises(Refused, match=r"more than 0 and at most 90.0 deg/s") as caught:
+    with pytest.raises(Refused) as caught:
         LIMITS.check_speed((1.0, bad, 1.0))
+    detail = detail_of(caught.value)
     assert caught.value.reason == Reason.SPEED_LIMIT
+    assert detail == Detail(
+        limit=Limit.SPEED,
+        value=bad,
+        low=LIMITS.speed_min,
+        high=LIMITS.speed_max,
+        unit="rad/s",
+        arms=["middle"],
+    )
 
 
 def test_the_speed_limit_itself_is_accepted() -> None:
@@ -259,8 +326,8 @@ def test_the_speed_limit_itself_is_accepted() -> None:
     LIMITS.check_speed([LIMITS.default_speed] * 3)
 
 
-def test_a_neck_that_cannot_tilt_as_far_as_it_may_is_refused() -> None:
-    with pytest.raises(Refused, match=r"tilt_max is 35 deg, but the rods reach 30.0 deg"):
+def test_a_neck_that_cannot_reach_its_tilt_limit_is_refused() -> None:
+    with pytest.raises(Refused, match=r"'tilt_max' is 35\.0°; with these rods at most 29\.0°"):
         Limits(RobotData(geometry=Geometry(rod_twist=80, mount_angle=85)))
 
 

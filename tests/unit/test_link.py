@@ -1,4 +1,4 @@
-"""Framing: the golden bytes of the contract, any chunking, and no trust in what comes over a wire."""
+"""Framing: the golden bytes of the contract, chunks of any size, invalid input."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def on_wire(frames: list[Frame]) -> bytes:
     return b"".join(encode(*frame) for frame in frames)
 
 
-def test_crc_is_the_one_of_the_catalogue() -> None:
+def test_the_crc_has_the_check_value_of_the_catalogue() -> None:
     assert crc16(b"123456789") == 0x6F91  # check value of CRC-16/MCRF4XX
 
 
 @pytest.mark.parametrize("vector", VECTORS, ids=lambda v: f"{v['frame']}-{v['seq']}")
-def test_golden_frames_are_read_and_written_again(vector: dict[str, str]) -> None:
+def test_golden_frames_are_decoded_and_encoded(vector: dict[str, str]) -> None:
     wire = bytes.fromhex(vector["wire"])
     (frame,) = Decoder().feed(wire)
     assert (frame.type, frame.seq) == (FrameType[vector["frame"]], int(vector["seq"]))
@@ -36,7 +36,7 @@ def test_golden_frames_are_read_and_written_again(vector: dict[str, str]) -> Non
 
 
 @given(FRAMES)
-def test_a_frame_has_no_delimiter_inside_and_is_no_text(frame: Frame) -> None:
+def test_an_encoded_frame_contains_no_delimiter_and_does_not_begin_like_text(frame: Frame) -> None:
     block = encode(*frame)[1:-1]
     assert 0 not in block
     assert len(block) <= MAX_ENCODED
@@ -54,7 +54,7 @@ def test_chunks_of_any_size_give_the_same_frames(frames: list[Frame], cuts: list
 
 
 @given(st.lists(st.binary(max_size=300), max_size=8), FRAMES)
-def test_garbage_never_raises_and_the_next_frame_is_read(garbage: list[bytes], frame: Frame) -> None:
+def test_garbage_never_raises_and_the_next_frame_is_decoded(garbage: list[bytes], frame: Frame) -> None:
     decoder = Decoder()
     for chunk in garbage:
         decoder.feed(chunk)
@@ -62,7 +62,7 @@ def test_garbage_never_raises_and_the_next_frame_is_read(garbage: list[bytes], f
 
 
 @given(FRAMES, st.data())
-def test_one_wrong_bit_is_noticed(frame: Frame, data: st.DataObject) -> None:
+def test_one_wrong_bit_is_detected(frame: Frame, data: st.DataObject) -> None:
     wire = bytearray(encode(*frame))
     wire[data.draw(st.integers(1, len(wire) - 2))] ^= 1 << data.draw(st.integers(0, 7))
     decoder = Decoder()
@@ -71,15 +71,15 @@ def test_one_wrong_bit_is_noticed(frame: Frame, data: st.DataObject) -> None:
 
 
 @given(FRAMES, st.data())
-def test_half_a_frame_is_nothing(frame: Frame, data: st.DataObject) -> None:
+def test_a_truncated_frame_is_rejected(frame: Frame, data: st.DataObject) -> None:
     wire = encode(*frame)
     half = wire[: data.draw(st.integers(2, len(wire) - 2))]
     decoder = Decoder()
     assert decoder.feed(half) == []
     *before, last = decoder.feed(wire)
     assert last == frame
-    # One of 256 frames can be cut into one that is a byte shorter and whose CRC is right (a property of CRCs without a
-    # final xor): its length refuses it.
+    # One of 256 truncated frames is a frame with a payload one byte shorter and a correct CRC (a property of CRCs without
+    # a final xor); the check of the payload's length rejects it.
     assert [cut.payload for cut in before] in ([], [frame.payload[:-1]])
     assert len(before) + decoder.rejected == 1
 
@@ -89,25 +89,25 @@ def test_half_a_frame_is_nothing(frame: Frame, data: st.DataObject) -> None:
     [b"\x01", b"\x05\x01\x01\xe9", b"\x02\x41" * 40, b"\x05\x01\x01\xe9\xf9", b"\x03\x41\x42"],
     ids=["empty", "run too short", "too long", "wrong CRC", "too short"],
 )
-def test_a_block_that_is_no_frame_is_counted_once(block: bytes) -> None:
+def test_an_invalid_block_is_counted_once(block: bytes) -> None:
     decoder = Decoder()
     assert decoder.feed(b"\0" + block + b"\0") == []
     assert decoder.rejected == 1
 
 
-def test_silence_between_frames_is_not_counted() -> None:
+def test_delimiters_between_frames_are_not_counted() -> None:
     decoder = Decoder()
     assert decoder.feed(bytes(1000)) == []
     assert decoder.rejected == 0
 
 
-def test_endless_garbage_takes_no_memory() -> None:
+def test_endless_garbage_does_not_fill_memory() -> None:
     decoder = Decoder()
     for _ in range(100):
         decoder.feed(b"U" * 10_000)
     assert len(decoder._block) <= MAX_ENCODED + 1
 
 
-def test_a_payload_that_is_too_long_is_refused() -> None:
+def test_a_payload_that_is_too_long_raises_value_error() -> None:
     with pytest.raises(ValueError, match="57 bytes: a frame holds at most 56"):
         encode(1, 1, bytes(MAX_PAYLOAD + 1))

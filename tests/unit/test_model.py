@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh._generated.robot import ROBOT, Geometry, RobotData
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.rotation import rotation_of
-from sim_node.looks import COLLISION, VISUAL
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import rotation_of
 from sim_node.model import build, build_spec, chains
+from sim_node.visuals import COLLISION, VISUAL
 
 GEOMETRIES = [
     ROBOT.geometry,
@@ -26,12 +26,12 @@ def model() -> mujoco.MjModel:
     return build()
 
 
-def test_three_motors_drive_nine_freedoms(model: mujoco.MjModel) -> None:
+def test_three_motors_drive_nine_degrees_of_freedom(model: mujoco.MjModel) -> None:
     assert (model.nq, model.nv, model.nu, model.neq) == (10, 9, 3, 3)
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_home_is_qpos0_and_closed(geometry: Geometry) -> None:
+def test_home_is_qpos0_with_a_closed_loop(geometry: Geometry) -> None:
     model = build(RobotData(geometry=geometry))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -39,21 +39,21 @@ def test_home_is_qpos0_and_closed(geometry: Geometry) -> None:
     assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
 
 
-def test_the_loop_is_solved_with_the_measured_recipe(model: mujoco.MjModel) -> None:
+def test_the_loop_has_the_measured_solver_parameters(model: mujoco.MjModel) -> None:
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
     assert model.opt.timestep == 0.002
     assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
     assert model.eq_solref[:, 0].tolist() == [0.002] * 3
 
 
-def test_what_is_seen_has_no_mass_and_touches_nothing(model: mujoco.MjModel) -> None:
+def test_visible_geoms_have_no_mass_and_no_contact(model: mujoco.MjModel) -> None:
     seen = model.geom_group == VISUAL
     assert seen.any()
     assert not model.geom_contype[seen].any()
     assert not model.geom_conaffinity[seen].any()
 
 
-def test_mass_is_that_of_the_robot_and_all_of_it_hidden(model: mujoco.MjModel) -> None:
+def test_hidden_geoms_have_the_mass_of_the_robot(model: mujoco.MjModel) -> None:
     head = ROBOT.head
     assert model.body("head").mass[0] == pytest.approx(head.mass)
     assert model.body_mass.sum() == pytest.approx(head.mass + 3 * head.arm_mass + 3 * head.rod_mass)
@@ -61,11 +61,11 @@ def test_mass_is_that_of_the_robot_and_all_of_it_hidden(model: mujoco.MjModel) -
     assert not mujoco.MjvOption().geomgroup[COLLISION]
 
 
-def test_head_carries_its_mass_where_the_robot_data_says(model: mujoco.MjModel) -> None:
+def test_the_centre_of_mass_of_the_head_is_that_of_the_robot_data(model: mujoco.MjModel) -> None:
     assert model.body("head").ipos == pytest.approx([0.0, 0.0, ROBOT.head.centre_height])
 
 
-def test_eyes_look_ahead_from_both_ends_of_the_baseline(model: mujoco.MjModel) -> None:
+def test_the_eyes_look_ahead_from_both_ends_of_the_baseline(model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     left, right = data.camera("eye_left"), data.camera("eye_right")
@@ -104,7 +104,7 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: Geometry) -> None:
         assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
 
 
-def test_stops_hold_rods_inside_the_home_assembly() -> None:
+def test_stops_keep_rods_inside_the_home_assembly() -> None:
     for chain in chains(ROBOT.geometry):
         assert np.degrees(chain.rod_range()) == pytest.approx([-80.0, 80.0])
 

@@ -13,16 +13,17 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh.drive import Arms
 from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.kinematics import Neck
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
-from sim_node.gl import GlPainter, Image
-from sim_node.looks import VISUAL
+from sim_node.gl import GlPainter
+from sim_node.model import build_spec
+from sim_node.painter import Image
 from sim_node.picture import picture, png, write_picture
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
+from sim_node.visuals import VISUAL
 
 HOME: Arms = (0.0, 0.0, 0.0)
 LOOKING_AT_YOU = Neck().inverse(math.radians(-30), 0.0, 0.0)
@@ -39,14 +40,14 @@ def without_gl(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def share(image: Image, dominant: int) -> float:
-    """Part of the pixels in which one colour is far stronger than the two others."""
+    """Share of the pixels in which one colour is far stronger than the two others."""
     strongest = image[..., dominant].astype(int)
     rest = np.delete(image, dominant, axis=2).max(axis=2)
     return float((strongest > rest * 1.5).mean())
 
 
 def shows_the_robot(image: Image) -> bool:
-    """Whether red, green and blue rings and the dark base are where they belong."""
+    """Whether the red, green and blue rings and the dark base are in their places."""
     red, green, blue = (share(image, colour) for colour in range(3))
     base = image[-HEIGHT // 6 :, WIDTH // 3 : 2 * WIDTH // 3].mean()
     corner = image[: HEIGHT // 6, : WIDTH // 6].mean()
@@ -54,27 +55,30 @@ def shows_the_robot(image: Image) -> bool:
 
 
 @pytest.mark.usefixtures("without_gl")
-def test_without_opengl_rays_draw_the_robot() -> None:
+def test_ray_casting_draws_the_robot_without_opengl() -> None:
     image = picture(HOME, WIDTH, HEIGHT)
     assert image.shape == (HEIGHT, WIDTH, 3)
     assert shows_the_robot(image)
 
 
-def test_opengl_draws_the_robot_where_there_is_some() -> None:
+def test_opengl_draws_the_robot() -> None:
     if gl.backend() is None:
         pytest.skip("no OpenGL on this machine")
     assert shows_the_robot(picture(HOME, WIDTH, HEIGHT))
 
 
-def test_both_ways_to_draw_show_the_same() -> None:
+def test_both_painters_draw_the_same() -> None:
     name = gl.backend()
     if name is None:
         pytest.skip("no OpenGL on this machine")
     posture = Plant().posture()
-    painter = GlPainter(ROBOT, WIDTH, HEIGHT, name=name, shadows=False, samples=0)
-    drawn = painter.paint(posture, "observer").astype(int)
+    painter = GlPainter(build_spec(), WIDTH, HEIGHT, name=name, shadows=False, samples=0)
+    painter.pose(posture)
+    drawn = painter.paint("observer").astype(int)
     painter.close()
-    cast = RayPainter(ROBOT, WIDTH, HEIGHT).paint(posture, "observer").astype(int)
+    rays = RayPainter(build_spec(), WIDTH, HEIGHT)
+    rays.pose(posture)
+    cast = rays.paint("observer").astype(int)
     assert np.median(np.abs(drawn - cast)) < 30
 
 
@@ -87,17 +91,18 @@ def test_the_head_turns_with_the_arms() -> None:
 
 
 @pytest.mark.usefixtures("without_gl")
-def test_arms_without_a_head_have_no_picture() -> None:
+def test_impossible_arm_angles_are_an_error() -> None:
     with pytest.raises(BeatrixError):
         picture((2.0, 0.0, 0.0), WIDTH, HEIGHT)
 
 
 @pytest.mark.parametrize("camera", ["observer", "eye_left", "eye_right"])
-def test_no_ray_passes_through_a_part(camera: str) -> None:
-    """Cast one by one, rays meet what they meet cast together; MuJoCo culls more in the second case."""
-    painter = RayPainter(ROBOT, 48, 36)
+def test_rays_cast_together_hit_the_same_as_single_rays(camera: str) -> None:
+    """MuJoCo culls more geoms if rays are cast together."""
+    painter = RayPainter(build_spec(), 48, 36)
     plant = Plant()
-    painter.paint(plant.posture(), camera)
+    painter.pose(plant.posture())
+    painter.paint(camera)
     mujoco.mj_kinematics(plant.model, plant.data)
     mujoco.mj_camlight(plant.model, plant.data)
     eye = plant.data.camera(camera).xpos.copy()
@@ -113,7 +118,7 @@ def test_no_ray_passes_through_a_part(camera: str) -> None:
     assert together.tolist() == alone
 
 
-def test_a_png_file_holds_the_very_pixels() -> None:
+def test_a_png_file_contains_the_exact_pixels() -> None:
     image = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
     with PIL.Image.open(io.BytesIO(png(image))) as again:
         assert again.mode == "RGB"
@@ -128,9 +133,9 @@ def test_a_picture_is_written_as_png(tmp_path: Path) -> None:
         assert image.size == (WIDTH, HEIGHT)
 
 
-def probed(environment: dict[str, str]) -> str:
-    """What a new process says of its OpenGL."""
-    command = [sys.executable, "-c", "from sim_node.gl import backend; print(backend())"]
+def probed(environment: dict[str, str], before: str = "") -> str:
+    """The OpenGL backend in a new process, after it has run the code `before`."""
+    command = [sys.executable, "-c", f"{before}from sim_node.gl import backend; print(backend())"]
     done = subprocess.run(
         command,
         cwd=ROOT,
@@ -143,12 +148,25 @@ def probed(environment: dict[str, str]) -> str:
     return done.stdout.strip()
 
 
+def test_without_opengl_libraries_physics_works_and_there_is_no_backend(tmp_path: Path) -> None:
+    """With MUJOCO_GL=egl and without this library `import mujoco` fails."""
+    (tmp_path / "OpenGL").mkdir()
+    (tmp_path / "OpenGL" / "__init__.py").write_text("raise AttributeError('no library of this name')")
+    absent = {"PYTHONPATH": str(tmp_path), "MUJOCO_GL": "egl"}
+    bare = [sys.executable, "-c", "import mujoco"]
+    assert subprocess.run(bare, env={**os.environ, **absent}, capture_output=True, check=False).returncode
+    assert (
+        probed(absent, "from sim_node.plant import Plant; Plant().step((0, 0, 0), drivers_on=True); ")
+        == "None"
+    )
+
+
 def test_a_backend_whose_probe_fails_is_not_used() -> None:
     assert probed({"PYOPENGL_PLATFORM": "egl", "MUJOCO_GL": "off"}) == "None"
     assert not gl._works("no_such_backend")
 
 
-def test_the_wish_for_a_backend_is_tried_first() -> None:
+def test_the_backend_of_mujoco_gl_is_tried_first() -> None:
     if not gl._works("osmesa"):
         pytest.skip("no OSMesa on this machine")
     assert probed({"MUJOCO_GL": "osmesa"}) == "osmesa"

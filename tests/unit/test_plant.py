@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh.drive import Arms, Gear
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.rotation import Rotation, rotation_of
+from beatrix_zenoh.motion.gear import Arms, Gear
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import Rotation, rotation_of
 from sim_node.plant import Plant
 
 GEAR = Gear()
@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
-    """Set points of the arms (rad), a physics step apart: full speed, all arriving together."""
+    """Set points of the arms (rad) for each physics step, at full speed; all arms arrive at the same time."""
     far = max(abs(g - s) for s, g in zip(start, goal, strict=True))
     top = min(SPEED, math.sqrt(far * ACCELERATION))
     rise = top / ACCELERATION
@@ -44,14 +44,14 @@ def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
 
 
 def angle_between(a: Rotation, b: Rotation) -> float:
-    """Angle (deg) of the turn from one orientation to another; exact for small ones."""
+    """Angle (deg) between two orientations; exact for small angles."""
     turn = np.array(a).T @ np.array(b)
     skew = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
     return math.degrees(math.asin(min(1.0, float(np.linalg.norm(skew)) / 2)))
 
 
 def hold(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -> None:
-    """Let time pass with the set points at rest."""
+    """Advance time with constant set points."""
     pulses = GEAR.to_steps(arms)
     for _ in range(round(seconds / STEP)):
         plant.step(pulses, drivers_on=drivers_on)
@@ -84,7 +84,7 @@ TILTED = NECK.inverse(0.4, 0.3, 0.1)
 HOME: Arms = (0.0, 0.0, 0.0)
 
 
-def test_a_new_plant_stands_upright_and_closed(plant: Plant) -> None:
+def test_a_new_plant_is_upright_and_its_loop_is_closed(plant: Plant) -> None:
     assert plant.arms() == HOME
     assert plant.velocities() == HOME
     assert plant.head() == pytest.approx(HOME, abs=1e-12)
@@ -92,7 +92,7 @@ def test_a_new_plant_stands_upright_and_closed(plant: Plant) -> None:
     assert not plant.home_assembly_left()
 
 
-def test_head_and_loop_stay_true_in_random_full_speed_moves(plant: Plant) -> None:
+def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant) -> None:
     rng = random.Random(7)
     start = HOME
     for _ in range(12):
@@ -121,7 +121,7 @@ def test_no_part_touches_another_within_the_limits(plant: Plant) -> None:
         start = goal
 
 
-def test_velocity_is_that_of_the_pulses(plant: Plant) -> None:
+def test_the_velocity_matches_the_pulses(plant: Plant) -> None:
     for arms in ramp(HOME, (1.0, 1.0, 1.0)):
         plant.step(GEAR.to_steps(arms), drivers_on=True)
         if arms[0] > 0.5:
@@ -129,7 +129,7 @@ def test_velocity_is_that_of_the_pulses(plant: Plant) -> None:
     assert plant.velocities() == pytest.approx((SPEED,) * 3, rel=0.1)
 
 
-def test_head_is_measured_as_yaw_pitch_roll(plant: Plant) -> None:
+def test_the_head_is_measured_as_yaw_pitch_roll(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     assert plant.head() == pytest.approx((0.4, 0.3, 0.1), abs=math.radians(0.3))
     assert math.cos(plant.tilt()) == pytest.approx(math.cos(0.3) * math.cos(0.1), abs=5e-3)
@@ -142,7 +142,7 @@ def test_yaw_follows_the_arms_through_whole_turns(plant: Plant) -> None:
     assert plant.head()[0] == pytest.approx(7.0, abs=0.01)
 
 
-def test_a_hundred_thousand_pulses_in_one_step_are_lost_and_harm_nothing(plant: Plant) -> None:
+def test_a_hundred_thousand_pulses_in_one_step_are_lost_without_harm(plant: Plant) -> None:
     hold(plant, HOME, 0.01)
     for _ in range(500):
         plant.step((100_000, -100_000, 50_000), drivers_on=True)
@@ -152,7 +152,7 @@ def test_a_hundred_thousand_pulses_in_one_step_are_lost_and_harm_nothing(plant: 
     assert plant.tilt() < math.radians(3)
 
 
-def shove(plant: Plant, torque: float) -> None:
+def push(plant: Plant, torque: float) -> None:
     """Twist the head about the vertical (N m) for 0.3 s, and let it rest."""
     plant.data.body("head").xfrc_applied[5] = torque
     hold(plant, HOME, 0.3)
@@ -160,14 +160,14 @@ def shove(plant: Plant, torque: float) -> None:
     hold(plant, HOME, 0.5)
 
 
-def test_a_shove_below_the_motors_torque_loses_nothing(plant: Plant) -> None:
-    shove(plant, 1.5)
+def test_a_push_below_the_motors_torque_loses_no_steps(plant: Plant) -> None:
+    push(plant, 1.5)
     assert plant.slipped() == (0, 0, 0)
     assert math.degrees(abs(plant.head()[0])) < 0.1
 
 
-def test_a_shove_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
-    shove(plant, 3.5)
+def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
+    push(plant, 3.5)
     lost = plant.slipped()
     assert all(steps % 4 == 0 and steps < 0 for steps in lost)
     assert not plant.home_assembly_left()
@@ -176,7 +176,7 @@ def test_a_shove_above_the_motors_torque_loses_multiples_of_four_full_steps(plan
     assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
 
 
-def test_without_motors_a_tilted_head_sags_and_stays_in_one_piece(plant: Plant) -> None:
+def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     tilt = plant.tilt()
     hold(plant, TILTED, 2.0, drivers_on=False)
@@ -190,7 +190,7 @@ def test_friction_holds_an_upright_head_without_motors(plant: Plant) -> None:
     assert plant.tilt() < math.radians(0.1)
 
 
-def test_motors_switched_on_lock_where_the_arms_are(plant: Plant) -> None:
+def test_motors_that_are_switched_on_lock_at_the_present_arm_angles(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     hold(plant, TILTED, 1.0, drivers_on=False)
     sagged = plant.arms()
@@ -202,8 +202,8 @@ def test_motors_switched_on_lock_where_the_arms_are(plant: Plant) -> None:
     assert math.degrees(max(off)) < 0.25
 
 
-def test_straighten_puts_the_head_home_and_forgets_slip(plant: Plant) -> None:
-    shove(plant, 3.5)
+def test_straighten_sets_the_head_home_and_resets_slip(plant: Plant) -> None:
+    push(plant, 3.5)
     plant.straighten()
     assert plant.arms() == HOME
     assert plant.slipped() == (0, 0, 0)
@@ -211,7 +211,7 @@ def test_straighten_puts_the_head_home_and_forgets_slip(plant: Plant) -> None:
     assert plant.arms() == pytest.approx(HOME, abs=1e-5)
 
 
-def test_straighten_calls_the_present_pulses_home(plant: Plant) -> None:
+def test_straighten_declares_the_present_pulses_home(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     plant.straighten()
     hold(plant, TILTED, 0.2)
@@ -223,11 +223,11 @@ def snap(plant: Plant) -> None:
     plant.data.joint("head").qpos = [0.0, 1.0, 0.0, 0.0]
 
 
-def test_another_assembly_is_noticed_and_put_right_at_the_set_points(plant: Plant) -> None:
+def test_another_assembly_is_detected_and_reassembled_at_the_set_points(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     snap(plant)
     assert plant.home_assembly_left()
-    plant.re_place()
+    plant.reassemble()
     assert plant.re_placed == 1
     assert not plant.home_assembly_left()
     assert plant.arms() == pytest.approx(TILTED, abs=math.radians(0.1))
@@ -235,15 +235,15 @@ def test_another_assembly_is_noticed_and_put_right_at_the_set_points(plant: Plan
     assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 1e-6
 
 
-def test_re_placed_upright_where_no_head_fits_the_set_points(plant: Plant) -> None:
+def test_reassembled_upright_if_the_set_points_are_impossible(plant: Plant) -> None:
     plant.data.joint("arm_short").qpos = 2.0
     plant.step((GEAR.to_steps((2.0, 0.0, 0.0))), drivers_on=True)
-    plant.re_place()
+    plant.reassemble()
     assert plant.arms() == HOME
     assert not plant.home_assembly_left()
 
 
-def test_lost_numbers_are_noticed_and_leave_no_file(
+def test_nan_is_detected_and_writes_no_file(
     plant: Plant, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -252,40 +252,34 @@ def test_lost_numbers_are_noticed_and_leave_no_file(
     assert plant.home_assembly_left()
     assert "Nan" in caplog.text
     assert list(tmp_path.iterdir()) == []
-    plant.re_place()
+    plant.reassemble()
     hold(plant, HOME, 0.1)
     assert plant.arms() == pytest.approx(HOME, abs=1e-5)
 
 
-def test_a_copy_goes_the_same_way_to_the_last_bit_and_leaves_the_original_alone(plant: Plant) -> None:
+def state(plant: Plant) -> list[float]:
+    """The state of the physics, and of the drive as far as it can be measured."""
+    data = plant.data
+    return [*data.qpos, *data.qvel, *data.qacc_warmstart, data.time, *plant.set_points(), *plant.slipped()]
+
+
+def test_a_copy_behaves_identically_and_does_not_change_the_original(plant: Plant) -> None:
     path = list(ramp(HOME, TILTED))
     for arms in path[:200]:
         plant.step(GEAR.to_steps(arms), drivers_on=True)
-    before = plant.save()
+    before = state(plant)
     other = plant.copy()
     for arms in path[200:]:
         other.step(GEAR.to_steps(arms), drivers_on=True)
     other.step((0, 0, 0), drivers_on=False)
-    after = plant.save()
-    assert after.physics.tolist() == before.physics.tolist()
-    assert after.drive == before.drive
+    assert state(plant) == before
     for arms in path[200:]:
         plant.step(GEAR.to_steps(arms), drivers_on=True)
     plant.step((0, 0, 0), drivers_on=False)
-    assert plant.save().physics.tolist() == other.save().physics.tolist()
+    assert state(plant) == state(other)
 
 
-def test_a_saved_moment_can_be_returned_to(plant: Plant) -> None:
-    go(plant, HOME, TILTED)
-    moment = plant.save()
-    arms, head = plant.arms(), plant.head()
-    go(plant, TILTED, HOME)
-    plant.load(moment)
-    assert plant.arms() == arms
-    assert plant.head() == head
-
-
-def test_rotation_is_that_of_the_reported_angles(plant: Plant) -> None:
+def test_the_rotation_matches_the_reported_angles(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     assert np.array(rotation_of(*plant.head())) == pytest.approx(np.array(plant.rotation()), abs=1e-9)
 

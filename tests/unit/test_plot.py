@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from beatrix_zenoh.compare import Recording, compare
-from beatrix_zenoh.plot import path_figure, twin_figure
-from beatrix_zenoh.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.readings import Path as HeadPath
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.readings import Path as HeadPath
+from beatrix_zenoh.recording.compare import compare
+from beatrix_zenoh.recording.plot import path_figure, twin_figure
+from beatrix_zenoh.recording.series import Recording
 
 
 def test_two_recordings_make_a_picture(tmp_path: Path) -> None:
@@ -18,7 +19,7 @@ def test_two_recordings_make_a_picture(tmp_path: Path) -> None:
     first = Recording(t, np.sin(t)[:, None] * np.arange(1, 7))
     figure = twin_figure(compare(first, Recording(t, first.angles + 0.1)), "two robots")
     arms, head, apart = figure.axes
-    assert [len(panel.get_lines()) for panel in (arms, head, apart)] == [6, 6, 3]
+    assert [len(panel.get_lines()) for panel in (arms, head, apart)] == [6, 6, 6]
     figure.savefig(tmp_path / "twin.png", dpi=50)
     with Image.open(tmp_path / "twin.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10

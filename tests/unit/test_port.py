@@ -47,8 +47,8 @@ def test_a_port_that_is_not_there_is_none_or_is_used_says_so(tmp_path: Path) -> 
     (tmp_path / "file").write_text("")
     for device, why in (
         (tmp_path / "none", "is not there"),
-        (tmp_path / "file", "is no serial port"),
-        (tmp_path, "is no serial port"),
+        (tmp_path / "file", "is not a serial port"),
+        (tmp_path, "is not a serial port"),
         (os.ttyname(slave), "is used by another program"),
     ):
         with pytest.raises(NoAnswer, match=f"{device} {why}") as refused:

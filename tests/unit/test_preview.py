@@ -1,3 +1,5 @@
+"""Previews of motions on copies of firmware and plant."""
+
 from __future__ import annotations
 
 import itertools
@@ -10,12 +12,12 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import Enable, FrameType, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.drive import Arms, Gear
-from beatrix_zenoh.errors import Interrupted, Refused
-from beatrix_zenoh.kinematics import Neck
-from beatrix_zenoh.node.body import Preview
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.motion.gear import Arms, Gear
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.node.hardware import Preview
 from sim_node.plant import Plant
-from sim_node.preview import SAMPLES_MAX, run_ahead
+from sim_node.preview import SAMPLES_MAX, simulate_motion
 
 GEAR = Gear()
 NECK = Neck()
@@ -28,7 +30,7 @@ def move_to(arms: Arms, speed: float = 30.0) -> MoveStraight:
 
 
 def ready() -> tuple[Plant, Firmware]:
-    """Robot and firmware with motors on, calibrated."""
+    """Plant and firmware with motors on, calibrated."""
     plant, firmware = Plant(), Firmware()
     firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
     pass_time(plant, firmware, 20)
@@ -51,7 +53,7 @@ def copy_of(firmware: Firmware) -> Firmware:
 
 
 def preview(move: Move | MoveStraight) -> Preview:
-    return run_ahead(*ready(), move)
+    return simulate_motion(*ready(), move)
 
 
 def test_a_preview_ends_where_the_motion_ends() -> None:
@@ -61,7 +63,7 @@ def test_a_preview_ends_where_the_motion_ends() -> None:
     assert seen.head[-1] == pytest.approx((0.3, 0.35, 0.0), abs=math.radians(0.3))
 
 
-def test_duration_is_that_of_the_firmwares_ramps_and_of_coming_to_rest() -> None:
+def test_the_duration_includes_ramps_and_settling() -> None:
     far = math.degrees(max(map(abs, NODDED)))
     ramps = far / 30.0 + 30.0 / ROBOT.limits.acceleration
     seen = preview(move_to(NODDED))
@@ -69,7 +71,7 @@ def test_duration_is_that_of_the_firmwares_ramps_and_of_coming_to_rest() -> None
     assert seen.t[-1] == seen.duration_s
 
 
-def test_extremes_are_those_of_the_way() -> None:
+def test_largest_tilt_and_smallest_gap_are_those_of_the_whole_motion() -> None:
     seen = preview(move_to(NODDED))
     tilts = [math.acos(math.cos(pitch) * math.cos(roll)) for _, pitch, roll in seen.head]
     assert seen.tilt_max >= max(tilts) - 1e-9
@@ -83,25 +85,25 @@ def test_samples_are_20_ms_apart() -> None:
     assert {round(b - a, 9) for a, b in itertools.pairwise(seen.t)} == {0.02}
 
 
-def test_a_long_motion_has_no_more_samples_than_a_picture_can_show() -> None:
+def test_a_long_motion_has_a_limited_number_of_samples() -> None:
     seen = preview(move_to((1.0, 1.0, 1.0), speed=4.0))
     assert seen.duration_s > 14
     assert SAMPLES_MAX / 2 < len(seen.t) <= SAMPLES_MAX + 1
     assert len({round(b - a, 9) for a, b in itertools.pairwise(seen.t[:-1])}) == 1
 
 
-def test_a_preview_moves_nothing() -> None:
+def test_a_preview_does_not_change_the_originals() -> None:
     plant, firmware = ready()
-    moment, memory = plant.save(), firmware.snapshot()
-    run_ahead(plant.copy(), copy_of(firmware), move_to(NODDED))
+    posture, set_points, memory = plant.posture().tolist(), plant.set_points(), firmware.snapshot()
+    simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
     assert firmware.snapshot() == memory
-    assert plant.save().physics.tolist() == moment.physics.tolist()
-    assert plant.save().drive == moment.drive
+    assert plant.posture().tolist() == posture
+    assert plant.set_points() == set_points
 
 
-def test_a_preview_tells_what_then_happens() -> None:
+def test_the_motion_is_the_same_as_its_preview() -> None:
     plant, firmware = ready()
-    seen = run_ahead(plant.copy(), copy_of(firmware), move_to(NODDED))
+    seen = simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     for arms, head in zip(seen.arms, seen.head, strict=True):
         assert plant.arms() == pytest.approx(arms, abs=1e-9)
@@ -110,23 +112,23 @@ def test_a_preview_tells_what_then_happens() -> None:
         pass_time(plant, firmware, 20)
 
 
-def test_a_preview_starts_from_a_motion_under_way() -> None:
+def test_a_preview_starts_from_a_running_motion() -> None:
     plant, firmware = ready()
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     pass_time(plant, firmware, 300)
-    seen = run_ahead(plant.copy(), copy_of(firmware), move_to((0.0, 0.0, 0.0)))
+    seen = simulate_motion(plant.copy(), copy_of(firmware), move_to((0.0, 0.0, 0.0)))
     assert seen.arms[0] == plant.arms()
     assert max(map(abs, seen.arms[0])) > 0.05
     assert seen.arms[-1] == pytest.approx((0.0, 0.0, 0.0), abs=math.radians(0.25))
 
 
-def test_the_firmwares_refusal_is_that_of_the_preview() -> None:
+def test_a_refusal_of_the_firmware_refuses_the_preview() -> None:
     with pytest.raises(Refused) as refusal:
-        run_ahead(Plant(), Firmware(), move_to(NODDED))
+        simulate_motion(Plant(), Firmware(), move_to(NODDED))
     assert refusal.value.reason is Reason.NOT_ENABLED
 
 
-def test_a_motion_that_the_guard_would_stop_is_refused() -> None:
+def test_a_motion_that_the_firmware_guard_would_stop_is_refused() -> None:
     """The short arm is so much faster that it catches up with the middle one."""
     half_turn = math.radians(170)
     speeds = GEAR.speed_to_quarters([math.radians(speed) for speed in (80.0, 10.0, 10.0)])
@@ -135,19 +137,11 @@ def test_a_motion_that_the_guard_would_stop_is_refused() -> None:
     assert refusal.value.reason is Reason.ARM_GAP
 
 
-def test_a_motion_that_takes_too_long_is_refused_with_a_way_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_motion_that_takes_too_long_is_refused_with_advice(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sim_node.preview.LONGEST_MS", 1000)
     with pytest.raises(Refused, match="higher speed") as refusal:
         preview(move_to((3.0, 3.0, 3.0), speed=1.0))
     assert refusal.value.reason is Reason.TIMED_OUT
-
-
-def test_a_preview_can_be_cancelled() -> None:
-    looks = iter([False, False, True])
-    plant, firmware = ready()
-    with pytest.raises(Interrupted):
-        run_ahead(plant, firmware, move_to(NODDED), cancelled=lambda: next(looks))
-    assert max(map(abs, plant.arms())) < math.radians(1)
 
 
 def test_a_preview_of_no_motion_ends_at_once() -> None:

@@ -1,4 +1,4 @@
-"""Whether a robot may move, seen from its status: as the robot itself would say."""
+"""Checks by status whether a robot may move, with the robot's own rules."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import pytest
 from statuses import BOARD, READY
 
 from beatrix_zenoh._generated.messages import Fault, Reason
+from beatrix_zenoh.client.twin_state import may_move
 from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.twin import may_move
 
 LOST = msgspec.structs.replace(BOARD, connected=False)
 
 
 @pytest.mark.parametrize(("holder", "who"), [("", "ana"), ("ana", "ana"), ("ben", "teacher")])
-def test_who_holds_it_or_may_take_it_moves_a_ready_robot(holder: str, who: str) -> None:
+def test_the_holder_or_the_teacher_may_move_a_ready_robot(holder: str, who: str) -> None:
     may_move(msgspec.structs.replace(READY, holder=holder), who)
 
 
 @pytest.mark.parametrize(
-    ("change", "reason", "said"),
+    ("change", "reason", "text"),
     [
         ({"holder": "ben"}, Reason.NOT_HOLDER, "ben drives this robot"),
         ({"enabled": False}, Reason.NOT_ENABLED, "The motors are off"),
         ({"calibrated": False}, Reason.NOT_CALIBRATED, "Home is not known"),
-        ({"enabled": False, "fault": Fault.EMERGENCY}, Reason.NOT_ENABLED, "The emergency stop is latched"),
+        ({"enabled": False, "fault": Fault.EMERGENCY}, Reason.EMERGENCY, "EMERGENCY_STOP is latched"),
         ({"board": LOST, "fault": Fault.BOARD_LOST}, Reason.BOARD_LOST, "does not answer"),
         (
             {"board": LOST, "fault": Fault.CONTRACT_MISMATCH},
@@ -38,7 +38,7 @@ def test_who_holds_it_or_may_take_it_moves_a_ready_robot(holder: str, who: str) 
         ),
     ],
 )
-def test_the_first_that_is_missing_is_said(change: dict[str, object], reason: Reason, said: str) -> None:
-    with pytest.raises(BeatrixError, match=said) as refusal:
+def test_the_first_missing_condition_is_raised(change: dict[str, object], reason: Reason, text: str) -> None:
+    with pytest.raises(BeatrixError, match=text) as refusal:
         may_move(msgspec.structs.replace(READY, **change), "ana")
     assert refusal.value.reason is reason

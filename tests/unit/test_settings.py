@@ -1,4 +1,4 @@
-"""Names that may stand in keys, and where they come from."""
+"""Settings and the names in them."""
 
 from __future__ import annotations
 
@@ -29,25 +29,33 @@ def test_argument_beats_environment_beats_file_beats_default(
     assert (resolve().connect, resolve().who) == ("tcp/1.2.3.4:1", "seat1")
 
 
-def test_without_any_name_user_and_host_make_one() -> None:
+def test_cameras_are_read_from_file_or_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert resolve().cameras == ()
+    (tmp_path / "beatrix.toml").write_text('camera_left = "pattern"\ncamera_right = "/dev/v4l/by-path/a"\n')
+    assert resolve().cameras == ("left=pattern", "right=/dev/v4l/by-path/a")
+    monkeypatch.setenv("BEATRIX_CAMERA_LEFT", "file:clip.avi")
+    assert resolve().cameras[0] == "left=file:clip.avi"
+
+
+def test_the_default_name_consists_of_user_and_host() -> None:
     assert names.PATTERN.fullmatch(resolve().robot)
     assert "-" in names.default_robot()
 
 
 @pytest.mark.parametrize("text", ["robot = 3\n", 'colour = "red"\n', "robot = \n"])
-def test_a_file_that_cannot_be_used_is_named(tmp_path: Path, text: str) -> None:
+def test_an_invalid_file_raises_an_error_with_its_path(tmp_path: Path, text: str) -> None:
     (tmp_path / "beatrix.toml").write_text(text)
     with pytest.raises(Refused, match=r"beatrix\.toml"):
         resolve()
 
 
 @pytest.mark.parametrize("name", ["", "Bea 1", "a/b", "*", "@x", "x" * 33, "ä"])
-def test_a_name_that_cannot_stand_in_a_key_is_refused_with_one_that_can(name: str) -> None:
+def test_an_invalid_name_is_refused_with_a_valid_example(name: str) -> None:
     with pytest.raises(Refused, match="for example") as refusal:
         names.check_name(name)
     assert names.PATTERN.fullmatch(refusal.value.message.split("'")[-2])
 
 
 @given(st.text())
-def test_tidy_always_gives_an_allowed_name(text: str) -> None:
+def test_tidy_always_returns_a_valid_name(text: str) -> None:
     assert names.check_name(names.tidy(text))

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh._generated.robot import Drive
-from beatrix_zenoh.drive import Gear
+from beatrix_zenoh.motion.gear import Gear
 from sim_node.drive import StepperDrive
 
 CYCLE = math.radians(4 * 1.8 * 26 / 68)
-"""Four full steps of 1.8 deg at the motor, seen at the arm."""
+"""Four full steps of 1.8 deg at the motor, as an angle of the arm."""
 HOME = (0.0, 0.0, 0.0)
 
 counts = st.tuples(*[st.integers(-(2**31), 2**31 - 1)] * 3)
@@ -21,50 +21,50 @@ angles = st.tuples(*[st.floats(-20.0, 20.0)] * 3)
 def driven() -> StepperDrive:
     """A drive with its motors on, at home."""
     drive = StepperDrive()
-    drive.turn((0, 0, 0), HOME, on=True)
+    drive.step((0, 0, 0), HOME, on=True)
     return drive
 
 
 def test_set_points_follow_the_pulses() -> None:
     drive = driven()
-    drive.turn((8, -16, 0), HOME, on=True)
+    drive.step((8, -16, 0), HOME, on=True)
     assert drive.set_points == pytest.approx(Gear().to_rad((8, -16, 0)))
 
 
-def test_sign_turns_a_motor_round() -> None:
+def test_the_sign_reverses_a_motor() -> None:
     drive = StepperDrive(Drive(sign=(-1, 1, 1)))
-    drive.turn((8, 8, 8), HOME, on=True)
+    drive.step((8, 8, 8), HOME, on=True)
     short, middle, long = drive.set_points
     assert short == -middle
     assert middle == long > 0
 
 
-def test_nothing_to_do_is_said() -> None:
+def test_a_step_without_change_returns_false() -> None:
     drive = driven()
-    assert not drive.turn((0, 0, 0), HOME, on=True)
-    assert drive.turn((1, 0, 0), HOME, on=True)
-    assert not drive.turn((1, 0, 0), HOME, on=True)
-    assert drive.turn((1, 0, 0), HOME, on=False)
+    assert not drive.step((0, 0, 0), HOME, on=True)
+    assert drive.step((1, 0, 0), HOME, on=True)
+    assert not drive.step((1, 0, 0), HOME, on=True)
+    assert drive.step((1, 0, 0), HOME, on=False)
 
 
-def test_an_arm_less_than_half_a_cycle_off_loses_nothing() -> None:
+def test_an_arm_less_than_half_a_cycle_off_loses_no_steps() -> None:
     drive = driven()
-    drive.turn((0, 0, 0), (0.499 * CYCLE, -0.499 * CYCLE, 0.0), on=True)
+    drive.step((0, 0, 0), (0.499 * CYCLE, -0.499 * CYCLE, 0.0), on=True)
     assert drive.slipped == (0, 0, 0)
     assert drive.set_points == HOME
 
 
 def test_an_arm_pushed_past_half_a_cycle_loses_four_full_steps() -> None:
     drive = driven()
-    drive.turn((0, 0, 0), (0.501 * CYCLE, 0.0, -0.501 * CYCLE), on=True)
+    drive.step((0, 0, 0), (0.501 * CYCLE, 0.0, -0.501 * CYCLE), on=True)
     assert drive.slipped == (-4, 0, 4)
     assert drive.set_points == pytest.approx((CYCLE, 0.0, -CYCLE))
 
 
 def test_slip_is_counted_in_the_motors_direction() -> None:
     drive = StepperDrive(Drive(sign=(-1, 1, 1)))
-    drive.turn((0, 0, 0), HOME, on=True)
-    drive.turn((0, 0, 0), (CYCLE, CYCLE, 0.0), on=True)
+    drive.step((0, 0, 0), HOME, on=True)
+    drive.step((0, 0, 0), (CYCLE, CYCLE, 0.0), on=True)
     assert drive.slipped == (4, -4, 0)
 
 
@@ -73,7 +73,7 @@ def test_set_points_never_leave_the_arm_by_more_than_half_a_cycle(
     pulses: tuple[int, int, int], arms: tuple[float, float, float]
 ) -> None:
     drive = driven()
-    drive.turn(pulses, arms, on=True)
+    drive.step(pulses, arms, on=True)
     assert all(
         abs(arm - set_point) <= CYCLE / 2 + 1e-7
         for arm, set_point in zip(arms, drive.set_points, strict=True)
@@ -81,43 +81,32 @@ def test_set_points_never_leave_the_arm_by_more_than_half_a_cycle(
     assert all(steps % 4 == 0 for steps in drive.slipped)
 
 
-def test_motors_switched_on_lock_to_the_nearest_position_without_slip() -> None:
+def test_motors_that_are_switched_on_lock_to_the_nearest_position_without_slip() -> None:
     drive = driven()
     sagged = (5.2 * CYCLE, -3.4 * CYCLE, 0.1 * CYCLE)
-    drive.turn((0, 0, 0), sagged, on=False)
-    drive.turn((0, 0, 0), sagged, on=True)
+    drive.step((0, 0, 0), sagged, on=False)
+    drive.step((0, 0, 0), sagged, on=True)
     assert drive.set_points == pytest.approx((5 * CYCLE, -3 * CYCLE, 0.0))
     assert drive.slipped == (0, 0, 0)
 
 
-def test_motors_that_are_off_lose_nothing() -> None:
+def test_motors_that_are_off_lose_no_steps() -> None:
     drive = driven()
-    drive.turn((0, 0, 0), (9 * CYCLE, 0.0, 0.0), on=False)
+    drive.step((0, 0, 0), (9 * CYCLE, 0.0, 0.0), on=False)
     assert drive.slipped == (0, 0, 0)
     assert not drive.on
 
 
-def test_put_home_forgets_slip_and_earlier_pulses() -> None:
+def test_set_home_resets_slip_and_earlier_pulses() -> None:
     drive = driven()
-    drive.turn((320, 0, 0), HOME, on=True)
+    drive.step((320, 0, 0), HOME, on=True)
     assert drive.slipped != (0, 0, 0)
-    drive.put_home()
+    drive.set_home()
     assert drive.set_points == HOME
     assert drive.slipped == (0, 0, 0)
 
 
-def test_a_loaded_drive_goes_on_as_the_saved_one() -> None:
+def test_a_measurement_of_nan_does_not_change_the_set_points() -> None:
     drive = driven()
-    drive.turn((320, 5, -7), (0.1, 0.0, 0.0), on=True)
-    other = StepperDrive()
-    other.load(drive.save())
-    assert other.save() == drive.save()
-    assert other.set_points == drive.set_points
-    assert other.slipped == drive.slipped
-    assert other.on
-
-
-def test_a_measurement_that_is_no_number_moves_nothing() -> None:
-    drive = driven()
-    drive.turn((0, 0, 0), (math.nan, 0.0, 0.0), on=True)
+    drive.step((0, 0, 0), (math.nan, 0.0, 0.0), on=True)
     assert drive.set_points == HOME

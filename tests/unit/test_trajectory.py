@@ -1,4 +1,4 @@
-"""The time law: closed-form durations, straight lines, retargets without a jump."""
+"""The time law: durations in closed form, straight lines, smooth new targets."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.drive import Arms
-from beatrix_zenoh.trajectory import Trajectory, plan
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.trajectory import Trajectory, plan
 
 ACCELERATION = 3.0
 REST: Arms = (0.0, 0.0, 0.0)
@@ -20,7 +20,7 @@ speeds = st.tuples(*[st.floats(0.05, 2)] * 3)
 
 
 def samples(trajectory: Trajectory, count: int) -> list[tuple[float, Arms, Arms]]:
-    """Times, angles and velocities along the trajectory, its corners among them."""
+    """Times, angles and velocities along the trajectory, including its corners."""
     times = {trajectory.duration * i / count for i in range(count + 1)}
     times |= {section.begin for section in trajectory.sections}
     return [(t, *trajectory.at(t)) for t in sorted(times)]
@@ -58,7 +58,7 @@ def test_a_lower_top_speed_is_taken_up_in_motion() -> None:
     assert trajectory.duration == pytest.approx(braking + way / 0.5 + 0.5 / (2 * ACCELERATION))
 
 
-def test_an_arm_on_its_way_goes_on_as_planned() -> None:
+def test_an_arm_in_motion_continues_as_planned() -> None:
     speed = (1.0, 1.0, 1.0)
     first = plan(REST, REST, (2.0, 0.0, 0.0), speed, ACCELERATION, straight=False)
     for share in (0.05, 0.5, 0.95):
@@ -109,7 +109,7 @@ def test_any_retarget_is_smooth_and_arrives(
 
 
 @given(angles, rates, angles, speeds, st.booleans())
-def test_speeds_stay_below_what_was_asked_or_was_there(
+def test_speeds_stay_below_the_requested_or_present_speed(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> None:
     trajectory = plan(start, velocity, target, speed, ACCELERATION, straight=straight)
@@ -125,7 +125,7 @@ def test_a_trajectory_rests_before_and_after() -> None:
     assert trajectory.at(1e9) == ((1.0, 0.5, 0.0), REST)
 
 
-def test_nothing_to_do_takes_no_time() -> None:
+def test_a_motion_without_distance_takes_no_time() -> None:
     trajectory = plan((1.0, 2.0, 3.0), REST, (1.0, 2.0, 3.0), (1.0, 1.0, 1.0), ACCELERATION, straight=True)
     assert trajectory.duration == 0
     assert trajectory.at(0.0) == ((1.0, 2.0, 3.0), REST)

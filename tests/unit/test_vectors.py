@@ -1,4 +1,4 @@
-"""Golden bytes: a foreign client's encoder and ours write them, and ours reads them back."""
+"""Golden bytes: written by an independent encoder and by ours, and read back by ours."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from msgspec import Struct
 
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import messages
+from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
 
 VECTORS = Path(__file__).resolve().parents[2] / "schemas/vectors/messages.json"
 
@@ -31,13 +32,28 @@ every_entry = pytest.mark.parametrize(
 
 
 @every_entry
-def test_foreign_client_writes_the_golden_bytes(entry: Vector) -> None:
+def test_an_independent_encoder_writes_the_golden_bytes(entry: Vector) -> None:
     written = cast("bytes", msgpack.packb(entry["value"], use_single_float=True))
     assert written.hex() == entry["msgpack"]
 
 
 @every_entry
-def test_codec_reads_the_golden_bytes_and_writes_them_again(entry: Vector) -> None:
+def test_the_codec_reads_and_writes_the_golden_bytes(entry: Vector) -> None:
     kind = cast("type[Struct]", getattr(messages, entry["message"]))
     message = codec.decode(bytes.fromhex(entry["msgpack"]), kind)
     assert codec.encode(message).hex() == entry["msgpack"]
+
+
+def test_a_positions_message_is_shorter_than_250_bytes() -> None:
+    vector = Vector3(0.1, 0.2, 0.3)
+    positions = Positions(
+        seq=1,
+        t_mono_ns=10**15,
+        t_wall_ns=10**18,
+        position=vector,
+        velocity=vector,
+        commanded=vector,
+        steps=Steps(1, 2, 3),
+        head=Head(0.1, 0.2, 0.3),
+    )
+    assert len(codec.encode(positions)) < 250

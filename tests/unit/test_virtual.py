@@ -1,4 +1,4 @@
-"""The virtual board: a port as good as a serial one, in virtual time or by the clock."""
+"""The virtual board: a port like a serial one, in virtual time or in real time."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1)
     firmware.receive(encode(FrameType.MOVE, 3, Move(motion, target, SPEED).pack()))
 
 
-def test_a_board_says_nothing_before_it_is_spoken_to() -> None:
+def test_a_board_sends_nothing_before_the_first_frame() -> None:
     board = VirtualBoard(Firmware(boot=7, name="bea1"))
     board.advance(5000)
     assert board.read(0) == b""
     board.close()
 
 
-def test_a_board_greets_back(board: VirtualBoard) -> None:
-    greeting = frames(board.read(0))[0]
-    hello = HelloReply.unpack(greeting.payload)
-    assert (greeting.type, greeting.seq) == (FrameType.HELLO_REPLY, 3)
+def test_a_board_answers_hello(board: VirtualBoard) -> None:
+    reply = frames(board.read(0))[0]
+    hello = HelloReply.unpack(reply.payload)
+    assert (reply.type, reply.seq) == (FrameType.HELLO_REPLY, 3)
     assert (hello.boot, hello.name.rstrip(b"\0")) == (7, b"bea1")
 
 
@@ -69,7 +69,7 @@ def test_many_requests_in_one_write_are_all_answered(board: VirtualBoard) -> Non
     assert [frame.seq for frame in frames(board.read(0))] == list(range(1, 255))
 
 
-def test_reading_waits_no_longer_than_told(board: VirtualBoard) -> None:
+def test_read_returns_after_its_timeout(board: VirtualBoard) -> None:
     board.read(0)
     begin = time.monotonic()
     assert board.read(0.05) == b""
@@ -86,7 +86,7 @@ def test_a_waiting_reader_wakes_when_bytes_come(board: VirtualBoard) -> None:
     assert [t.tick for t in telemetry(got[0])] == [10]
 
 
-def test_closing_wakes_a_reader_and_refuses_a_writer(board: VirtualBoard) -> None:
+def test_close_wakes_a_reader_and_rejects_writes(board: VirtualBoard) -> None:
     board.read(0)
     got: list[bytes] = []
     reader = threading.Thread(target=lambda: got.append(board.read(30)))
@@ -98,21 +98,21 @@ def test_closing_wakes_a_reader_and_refuses_a_writer(board: VirtualBoard) -> Non
         board.write(b"\0")
 
 
-def test_nobody_reading_takes_no_memory(board: VirtualBoard) -> None:
+def test_unread_bytes_are_limited(board: VirtualBoard) -> None:
     for _ in range(60):
         board.advance(1000)
         board.write(PING)
     assert len(board.read(0)) == virtual._UNREAD_MAX
 
 
-def test_a_long_stretch_of_time_loses_no_telemetry() -> None:
+def test_a_long_tick_loses_no_telemetry() -> None:
     firmware = Firmware()
     firmware.receive(PING)
     firmware.tick(wire.HOST_GONE)
     assert [t.tick for t in telemetry(firmware.transmit())] == list(range(10, wire.HOST_GONE, 10))
 
 
-def test_two_boards_do_not_know_each_other() -> None:
+def test_two_boards_are_independent() -> None:
     one, other = Firmware(), Firmware()
     make_move(one, (100, 100, 100))
     one.tick(300)
@@ -127,7 +127,7 @@ def test_drivers_follow_enable() -> None:
     assert firmware.drivers_on()
 
 
-def test_a_restored_board_goes_on_as_the_first_would() -> None:
+def test_a_restored_board_continues_like_the_original() -> None:
     robot, preview = Firmware(boot=3, name="bea1"), Firmware()
     make_move(robot, (300, -200, 50))
     robot.tick(200)
@@ -139,7 +139,7 @@ def test_a_restored_board_goes_on_as_the_first_would() -> None:
     assert preview.transmit() == robot.transmit()
 
 
-def test_motor_pulses_outlive_calibration() -> None:
+def test_calibration_does_not_reset_pulses() -> None:
     firmware = Firmware()
     make_move(firmware, (30, -20, 10))
     firmware.tick(450)
@@ -150,7 +150,7 @@ def test_motor_pulses_outlive_calibration() -> None:
     assert firmware.pulses() == (31, -19, 11)
 
 
-def test_set_points_are_known_between_steps() -> None:
+def test_set_points_have_fractions_of_a_step() -> None:
     firmware = Firmware()
     make_move(firmware, (100, -100, 0))
     firmware.tick(5)
@@ -159,7 +159,7 @@ def test_set_points_are_known_between_steps() -> None:
     assert (y, z) == (-x, 0)
 
 
-def test_the_ticker_keeps_the_clock(board: VirtualBoard) -> None:
+def test_the_ticker_follows_real_time(board: VirtualBoard) -> None:
     begin = time.monotonic()
     ticker = RealTimeTicker(board)
     seen: list[Telemetry] = []
@@ -168,13 +168,13 @@ def test_the_ticker_keeps_the_clock(board: VirtualBoard) -> None:
         seen += telemetry(board.read(1))
     took_ms = (time.monotonic() - begin) * 1000
     ticker.close()
-    assert took_ms >= 199  # time never runs ahead; how far it lags is the machine's business
+    assert took_ms >= 199  # board time is never ahead of real time; how late it is depends on the machine
 
 
-def test_the_ticker_makes_up_for_lost_time(board: VirtualBoard) -> None:
+def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
     ticker = RealTimeTicker(board)
     with board.lock:
-        threading.Event().wait(0.1)  # the ticker cannot get in meanwhile
+        threading.Event().wait(0.1)  # the ticker waits for the lock meanwhile
     begin = time.monotonic()
     seen: list[Telemetry] = []
     while not seen or seen[-1].tick < 90:
@@ -184,14 +184,16 @@ def test_the_ticker_makes_up_for_lost_time(board: VirtualBoard) -> None:
     assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
 
 
-def test_time_stands_still_after_the_ticker(board: VirtualBoard) -> None:
-    ticker = RealTimeTicker(board, period_ms=1)
+def test_board_time_stops_when_the_ticker_is_closed(board: VirtualBoard) -> None:
+    ticker = RealTimeTicker(board)
     ticker.close()
     board.read(0)
     assert board.read(0.03) == b""
 
 
-def test_a_missing_wasmtime_is_named_with_the_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setitem(sys.modules, "wasmtime", None)
     virtual._compiled.cache_clear()
     with pytest.raises(BeatrixError, match=r'pip install "\.\[sim\]"') as caught:

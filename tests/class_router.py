@@ -1,0 +1,166 @@
+"""A class with its router in a process of its own, and sessions of its accounts."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import signal
+import socket
+from pathlib import Path
+from typing import Self
+
+from stage import Process
+
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.classroom import class_file, provision
+
+CLI = ("-m", "beatrix_zenoh.cli")
+ANSWER_S = 5.0
+CLASS = """
+name = "8b"
+addresses = ["127.0.0.1"]
+seats = ["ana", "ben"]
+robots = ["bea1", "bea2"]
+teacher = "Ada <Lovelace>"
+auth = "{auth}"
+
+[router]
+port = {port}
+standby = "{standby}"
+"""
+
+
+def free_port() -> int:
+    """A port that is free, and the next one, on IPv4 loopback."""
+    while True:
+        with contextlib.ExitStack() as stack, contextlib.suppress(OSError, OverflowError):
+            first = stack.enter_context(socket.socket())
+            first.bind(("127.0.0.1", 0))
+            port: int = first.getsockname()[1]
+            stack.enter_context(socket.socket()).bind(("127.0.0.1", port + 1))
+            return port
+
+
+class Answering:
+    """A queryable that answers each query on its own concrete key, and keeps the keys of queries that arrived."""
+
+    def __init__(self, bus: Bus, key: str, reply_key: str = "", payload: bytes = b"real") -> None:
+        self.asked: list[str] = []
+        self._key, self._reply_key, self._payload = key, reply_key, payload
+        bus.serve(key, self._answer)
+
+    def _answer(self, incoming: Incoming) -> None:
+        self.asked.append(incoming.key)
+        incoming.reply(self._reply_key or self._concrete(incoming.key), self._payload, "text/plain")
+        incoming.finish()
+
+    def _concrete(self, asked: str) -> str:
+        """The own key, with the seat from the query."""
+        own, chunks = self._key.split("/"), asked.split("/")
+        seats = chunks if len(chunks) == len(own) else own
+        return "/".join(
+            seat if chunk == "*" else chunk for chunk, seat in zip(own, seats, strict=True)
+        ).replace("*", "zoe")
+
+
+class Heard:
+    """The keys of publications that a subscription receives."""
+
+    def __init__(self, bus: Bus, key: str) -> None:
+        self._queue: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self._end = bus.subscribe(key, lambda received: self._queue.put(received.key))
+
+    def until(self, key: str) -> list[str]:
+        """All keys up to this one."""
+        heard = []
+        while True:
+            heard.append(self._queue.get(timeout=ANSWER_S))
+            if heard[-1] == key:
+                return heard
+
+    def so_far(self) -> list[str]:
+        """All keys that have come."""
+        found = []
+        while not self._queue.empty():
+            found.append(self._queue.get())
+        return found
+
+    def close(self) -> None:
+        self._end()
+
+
+class ClassRouter:
+    """The router of class 8b: seats ana and ben, robots bea1 and bea2, a teacher."""
+
+    def __init__(self, folder: Path, auth: str, standby: str = "") -> None:
+        self.class_file = folder / "class.toml"
+        self.class_file.write_text(CLASS.format(auth=auth, port=free_port(), standby=standby))
+        self.classroom = class_file.read(self.class_file)
+        self.folder = folder / "8b"
+        provision.init(self.classroom, self.folder)
+        self.process = self.start()
+        self._sessions: dict[str, Bus] = {}
+        self._processes: list[Process] = [self.process]
+
+    def start(self, file: Path | None = None) -> Process:
+        """Start the router, or the one of another file."""
+        process = Process(*CLI, "router", "--class", str(file or self.class_file))
+        process.expect("ready")
+        return process
+
+    def start_standby(self) -> Process:
+        """Start the second router."""
+        self._processes.append(self.start(self.folder / "standby.toml"))
+        return self._processes[-1]
+
+    def start_again(self) -> None:
+        """Start the first router again."""
+        self.process = self.start()
+        self._processes.append(self.process)
+
+    def path(self, name: str) -> Path:
+        """The file of an account."""
+        return next(self.folder.glob(f"*s/{name}.toml"))
+
+    def account(self, name: str) -> Account:
+        return accounts.load(self.path(name))
+
+    def session(self, name: str, program: str = "client") -> Bus:
+        """The session of an account, one for each of its programs."""
+        label = f"{name} {program}"
+        if label not in self._sessions:
+            account = self.account(name)
+            self._sessions[label] = zbus.connect(account.connect, label=label, account=account)
+        return self._sessions[label]
+
+    def close(self) -> None:
+        for session in self._sessions.values():
+            session.close()
+        for process in reversed(self._processes):
+            process.end(signal.SIGTERM)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
+    """Key and payload of all replies to a query."""
+    query = bus.query(key, timeout_s=ANSWER_S)
+    found = []
+    try:
+        while (answer := query.next(ANSWER_S)) is not None:
+            found.append((answer.key, answer.payload))
+    finally:
+        query.close()
+    return found
+
+
+def settled(bus: Bus) -> None:
+    """Wait until the router has handled all that this session has declared."""
+    bus.tokens("beatrix/nothing/here/@alive", ANSWER_S)

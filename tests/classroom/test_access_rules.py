@@ -1,0 +1,181 @@
+"""Who may do what at the router of a class: expectations as a table, with passwords and with certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from class_router import Answering, ClassRouter, Heard, replies, settled
+
+from beatrix_zenoh._generated import keys
+
+SIM, HW = "sim", "hw"
+FORGED = b"forged"
+
+
+@pytest.fixture(scope="module", params=["password", "certificate"])
+def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A router with the robots of the class, and those of two seats."""
+    with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
+        for robot, twin in (("bea1", HW), ("bea1", SIM), ("bea2", HW), ("ana", SIM), ("ben", SIM)):
+            session = made.session(robot, "robot")
+            for key in (
+                keys.command(robot, twin, "*"),
+                keys.motion(robot, twin, "*"),
+                keys.stop(robot, twin),
+                keys.positions(robot, twin),
+                keys.info(robot, twin),
+            ):
+                Answering(session, key)
+            if twin == SIM:
+                Answering(session, keys.target(robot))
+            session.declare_token(keys.alive(robot, twin))
+            settled(session)
+        yield made
+
+
+def asks(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether a query of the account reaches a robot that answers."""
+    return bool(replies(router.session(account), key))
+
+
+def puts(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether a publication of the account reaches the teacher."""
+    own = account if account != "teacher" else "bea1"
+    marker = keys.status(own, SIM)
+    heard = Heard(router.session("teacher"), "beatrix/**")
+    settled(router.session("teacher"))
+    sender = router.session(account)
+    for one in (key, marker):
+        sender.put(one, b"1", "text/plain", priority="data")
+    found = heard.until(marker)
+    heard.close()
+    return key in found
+
+
+def serves(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether a queryable that the account declares gets the teacher's query, and its answer comes back."""
+    session = router.session(account)
+    Answering(session, key, payload=FORGED)
+    settled(session)
+    return FORGED in [payload for _, payload in replies(router.session("teacher"), key.replace("*", "zoe"))]
+
+
+def announces(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether a liveliness token of the account is seen by the teacher."""
+    session = router.session(account)
+    session.declare_token(key)
+    settled(session)
+    seen = key in router.session("teacher").tokens(key)
+    session.undeclare_token(key)
+    return seen
+
+
+def hears(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether the account receives a publication of bea2 on this key."""
+    position, marker = keys.positions("bea2", HW), keys.status("bea2", HW)
+    session, robot = router.session(account), router.session("bea2")
+    heard, marked = Heard(session, key), Heard(session, marker)
+    settled(session)
+    for one in (position, marker):
+        robot.put(one, b"1", "text/plain", priority="data")
+    marked.until(marker)
+    marked.close()
+    heard.close()
+    return position in heard.so_far()
+
+
+def reads_router(router: ClassRouter, account: str, key: str) -> bool:
+    """Whether the account reads the admin space of the router, not only that of its own session."""
+    session = router.session(account)
+    return any(session.session_id not in replied for replied, _ in replies(session, key))
+
+
+Kind = Callable[[ClassRouter, str, str], bool]
+ANY = "*"
+TABLE: list[tuple[str, Kind, str, bool]] = [
+    # a student drives the robots of the class, and its own, under the name of its seat
+    ("ana", asks, keys.command("bea1", HW, "ana"), True),
+    ("ana", asks, keys.motion("bea1", SIM, "ana"), True),
+    ("ana", asks, keys.motion("ana", SIM, "ana"), True),
+    ("ana", asks, keys.target("bea1"), True),
+    ("ana", asks, keys.command("bea1", HW, "ben"), False),
+    ("ana", asks, keys.command("bea1", HW, "teacher"), False),
+    ("ana", asks, keys.command("bea1", HW, ANY), False),
+    ("ana", asks, keys.command(ANY, ANY, "ana"), False),
+    ("ana", asks, keys.motion("ben", SIM, "ana"), False),
+    ("ana", asks, keys.target("ben"), False),
+    ("ana", puts, keys.arm_target("bea1", HW, "short"), False),
+    ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
+    # everybody looks at everything
+    ("ana", asks, keys.positions("ben", SIM), True),
+    ("ana", asks, keys.positions(ANY, ANY), True),
+    ("ana", asks, keys.info("bea2", HW), True),
+    ("ana", hears, "beatrix/**", True),
+    ("ana", hears, keys.positions(ANY, ANY), True),
+    ("bea1", hears, keys.positions("bea2", HW), True),
+    ("ana", hears, "**", False),
+    # everybody stops every robot, and all of them
+    ("ana", asks, keys.stop("bea1", HW), True),
+    ("ana", asks, keys.stop("ben", SIM), True),
+    ("ana", asks, keys.stop(ANY, ANY), True),
+    ("ana", asks, "beatrix/**/stop", True),
+    ("ana", puts, keys.stop("bea2", HW), True),
+    ("ana", puts, keys.stop(ANY, ANY), True),
+    ("bea1", asks, keys.stop("bea2", HW), True),
+    # the teacher does everything
+    ("teacher", asks, keys.command("bea1", HW, "teacher"), True),
+    ("teacher", asks, keys.command("ben", SIM, "teacher"), True),
+    ("teacher", asks, keys.command(ANY, ANY, "teacher"), True),
+    ("teacher", asks, keys.stop(ANY, ANY), True),
+    ("teacher", puts, keys.arm_target("bea1", HW, "long"), True),
+    ("teacher", reads_router, "@/**", True),
+    ("ana", reads_router, "@/**", False),
+    ("bea1", reads_router, "@/**", False),
+    # robots serve and publish under their own names
+    ("bea1", puts, keys.positions("bea1", HW), True),
+    ("ana", puts, keys.positions("ana", SIM), True),
+    ("bea1", serves, keys.clock("bea1", HW), True),
+    ("bea1", announces, keys.alive("bea1", HW), True),
+    ("bea1", announces, keys.claim("bea1", HW, "abc"), True),
+    ("bea1", asks, keys.command("bea2", HW, "bea1"), False),
+    ("ana", announces, keys.seat("ana", "abc"), True),
+    # accounts cannot forge positions, tokens, queryables
+    ("ana", puts, keys.positions("bea1", HW), False),
+    ("ana", puts, keys.positions("ben", SIM), False),
+    ("ana", puts, keys.events("bea1", HW), False),
+    ("ana", puts, keys.camera("bea1", HW, "left"), False),
+    ("ana", puts, "beatrix/**", False),
+    ("bea1", puts, keys.positions("bea2", HW), False),
+    ("ana", serves, keys.clock("bea2", HW), False),
+    ("ana", serves, keys.command("bea2", HW, ANY), False),
+    ("bea1", serves, keys.clock("bea2", HW), False),
+    ("ana", announces, keys.alive("bea9", HW), False),
+    ("ana", announces, keys.claim("bea1", HW, "abc"), False),
+    ("ana", announces, keys.seat("ben", "abc"), False),
+    ("ana", announces, keys.seat("teacher", "abc"), False),
+    ("bea1", announces, keys.alive("bea2", SIM), False),
+]
+
+
+@pytest.mark.parametrize(
+    ("account", "kind", "key", "allowed"),
+    TABLE,
+    ids=[f"{row[0]} {row[1].__name__} {row[2].replace('/', '.')}" for row in TABLE],
+)
+def test_the_router_allows_what_the_rules_say_and_nothing_else(
+    router: ClassRouter, account: str, kind: Kind, key: str, allowed: bool
+) -> None:
+    assert kind(router, account, key) is allowed
+
+
+def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRouter) -> None:
+    everyone = keys.clock(ANY, SIM)
+    liar = Answering(router.session("ben"), keys.clock("ben", SIM), keys.clock("bea1", SIM), FORGED)
+    settled(router.session("ben"))
+    assert replies(router.session("teacher"), everyone) == []
+    assert liar.asked == [everyone], "it was asked, and its forged reply is what the router dropped"
+
+
+def test_no_key_but_stop_ends_like_stop() -> None:
+    assert [name for name, row in keys.KEYS.items() if row.key.endswith("/stop")] == ["stop"]

@@ -1,0 +1,246 @@
+"""Accounts that the router refuses, and the sentences that their users read; secrets stay secret."""
+
+from __future__ import annotations
+
+import datetime as dt
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+from class_router import CLI, ClassRouter, replies, settled
+from shell import beatrix
+from stage import Process
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.classroom.certificates import Authority
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.settings import resolve
+
+
+@pytest.fixture(scope="module")
+def passwords(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path_factory.mktemp("class"), "certificate") as made:
+        yield made
+
+
+def refused(endpoint: str, account: Account | None) -> str:
+    """What the owner of a refused account reads."""
+    with pytest.raises(NoAnswer) as error:
+        zbus.connect(endpoint, account=account)
+    return error.value.message
+
+
+@pytest.mark.parametrize("change", [{"password": "abcd-abcd"}, {"name": "zoe"}], ids=["password", "name"])
+def test_a_wrong_password_and_an_unknown_account_are_refused(
+    passwords: ClassRouter, change: dict[str, str]
+) -> None:
+    account = msgspec.structs.replace(passwords.account("ana"), **change)
+    message = refused(account.connect, account)
+    assert "does not know the account, or the password is wrong" in message
+    assert f"beatrix join {account.name}.toml" in message
+    assert account.password not in message
+
+
+def test_a_program_without_account_is_refused(passwords: ClassRouter, certificates: ClassRouter) -> None:
+    for router in (passwords, certificates):
+        assert "beatrix join FILE" in refused(router.account("ana").connect, None)
+
+
+def with_certificate(account: Account, issuer: Authority, days: int, trusted: Authority) -> Account:
+    """The account with a certificate of `issuer` that trusts the routers of another authority."""
+    identity = issuer.issue(account.name, days=days)
+    return msgspec.structs.replace(
+        account,
+        certificate=identity.certificate,
+        key=identity.key,
+        authority=trusted.certificate,
+        expires=None,
+    )
+
+
+def test_each_wrong_certificate_has_its_own_sentence(certificates: ClassRouter) -> None:
+    account = certificates.account("ana")
+    ours = Authority.read((certificates.folder / "authority.pem").read_text())
+    foreign = Authority.make("8b")
+    cases = {
+        "does not know this certificate": with_certificate(account, foreign, 40, ours),
+        "certificate has expired": with_certificate(account, ours, -1, ours),
+        "not of this class": with_certificate(account, foreign, 40, foreign),
+    }
+    for sentence, wrong in cases.items():
+        assert sentence in refused(account.connect, wrong)
+
+
+def test_a_certificate_of_the_class_under_an_unknown_name_may_do_nothing(certificates: ClassRouter) -> None:
+    ours = Authority.read((certificates.folder / "authority.pem").read_text())
+    account = with_certificate(
+        msgspec.structs.replace(certificates.account("ana"), name="zoe"), ours, 40, ours
+    )
+    robot = certificates.session("bea1")
+    robot.declare_token(keys.alive("bea1", "hw"))
+    settled(robot)
+    assert certificates.session("ana").robots() == [("bea1", "hw")]
+    with zbus.connect(account.connect, account=account) as session:
+        assert session.robots() == []
+        assert replies(session, keys.stop("*", "*")) == []
+    robot.undeclare_token(keys.alive("bea1", "hw"))
+
+
+def test_the_sentence_for_a_router_without_certificates_says_so(
+    passwords: ClassRouter, certificates: ClassRouter
+) -> None:
+    account = certificates.account("ana")
+    endpoint = passwords.account("ana").connect.replace("tcp/", "tls/")
+    assert "runs without certificates" in refused(endpoint, account)
+
+
+def test_an_expired_account_is_refused_before_anything_is_sent(certificates: ClassRouter) -> None:
+    account = msgspec.structs.replace(certificates.account("ana"), expires=dt.date(2021, 3, 4))
+    with pytest.raises(WrongUsage, match="expired on 2021-03-04"):
+        zbus.connect(account.connect, account=account)
+
+
+def test_without_a_router_the_class_is_named(tmp_path: Path, passwords: ClassRouter) -> None:
+    account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
+    message = refused(account.connect, account)
+    assert message.startswith("No router of class 8b at tcp/127.0.0.1:1")
+
+
+def test_files_with_secrets_are_for_their_owner_only(certificates: ClassRouter) -> None:
+    files = [path for path in certificates.folder.rglob("*") if path.is_file()]
+    assert {"router.toml", "authority.pem", "cards.html", "ana.toml"} <= {path.name for path in files}
+    for path in files:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600, path
+
+
+@pytest.fixture
+def joined(passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Account:
+    """A seat that has joined."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    done = beatrix("join", str(passwords.path("ana")))
+    assert done.returncode == 0, done.stderr
+    assert "Joined class 8b as ana" in done.stdout
+    assert "The router accepts this account." in done.stdout
+    return passwords.account("ana")
+
+
+def test_a_seat_that_has_joined_uses_router_account_and_seat_everywhere(
+    passwords: ClassRouter, joined: Account, tmp_path: Path
+) -> None:
+    stored = tmp_path / "beatrix" / "account.toml"
+    assert stat.S_IMODE(stored.stat().st_mode) == 0o600
+    simulation = Process(*CLI, "hw", "--port", "virtual:", folder=tmp_path)  # the seat's own robot
+    try:
+        assert simulation.expect("ready") == f"ready {keys.alive('ana', 'hw')}"
+        assert "ana" in beatrix("ls").stdout
+        for verb in ("enable", "calibrate", "stop"):
+            done = beatrix(verb)
+            assert done.returncode == 0, done.stderr
+        with Robot() as robot:
+            assert (robot.name, robot.client.settings.who) == ("ana", "ana")
+    finally:
+        assert simulation.end() == 0
+
+
+def test_secrets_are_in_no_output_and_no_process_list(
+    passwords: ClassRouter, joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RUST_LOG", "debug")
+    node = Process(*CLI, "hw", "--port", "virtual:", "--log-file", str(tmp_path / "log"), folder=tmp_path)
+    try:
+        node.expect("ready")
+        listed = "".join(
+            Path(f"/proc/{pid}/{file}").read_text(errors="replace")
+            for pid in (node.pid, passwords.process.pid)
+            for file in ("cmdline", "environ")
+        )
+    finally:
+        node.end()
+    written = (tmp_path / "log").read_text() if (tmp_path / "log").exists() else ""
+    everything = listed + "\n".join(node.lines) + "\n".join(passwords.process.lines) + written + repr(joined)
+    assert joined.password not in everything
+
+
+def test_a_seat_that_says_it_is_another_is_refused_on_its_own_computer(joined: Account) -> None:
+    assert beatrix("enable", "--who", "ben").returncode == 2
+    node = beatrix("hw", "--port", "virtual:", "--name", "bea1")
+    assert node.returncode == 2
+    assert "accepts only a robot of the same name" in node.stderr
+
+
+def test_stop_needs_no_readable_account(
+    joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "beatrix" / "account.toml").write_text("password = 3\n")
+    done = beatrix("ls")
+    assert done.returncode == 2
+    assert "is no account file" in done.stderr
+    done = beatrix("stop")
+    assert "is no account file" in done.stderr
+    assert done.returncode == 3, "it went on, to the default router, which is not there"
+
+
+def test_leaving_and_an_empty_variable_forget_the_class(
+    joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert resolve().account == joined
+    monkeypatch.setenv("BEATRIX_ACCOUNT", "")
+    assert resolve().account is None
+    monkeypatch.delenv("BEATRIX_ACCOUNT")
+    assert beatrix("join", "--leave").returncode == 0
+    assert resolve().account is None
+    assert not list((tmp_path / "beatrix").iterdir())
+
+
+def test_an_account_may_be_named_by_file_and_environment(
+    passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "beatrix.toml").write_text(f'account = "{passwords.path("bea1")}"\n')
+    assert (resolve().robot, resolve().who, resolve().connect) == (
+        "bea1",
+        "bea1",
+        passwords.classroom.connect,
+    )
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(passwords.path("teacher")))
+    assert resolve().who == "teacher"
+    assert resolve(robot="bea2", who="ana").who == "ana"
+
+
+def test_an_account_comes_from_standard_input(
+    passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert beatrix("join", "-", answers=passwords.path("ben").read_text()).returncode == 0
+    assert resolve().account == passwords.account("ben")
+    assert beatrix("join", "-", answers="nonsense").returncode == 2
+
+
+def test_another_router_gets_no_account_of_the_class(joined: Account) -> None:
+    elsewhere = resolve("toy", "tcp/127.0.0.1:1", "zoe")
+    assert (elsewhere.account, elsewhere.robot, elsewhere.who) == (None, "toy", "zoe")
+    assert resolve(connect=joined.connect).account == joined
+
+
+def test_up_starts_no_router_without_rules_in_a_class(passwords: ClassRouter, tmp_path: Path) -> None:
+    account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
+    (tmp_path / "ana.toml").write_text(account.text())
+    assert "not usable now" in beatrix("join", str(tmp_path / "ana.toml")).stderr
+    try:
+        done = beatrix("up", "--no-sim", "--hw", "virtual:")
+    finally:
+        beatrix("join", "--leave")
+    assert done.returncode == 3
+    assert "The teacher starts it" in done.stderr

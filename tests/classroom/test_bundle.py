@@ -1,0 +1,40 @@
+"""The archive for a room without network: made for two platforms, installed and used where there is no network."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import bundle
+import pytest
+
+ISOLATED = ["unshare", "--map-root-user", "--net"]
+"""Runs a program with no network at all, not even loopback."""
+
+
+@pytest.mark.timeout(280)
+def test_it_installs_and_runs_without_network(tmp_path: Path) -> None:
+    if subprocess.run([*ISOLATED, "true"], check=False).returncode:
+        pytest.skip("this computer permits no network namespaces")
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    archive = bundle.bundle(bundle.here(), python, ["cli"], tmp_path / "made")
+    with zipfile.ZipFile(archive) as packed:
+        packed.extractall(tmp_path / "stick")
+    (folder,) = (tmp_path / "stick").iterdir()
+    home = tmp_path / "home"
+    subprocess.run([*ISOLATED, sys.executable, folder / "install.py", home], check=True)
+    done = subprocess.run(
+        [*ISOLATED, home / "bin/beatrix", "ls"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 3, "no answer: there is no router"
+    assert "No router at" in done.stderr
+
+
+def test_other_platforms_have_packages_of_their_own() -> None:
+    values = bundle.environment("windows-x86_64", "3.12")
+    names = bundle.names_of(list(bundle.own_requirements(["all"])), values)
+    assert {"opencv-python-headless", "mujoco", "pyqt5", "rerun-sdk", "colorama"} <= names
+    assert "linuxpy" not in names
+    assert names <= bundle.pins(values).keys()

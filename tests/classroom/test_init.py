@@ -1,0 +1,114 @@
+"""`beatrix classroom init`: from a short file to accounts, a router and cards."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+
+import pytest
+from class_router import CLASS
+from shell import beatrix
+
+from beatrix_zenoh import account
+from beatrix_zenoh.classroom import class_file
+from beatrix_zenoh.classroom.rules import grants
+from beatrix_zenoh.errors import WrongUsage
+
+
+@pytest.fixture(params=["password", "certificate"])
+def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    path = tmp_path / "class.toml"
+    path.write_text(CLASS.format(auth=request.param, port=7447, standby=""))
+    return path
+
+
+def files(folder: Path) -> dict[str, str]:
+    """The account files."""
+    return {path.name: path.read_text() for path in folder.glob("*s/*.toml")}
+
+
+def test_each_account_has_a_file_and_a_card(file: Path) -> None:
+    done = beatrix("classroom", "init", str(file))
+    assert done.returncode == 0, done.stderr
+    assert "beatrix router --class" in done.stdout
+    folder = file.parent / "8b"
+    assert files(folder).keys() == {"teacher.toml", "ana.toml", "ben.toml", "bea1.toml", "bea2.toml"}
+    page = (folder / "cards.html").read_text()
+    assert re.findall("<h1>(.*?)</h1>", page) == ["teacher", "ana", "ben", "bea1", "bea2"]
+    assert page.count("<svg") == 5
+    assert html.escape("Ada <Lovelace>") in page
+    assert "http" not in page.replace("http://www.w3.org", ""), "nothing is loaded from elsewhere"
+    own = account.load(folder / "seats" / "ana.toml")
+    assert (own.role, own.robot) == ("student", "ana")
+    assert account.parse(own.text(), "text") == own
+    assert (own.password or own.key) not in done.stdout
+
+
+def test_a_second_time_secrets_stay_and_new_seats_come(file: Path) -> None:
+    assert beatrix("classroom", "init", str(file)).returncode == 0
+    folder = file.parent / "8b"
+    before = files(folder)
+    file.write_text(file.read_text().replace('["ana", "ben"]', '["ana", "zoe"]'))
+    assert "has changed" in beatrix("router", "--class", str(file)).stderr
+    done = beatrix("classroom", "init", str(file))
+    assert "new accounts       zoe\n" in done.stdout
+    assert "ben.toml is of no seat" in done.stderr
+    after = files(folder)
+    assert {name for name in after if after[name] != before.get(name)} == {"zoe.toml"}
+    assert "ben" not in (folder / "router.toml").read_text()
+
+
+def test_a_damaged_account_file_is_not_replaced(file: Path) -> None:
+    assert beatrix("classroom", "init", str(file)).returncode == 0
+    damaged = file.parent / "8b" / "seats" / "ana.toml"
+    damaged.write_text("class = 3\n")
+    done = beatrix("classroom", "init", str(file))
+    assert done.returncode == 2
+    assert "ana.toml" in done.stderr
+    assert damaged.read_text() == "class = 3\n"
+
+
+def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
+    done = beatrix("router", "--class", str(file))
+    assert done.returncode == 2
+    assert "beatrix classroom init" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({'["ana", "ben"]': "0"}, "1 to 99"),
+        ({'["ana", "ben"]': '["ana", "bea1"]'}, "bea1 is used twice"),
+        ({'["ana", "ben"]': '["teacher"]'}, "teacher is used twice"),
+        ({'["ana", "ben"]': '["Ana"]'}, "'ana'"),
+        ({'["ana", "ben"]': '["legacy"]'}, "legacy"),
+        ({'"127.0.0.1"': '"a b..c"'}, "is not an endpoint"),
+        ({'["127.0.0.1"]': "[]"}, "addresses is empty"),
+        ({"7447": "70000"}, "is not an endpoint"),
+        ({'"password"': '"certificate"', '"127.0.0.1"': '"::1"'}, "IPv4"),
+        ({"robots": "robot"}, "robot"),
+        ({'"password"': '"none"'}, "auth"),
+        ({"teacher =": "teacher"}, "cannot be read"),
+    ],
+)
+def test_a_wrong_class_file_is_refused_by_its_field(
+    tmp_path: Path, change: dict[str, str], sentence: str
+) -> None:
+    text = CLASS.format(auth="password", port=7447, standby="")
+    for old, new in change.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "class.toml"
+    path.write_text(text)
+    with pytest.raises(WrongUsage, match=re.escape(sentence)):
+        class_file.read(path)
+
+
+def test_seats_may_be_a_number(tmp_path: Path) -> None:
+    path = tmp_path / "class.toml"
+    path.write_text('name = "8b"\naddresses = ["192.168.1.20", "fe80::1"]\nseats = 30\n')
+    made = class_file.read(path)
+    assert (made.seats[0], made.seats[-1], len(made.seats)) == ("seat01", "seat30", 30)
+    assert made.connect == "tcp/192.168.1.20:7447,tcp/[fe80::1]:7447"
+    assert len(grants(made.seats, made.robots)) == 31

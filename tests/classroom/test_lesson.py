@@ -1,0 +1,59 @@
+"""A lesson: real nodes and clients, each with its account, at the router of a class."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from class_router import CLI, ClassRouter
+from stage import Process, ready
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.settings import Settings
+
+
+@pytest.fixture(scope="module", params=["password", "certificate"])
+def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A class with one of its robots, and the own robot of a seat, on line."""
+    with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
+        folders = {name: tmp_path_factory.mktemp(name) for name in ("bea1", "ana")}
+        nodes = [start_node(folder, made.path(name)) for name, folder in folders.items()]
+        yield made
+        for node in nodes:
+            assert node.end() == 0
+
+
+def start_node(folder: Path, account: Path) -> Process:
+    """Serve the robot of an account, which a file `beatrix.toml` names."""
+    (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
+    node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
+    node.expect("ready")
+    return node
+
+
+@pytest.fixture
+def clients(router: ClassRouter) -> Iterator[dict[str, Client]]:
+    """Clients of two seats and the teacher."""
+    made = {}
+    for name in ("ana", "ben", "teacher"):
+        account = router.account(name)
+        made[name] = Client(Settings("", account.connect, name, account=account))
+    yield made
+    for client in made.values():
+        client.close()
+
+
+def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients: dict[str, Client]) -> None:
+    ana = clients["ana"]
+    for name in ("bea1", "ana"):
+        ready(Robot(name, "hw", client=ana)).look(yaw=5)
+    assert Robot("ana", "hw", client=clients["ben"]).status().holder == "ana"
+    with pytest.raises(NoAnswer, match="refused by the router"):
+        Robot("ana", "hw", client=clients["ben"]).look(yaw=0)
+    with pytest.raises(Refused, match="ana drives this robot"):
+        Robot("bea1", "hw", client=clients["ben"]).look(yaw=0)
+    Robot("ana", "hw", client=clients["ben"]).stop()
+    Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)

@@ -1,0 +1,38 @@
+"""The page about a class: its file and its commands work as printed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from class_router import CLI, free_port
+from shell import beatrix
+from stage import ROOT, Process
+
+from beatrix_zenoh.settings import resolve
+
+
+def test_the_commands_of_the_page_make_a_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs/how-to/classroom.md").read_text(encoding="utf-8")
+    (file,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    port = str(free_port())
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    Path("class.toml").write_text(file.replace("192.168.1.20", "127.0.0.1").replace("7447", port))
+    lines = "".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)).splitlines()
+    assert [line.split()[1] for line in lines] == ["classroom", "router", "join"]
+    init, router, join = (line.split()[1:] for line in lines)
+    done = beatrix(*init)
+    assert done.returncode == 0, done.stderr
+    assert Path("8b/cards.html").is_file()
+    process = Process(*CLI, *router, folder=tmp_path)
+    try:
+        process.expect("ready")
+        shutil.copy("8b/seats/ana.toml", ".")
+        assert "accepts this account" in beatrix(*join).stdout
+        assert (resolve().robot, resolve().who) == ("ana", "ana")
+        assert port in resolve().connect
+    finally:
+        assert process.end() == 0

@@ -1,0 +1,89 @@
+"""Cameras, on every body that has them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+import simplejpeg
+from body import Body
+from stage import until, wait_status
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.names import EYES
+
+LONG_S = 60.0
+"""A first picture may need an OpenGL context on a busy machine."""
+
+
+@pytest.fixture
+def watcher(body: Body) -> Iterator[Robot]:
+    """A client of a robot with cameras, none of which streams."""
+    robot = body.robot()
+    if not robot.status().cameras:
+        robot.client.close()
+        pytest.skip("this body has no cameras")
+    wait_status(
+        robot,
+        lambda status: not any(one.streaming for one in status.cameras),
+        "no subscriber is left",
+        LONG_S,
+    )
+    yield robot
+    robot.client.close()
+
+
+def test_a_robot_has_both_eyes_or_none(body: Body) -> None:
+    robot = body.robot()
+    eyes = tuple(one.eye for one in robot.status().cameras)
+    robot.client.close()
+    assert eyes in ((), EYES)
+
+
+def test_each_eye_shows_a_picture_of_its_own(watcher: Robot) -> None:
+    pictures = {}
+    for eye in EYES:
+        with watcher.camera(eye, timeout_s=LONG_S) as images:
+            image = images.next()
+        pixels = simplejpeg.decode_jpeg(image.jpeg)
+        assert pixels.shape == (image.height, image.width, 3)
+        assert image.eye == eye
+        pictures[eye] = pixels
+    assert (pictures["left"] != pictures["right"]).any()
+
+
+def test_the_header_has_time_and_sequence_number(watcher: Robot) -> None:
+    with watcher.camera("left", timeout_s=LONG_S) as images:
+        first, second = images.next(), images.next()
+    assert second.seq > first.seq
+    assert second.t_mono_ns > first.t_mono_ns
+    for image in (first, second):
+        assert 0 < image.arrived_mono_ns - image.t_mono_ns < LONG_S * 1e9
+        assert 0 < image.arrived_wall_ns - image.t_wall_ns < LONG_S * 1e9
+
+
+def test_pictures_come_only_while_a_client_subscribes(watcher: Robot) -> None:
+    with watcher.camera("left", timeout_s=LONG_S) as images:
+        last = images.next()
+        wait_status(watcher, lambda status: status.cameras[0].streaming, "it streams", LONG_S)
+        assert not watcher.status().cameras[1].streaming, "no client subscribes to the right eye"
+    wait_status(watcher, lambda status: not status.cameras[0].streaming, "it streams no more", LONG_S)
+    begin = time.monotonic()
+    until(lambda: time.monotonic() - begin > 1.0, "time for fifteen pictures and more")
+    with watcher.camera("left", timeout_s=LONG_S) as images:
+        next_one = images.next()
+    assert next_one.seq - last.seq < 10, "pictures were taken without a subscriber"
+
+
+def test_two_clients_see_the_same_pictures(body: Body, watcher: Robot) -> None:
+    other = body.robot("ben")
+    with watcher.camera("left", timeout_s=LONG_S) as images, other.camera("left", timeout_s=LONG_S) as others:
+        seen = {image.seq: image.jpeg for image in (images.next() for _ in range(8))}
+        both = [image for image in (others.next() for _ in range(8)) if image.seq in seen]
+        assert both
+        assert all(image.jpeg == seen[image.seq] for image in both)
+        images.close()
+        others.take()
+        assert others.next().seq > max(seen), "the other subscription continues"
+    other.client.close()

@@ -1,0 +1,194 @@
+"""Positions: the meaning of each published field, on every body."""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+
+import pytest
+from body import Body
+from published import Published, published_positions
+from stage import ask_raw, until
+
+from beatrix_zenoh import Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.motion.gear import Arms, Gear
+from beatrix_zenoh.motion.kinematics import Neck
+
+POSE = (4.0, 14.0, -12.0)
+"""Yaw, pitch and roll (deg) that turn the three arms by different angles, not all in one direction."""
+SPEED = 20.0
+FLOAT32 = 1e-6
+"""Relative error of a number in single precision, with a margin."""
+
+
+def arms(vector: Vector3) -> Arms:
+    return vector.x, vector.y, vector.z
+
+
+def counts(steps: Steps) -> tuple[int, int, int]:
+    return steps.x, steps.y, steps.z
+
+
+def angles(head: Head) -> Arms:
+    return head.yaw, head.pitch, head.roll
+
+
+def ask_positions(robot: Robot) -> Positions:
+    """Query the newest positions."""
+    (answer,) = ask_raw(robot.client, keys.positions(robot.name, robot.twin))
+    return codec.decode_json(answer.payload, Positions)
+
+
+def arms_of_pose() -> Arms:
+    """Arm angles of POSE in rad."""
+    yaw, pitch, roll = map(math.radians, POSE)
+    return Neck().inverse(yaw, pitch, roll)
+
+
+def constant_speed(samples: list[Positions], target: Arms) -> list[Positions]:
+    """Return the samples from the middle of a motion from home, where all arms turn at a constant speed."""
+    fastest = max(range(3), key=lambda arm: abs(target[arm]))
+    return [at for at in samples if 0.25 < arms(at.commanded)[fastest] / target[fastest] < 0.85]
+
+
+def slope(times: list[float], values: list[float]) -> float:
+    """Change of a value with time, by least squares."""
+    return statistics.linear_regression(times, values).slope
+
+
+def look(robot: Robot) -> list[Positions]:
+    """Move from home to POSE; return the positions published meanwhile."""
+    positions = published_positions(robot)
+    robot.look(*POSE, speed=SPEED)
+    ended_ns = time.monotonic_ns()
+    positions.next(lambda at: at.t_mono_ns > ended_ns)
+    return positions.all
+
+
+def test_velocity_is_the_change_of_position_with_time(robot: Robot) -> None:
+    samples, target = look(robot), arms_of_pose()
+    assert min(target) < 0 < max(target)
+    longest = max(map(abs, target))
+    middle = constant_speed(samples, target)
+    times = [at.t_mono_ns / 1e9 for at in middle]
+    for arm in range(3):
+        expected = math.radians(SPEED) * target[arm] / longest
+        # The simulated arms shake by 3 deg/s as the motors step.
+        near = pytest.approx(expected, abs=0.1 * abs(expected) + math.radians(2))
+        assert statistics.mean(arms(at.velocity)[arm] for at in middle) == near
+        assert slope(times, [arms(at.position)[arm] for at in middle]) == near
+        assert slope(times, [arms(at.commanded)[arm] for at in middle]) == near
+
+
+def test_velocity_is_zero_at_rest(robot: Robot) -> None:
+    robot.move(5, 4, 3, speed=60)
+    positions = published_positions(robot)
+    positions.next(lambda at: max(map(abs, arms(at.velocity))) < math.radians(0.2), 2.0)
+
+
+def test_velocity_of_the_sdk_is_in_degrees_per_second(robot: Robot) -> None:
+    motion = robot.move(80, 70, 60, speed=25, wait=False)
+    samples: list[Reading] = []
+
+    def far() -> bool:
+        reading = robot.positions()
+        if 30 < reading.commanded.long < 55:
+            samples.append(reading)
+        return reading.commanded.long >= 55
+
+    until(far, f"the long arm at 55 deg ({motion})", 15.0)
+    robot.stop()
+    for arm in range(3):
+        assert statistics.mean(reading.velocity[arm] for reading in samples) == pytest.approx(25, abs=5)
+
+
+def test_steps_are_the_commanded_angles_in_microsteps(robot: Robot) -> None:
+    gear = Gear()
+    samples = look(robot)
+    for at in samples:
+        assert arms(at.commanded) == pytest.approx(gear.to_rad(counts(at.steps)), rel=FLOAT32, abs=FLOAT32)
+    assert len({counts(at.steps) for at in samples}) > 10
+    assert counts(ask_positions(robot).steps) == gear.to_steps(arms_of_pose())
+
+
+def test_commanded_is_the_set_point_and_position_is_measured_or_counted(body: Body, robot: Robot) -> None:
+    samples = look(robot)
+    gaps = [abs(at.position.x - at.commanded.x) for at in samples]
+    if body.twin == "hw":
+        assert all(at.position == at.commanded for at in samples), "counted steps"
+    else:
+        assert 0 < max(gaps) < math.radians(3), "measured: near the set point, but not equal"
+    goal = arms_of_pose()
+    step = math.tau / Gear().steps_per_turn
+    assert arms(ask_positions(robot).commanded) == pytest.approx(goal, abs=step)
+    until(
+        lambda: arms(ask_positions(robot).position) == pytest.approx(goal, abs=math.radians(0.25)),
+        "the arms at rest at the goal",
+    )
+
+
+def test_head_is_forward_kinematics_of_position(robot: Robot) -> None:
+    neck = Neck()
+    samples = look(robot)
+    for at in samples:
+        assert angles(at.head) == pytest.approx(neck.forward(arms(at.position)), abs=1e-5)
+    assert angles(samples[-1].head) == pytest.approx(tuple(map(math.radians, POSE)), abs=math.radians(1))
+
+
+def test_head_measured_is_missing_on_hardware(body: Body, robot: Robot) -> None:
+    for at in look(robot):
+        if body.twin == "hw":
+            assert at.head_measured is None
+        elif at.head_measured is not None:
+            assert angles(at.head_measured) == pytest.approx(angles(at.head), abs=math.radians(0.5))
+
+
+def one_second(positions: Published[Positions]) -> list[Positions]:
+    first = positions.next()
+    positions.next(lambda at: at.t_mono_ns >= first.t_mono_ns + 1e9)
+    return positions.all
+
+
+def test_seq_counts_publications_and_a_query_returns_the_newest(robot: Robot) -> None:
+    positions = published_positions(robot)
+    queried = []
+    for _ in range(5):
+        before = positions.all[-1].seq
+        queried.append(ask_positions(robot).seq)
+        assert before <= queried[-1]
+    numbers = [at.seq for at in one_second(positions)]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert set(queried) <= set(numbers)
+
+
+def test_positions_are_published_at_50_hz(robot: Robot) -> None:
+    samples = one_second(published_positions(robot))
+    lasted_s = (samples[-1].t_mono_ns - samples[0].t_mono_ns) / 1e9
+    assert (len(samples) - 1) / lasted_s == pytest.approx(keys.POSITIONS_HZ, rel=0.2)
+
+
+def test_time_stamps_increase_and_are_those_of_this_computer(robot: Robot) -> None:
+    began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
+    positions = published_positions(robot)
+    samples = list(one_second(positions))
+    ended_ns, ended_wall_ns = time.monotonic_ns(), time.time_ns()
+    stamps = [at.t_mono_ns for at in samples]
+    assert stamps == sorted(stamps)
+    assert len(set(stamps)) > 0.8 * len(stamps), "a stamp for each sample"
+    assert began_ns - 0.1e9 < stamps[0] <= stamps[-1] <= ended_ns, "not later than now, and not old"
+    assert ended_ns - stamps[-1] < 0.5e9
+    assert began_wall_ns - 0.1e9 < samples[0].t_wall_ns <= samples[-1].t_wall_ns <= ended_wall_ns
+    offsets = [at.t_wall_ns - at.t_mono_ns for at in samples]
+    assert max(offsets) - min(offsets) < 20e6, "both clocks of one moment"
+
+
+def test_a_relative_pose_adds_to_yaw_pitch_and_roll(robot: Robot) -> None:
+    robot.look(8, 5, -6, speed=60)
+    robot.look(3, -4, 2, relative=True, speed=60)
+    yaw, pitch, roll = Neck().forward(arms(ask_positions(robot).commanded))
+    # Both poses are rounded to whole microsteps.
+    assert tuple(map(math.degrees, (yaw, pitch, roll))) == pytest.approx((11, 1, -4), abs=0.4)

@@ -1,0 +1,210 @@
+"""Status, clock and info: the meaning of each field, on every body; changes are published at once."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from importlib import metadata
+
+import msgspec
+import pytest
+from body import Body
+from published import published_positions, published_statuses, regular, without_clocks
+from stage import ask_raw
+
+from beatrix_zenoh import Refused, Robot, codec
+from beatrix_zenoh._generated import keys, serial
+from beatrix_zenoh._generated.messages import (
+    CONTRACT,
+    Clock,
+    Command,
+    Fault,
+    GeometryInfo,
+    LimitInfo,
+    MotionReply,
+    PoseQuery,
+    Reason,
+)
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.motion.gear import Gear
+from beatrix_zenoh.motion.robot_file import fingerprint
+
+AT_ONCE_NS = 0.3e9
+"""Longest time from a change to its publication."""
+LEASE_S = 2.0
+
+
+def test_a_ready_robot_has_its_names_and_no_fault(body: Body, robot: Robot) -> None:
+    status = regular(published_statuses(robot))
+    assert (status.robot, status.twin) == (body.name, body.twin)
+    assert (status.fault, status.warnings) == (Fault.NONE, [])
+    assert (status.enabled, status.calibrated, status.moving) == (True, True, False)
+
+
+def test_a_status_without_a_change_is_published_each_second(robot: Robot) -> None:
+    statuses = published_statuses(robot)
+    before = regular(statuses)
+    after = statuses.next()
+    assert without_clocks(after) == without_clocks(before)
+    assert (after.t_mono_ns - before.t_mono_ns) / 1e9 == pytest.approx(1, abs=0.2)
+    assert (after.t_wall_ns - before.t_wall_ns) / 1e9 == pytest.approx(1, abs=0.2)
+    assert 0 <= time.monotonic_ns() - after.t_mono_ns < 1e9
+    assert 0 <= time.time_ns() - after.t_wall_ns < 1e9
+
+
+def test_enabled_and_calibrated_are_published_as_they_change(robot: Robot) -> None:
+    statuses = published_statuses(robot)
+    regular(statuses)
+
+    def check(act: Callable[[], None], *, enabled: bool, calibrated: bool) -> None:
+        act()
+        done_ns = time.monotonic_ns()
+        status = statuses.next(lambda status: (status.enabled, status.calibrated) == (enabled, calibrated))
+        assert status.t_mono_ns - done_ns < AT_ONCE_NS
+
+    check(robot.disable, enabled=False, calibrated=False)
+    check(robot.enable, enabled=True, calibrated=False)
+    check(robot.calibrate, enabled=True, calibrated=True)
+
+
+def test_calibrations_are_counted_and_published_at_once(robot: Robot) -> None:
+    statuses = published_statuses(robot)
+    before = regular(statuses)
+    robot.calibrate()
+    done_ns = time.monotonic_ns()
+    after = statuses.next(lambda status: status.calibrations != before.calibrations)
+    assert after.calibrations == before.calibrations + 1
+    assert after.t_mono_ns - done_ns < AT_ONCE_NS
+    unchanged = msgspec.structs.replace(after, calibrations=before.calibrations)
+    assert without_clocks(unchanged) == without_clocks(before), "nothing else has changed"
+
+
+def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
+    statuses = published_statuses(robot)
+    numbers = []
+    for yaw in (0.1, 0.0):
+        key = keys.pose(robot.name, robot.twin, "ana")
+        replies = ask_raw(robot.client, key, codec.encode(PoseQuery(yaw=yaw)), codec.MSGPACK)
+        numbers.append(codec.decode(replies[0].payload, MotionReply).motion)
+        running = statuses.next(lambda status: status.moving)
+        rests = statuses.next(lambda status: not status.moving)
+        assert running.motion == rests.motion == numbers[-1]
+        assert (rests.t_mono_ns - running.t_mono_ns) / 1e9 == pytest.approx(0.36, abs=0.25)
+    assert len({0, *numbers}) == 3
+
+
+def test_the_robot_is_held_until_two_seconds_after_rest_and_published_free_at_once(
+    body: Body, robot: Robot
+) -> None:
+    other = body.robot("ben")
+    statuses, positions = published_statuses(robot), published_positions(robot)
+    regular(statuses)
+    robot.look(yaw=2, speed=30)
+    moves = statuses.next(lambda status: status.moving)
+    assert moves.holder == "ana"
+    rests = statuses.next(lambda status: not status.moving)
+    positions.next(lambda at: at.t_mono_ns > rests.t_mono_ns + 0.4e9)
+    with pytest.raises(Refused) as refusal:
+        other.look(yaw=5)
+    assert refusal.value.reason is Reason.NOT_HOLDER
+    robot.calibrate()  # publishes a status, so that the next periodic one is not near the end of the lease
+    assert statuses.next(lambda status: status.calibrations > moves.calibrations).holder == "ana"
+    free = statuses.next(lambda status: status.holder != "ana")
+    assert free.holder == ""
+    assert (free.t_mono_ns - rests.t_mono_ns) / 1e9 == pytest.approx(LEASE_S, abs=0.25)
+
+
+def test_warnings_are_published_at_once(robot: Robot) -> None:
+    statuses = published_statuses(robot)
+    regular(statuses)
+    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "nose"), b"0.1", "text/plain")
+    sent_ns = time.monotonic_ns()
+    status = statuses.next(lambda status: bool(status.warnings))
+    assert any("nose" in warning for warning in status.warnings)
+    assert status.t_mono_ns - sent_ns < AT_ONCE_NS
+
+
+def test_board_status_describes_the_board(body: Body, robot: Robot) -> None:
+    board = robot.status().board
+    assert board.connected
+    assert board.port.endswith("/board") if body.kind == "mega" else board.port == "virtual:"
+    assert board.name == ("" if body.kind == "mega" else body.name)
+    assert board.firmware.count(".") == 2
+    assert board.contract == f"{serial.CONTRACT:08x}"
+    assert board.boot >= 1
+    again = robot.status().board
+    assert msgspec.structs.replace(again, retries=0, rejected_frames=0) == msgspec.structs.replace(
+        board, retries=0, rejected_frames=0
+    )
+
+
+def test_only_a_simulation_has_a_plant_status(body: Body, robot: Robot) -> None:
+    plant = regular(published_statuses(robot)).plant
+    if body.twin == "hw":
+        assert plant is None
+        return
+    assert plant is not None
+    assert plant.real_time_factor == pytest.approx(1, abs=0.3)
+    assert plant.late_steps >= 0
+    assert (plant.slipped_steps, plant.re_placed) == (0, 0)
+
+
+def test_clock_returns_the_present_time_of_both_clocks(robot: Robot) -> None:
+    began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
+    (answer,) = ask_raw(robot.client, keys.clock(robot.name, robot.twin))
+    clock = codec.decode_json(answer.payload, Clock)
+    assert began_ns < clock.t_mono_ns < time.monotonic_ns()
+    assert began_wall_ns < clock.t_wall_ns < time.time_ns()
+
+
+def test_info_has_name_and_versions(body: Body, robot: Robot) -> None:
+    info = robot.info()
+    assert (info.robot, info.twin) == (body.name, body.twin)
+    assert info.version == metadata.version("beatrix-zenoh")
+    assert info.contract == CONTRACT
+    assert info.firmware == robot.status().board.firmware
+    assert info.fingerprint == fingerprint(ROBOT)
+    assert info.arms == ["short", "middle", "long"]
+    assert info.steps_per_turn == pytest.approx(Gear().steps_per_turn)
+
+
+def test_info_has_limits_and_geometry_in_radians(robot: Robot) -> None:
+    info, limits, shape = robot.info(), ROBOT.limits, ROBOT.geometry
+    expected = LimitInfo(
+        tilt_max=math.radians(limits.tilt_max),
+        gap_min=math.radians(limits.gap_min),
+        yaw_max=math.radians(limits.yaw_max),
+        speed_default=math.radians(limits.speed_default),
+        speed_max=math.radians(limits.speed_max),
+        acceleration=math.radians(limits.acceleration),
+    )
+    assert msgspec.structs.astuple(info.limits) == pytest.approx(msgspec.structs.astuple(expected))
+    assert info.geometry is not None
+    neck = GeometryInfo(
+        arm_angle=math.radians(shape.arm_angle),
+        rod_twist=math.radians(shape.rod_twist),
+        mount_angle=math.radians(shape.mount_angle),
+        arm0_azimuth=math.radians(shape.arm0_azimuth),
+        arm_spacing=math.radians(shape.arm_spacing),
+        hand=shape.hand,
+    )
+    assert msgspec.structs.astuple(info.geometry) == pytest.approx(msgspec.structs.astuple(neck))
+
+
+def test_info_lists_commands_reasons_keys_and_examples(body: Body, robot: Robot) -> None:
+    info = robot.info()
+    assert [line.partition(":")[0] for line in info.commands] == [
+        f"{command.value} {command.name}" for command in Command
+    ]
+    assert [line.partition(":")[0] for line in info.reasons] == [str(reason) for reason in Reason]
+    rows = [row for row in keys.KEYS.values() if body.twin in row.twins]
+    assert [(key.kind, key.payload, key.reply, key.doc_) for key in info.keys] == [
+        (row.kind, row.payload, row.reply, row.doc) for row in rows
+    ]
+    listed = [key.key for key in info.keys]
+    assert keys.positions(body.name, body.twin) in listed
+    assert keys.motion(body.name, body.twin, "<who>") in listed
+    assert any("preview" in key for key in listed) == (body.twin == "sim")
+    assert len(info.examples) >= 5
+    assert all(f"beatrix/{body.name}/{body.twin}/" in line for line in info.examples)

@@ -1,0 +1,120 @@
+"""Leases over real sessions: a seat takes the robot, others wait, the teacher governs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from body import Body
+from stage import ask_raw, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.client import lease
+
+pytestmark = pytest.mark.bodies("sim", "in-process")  # leases are the node's
+
+
+@pytest.fixture(autouse=True)
+def left_free(body: Body) -> Iterator[None]:
+    """The robot is free for the next test: a seat that moved it holds it for a while."""
+    yield
+    teacher = body.robot("teacher")
+    lease.unfreeze(teacher)
+    lease.limit_speed(teacher, None)
+    lease.ask(teacher, LeaseAction.GIVE_BACK)
+    until(lambda: teacher.status().holder == "", "the robot is free", 6.0)
+    body.stage.close_clients()
+
+
+def reason_of(refused: pytest.ExceptionInfo[Refused]) -> Reason:
+    return refused.value.reason
+
+
+def test_a_robot_that_is_taken_moves_for_its_holder_only(body: Body, robot: Robot) -> None:
+    ben = body.robot("ben")
+    with robot.lease() as held:
+        status = robot.status()
+        assert (status.holder, status.lease) == ("ana", held.number)
+        robot.look(yaw=2, speed=60)
+        with pytest.raises(Refused, match="ana has taken this robot") as refused:
+            ben.look(yaw=-2)
+        assert reason_of(refused) is Reason.NOT_HOLDER
+        ben.stop()
+    until(lambda: robot.status().holder == "", "given back", 4.0)
+    ben.look(yaw=0, speed=60)
+
+
+def test_the_seat_that_waits_gets_it_when_the_holder_leaves(body: Body, robot: Robot) -> None:
+    holder, dora = body.robot("cleo"), body.robot("dora")
+    holder.lease()
+    with pytest.raises(Refused):
+        dora.lease(wait_s=0.2)
+    assert robot.status().waiting == [], "a seat that no longer waits is not in the queue"
+    lease.ask(dora, LeaseAction.WAIT)
+    assert robot.status().waiting == ["dora"]
+    holder.client.close()
+    until(lambda: robot.status().holder == "dora", "handed over", 4.0)
+    with dora.lease(wait_s=1.0):
+        dora.look(yaw=2, speed=60)
+
+
+def test_what_comes_under_an_earlier_lease_is_refused(body: Body, robot: Robot) -> None:
+    teacher = body.robot("teacher")
+    robot.lease()
+    motion = robot.look(yaw=25, wait=False)
+    with teacher.lease():
+        with pytest.raises(Interrupted) as ended:
+            motion.wait()
+        assert ended.value.reason is Reason.STOPPED
+    until(lambda: robot.status().holder == "", "given back", 6.0)
+    with pytest.raises(Refused, match=r"Lease \d+ has ended") as refused:
+        robot.look(yaw=0)
+    assert reason_of(refused) is Reason.NOT_HOLDER
+
+
+def test_the_teacher_freezes_and_releases(body: Body, robot: Robot) -> None:
+    teacher = body.robot("teacher")
+    with pytest.raises(Refused) as refused:
+        lease.freeze(robot)
+    assert reason_of(refused) is Reason.TEACHER_ONLY
+    motion = robot.look(yaw=25, wait=False)
+    lease.freeze(teacher)
+    with pytest.raises(Interrupted):
+        motion.wait()
+    assert robot.status().frozen
+    with pytest.raises(Refused) as refused:
+        robot.look(yaw=0)
+    assert reason_of(refused) is Reason.FROZEN
+    teacher.look(yaw=1, speed=60)
+    lease.unfreeze(teacher)
+    assert not robot.status().frozen
+
+
+def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
+    teacher = body.robot("teacher")
+    with pytest.raises(Refused) as refused:
+        lease.limit_speed(teacher, 2.0)
+    assert reason_of(refused) is Reason.SPEED_LIMIT
+    lease.limit_speed(teacher, 10.0)
+    with pytest.raises(Refused, match="10") as refused:
+        robot.look(yaw=2, speed=60)
+    assert reason_of(refused) is Reason.SPEED_LIMIT
+    assert robot.look(yaw=5).duration > 0.5
+    assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
+    lease.limit_speed(teacher, None)
+    robot.look(yaw=0, speed=60)
+
+
+def test_a_foreign_client_takes_it_in_words(body: Body, robot: Robot) -> None:
+    stranger = body.stage.client("zoe")
+    key = keys.lease(robot.name, robot.twin, "zoe")
+    (answer,) = ask_raw(stranger, key, b"take")
+    assert b'"holder":"zoe"' in answer.payload
+    with pytest.raises(Refused):
+        robot.look(yaw=2)
+    (answer,) = ask_raw(stranger, key, b"grab")
+    assert b"take, wait, give_back" in answer.payload
+    (answer,) = ask_raw(stranger, key, b"give_back")
+    assert b'"holder":""' in answer.payload

@@ -1,0 +1,290 @@
+"""The four forms of a query, invalid queries, wildcards, per-arm topics."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import msgpack
+import pytest
+from stage import ask_raw, until
+
+from beatrix_zenoh import Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Info, MotionReply, Positions, Reason, Status
+
+pytestmark = pytest.mark.bodies("in-process")
+
+
+def key_of(robot: Robot, action: str) -> str:
+    return f"beatrix/{robot.name}/{robot.twin}/cmd/ana/{action}"
+
+
+def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
+    """Return the last reply as JSON text, as a user of z_get sees it."""
+    answer = ask_raw(robot.client, selector, payload)[-1]
+    assert answer.encoding == codec.JSON
+    assert b"\n" not in answer.payload
+    value: dict[str, object] = json.loads(answer.payload)
+    return value
+
+
+@pytest.mark.parametrize(
+    ("parameters", "payload"),
+    [
+        ("?x=0.05;y=0.05;z=0.05;speed=1;absolute=true", None),
+        ("?x=0.05;y=0.05;z=0.05", None),
+        ("", b"0.05 0.05 0.05 1.0"),
+        ("", b"0.05, 0.05, 0.05"),
+        ("", b"0.05 0.05 0.05 relative"),
+        ("", b".05 +.05 0.05 1. 1 1"),
+        ("?x=.05;y=.05;z=.05;speed_x=1;speed_y=1;speed_z=1", None),
+        ("", b'{"position":{"x":0.05,"y":0.05,"z":0.05}}'),
+        ("", b'{"absolute":false,"position":{"x":0.05,"y":0.05,"z":0.05},"speed":{"x":1,"y":1,"z":1}}'),
+    ],
+)
+def test_a_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, payload: bytes | None) -> None:
+    reply = last_json(robot, key_of(robot, "motion") + parameters, payload)
+    assert (reply["result"], reply["phase"]) == (True, "done"), reply
+    assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
+
+
+@pytest.mark.parametrize("parameters", ["?yaw=0.05", "?yaw=0.05;pitch=0;roll=0;speed=1"])
+def test_a_pose_in_parameters_is_accepted(robot: Robot, parameters: str) -> None:
+    assert last_json(robot, key_of(robot, "pose") + parameters)["result"] is True
+
+
+@pytest.mark.parametrize(
+    ("parameters", "payload"),
+    [
+        ("?command=1;value=true", None),
+        ("?command=enable", None),
+        ("", b"enable on"),
+        ("", b"1 true"),
+        ("", b'{"command":1}'),
+    ],
+)
+def test_a_command_is_accepted_in_every_form(robot: Robot, parameters: str, payload: bytes | None) -> None:
+    robot.disable()
+    assert last_json(robot, key_of(robot, "command") + parameters, payload)["result"] is True
+    assert robot.status().enabled
+
+
+def test_a_mistyped_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
+    reply = last_json(robot, key_of(robot, "command") + "?command=enabel")
+    assert (reply["result"], reply["reason"]) == (False, "UNKNOWN_COMMAND")
+    assert "1 ENABLE" in str(reply["message"])
+
+
+def test_disable_is_accepted_as_a_command_name(robot: Robot) -> None:
+    assert last_json(robot, key_of(robot, "command") + "?command=disable")["result"] is True
+    assert not robot.status().enabled
+
+
+def test_a_refused_angle_in_text_explains_radians(robot: Robot) -> None:
+    reply = last_json(robot, key_of(robot, "pose") + "?yaw=20")
+    assert "10° = 0.1745 rad" in str(reply["message"])
+
+
+def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
+    query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
+    answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)
+    assert [msgpack.unpackb(answer.payload)["phase"] for answer in answers] == ["accepted", "done"]
+
+
+GOOD = {"absolute": True, "position": {"x": 0.0, "y": 0.0, "z": 0.0}}
+BAD_MSGPACK = [
+    (msgpack.packb(GOOD | {"extra": 1}), "extra"),
+    (msgpack.packb({"position": [0.0, 0.0]}), "position"),
+    (msgpack.packb({"position": {"x": 0.0, "y": 0.0}}), "z"),
+    (msgpack.packb({"position": {"x": "far", "y": 0.0, "z": 0.0}}), "position.x"),
+    (msgpack.packb(GOOD | {"absolute": 1}), "absolute"),
+    (msgpack.packb(GOOD | {"speed": {"x": math.nan, "y": 1.0, "z": 1.0}}), "speed.x"),
+    (msgpack.packb({"position": {"x": math.inf, "y": 0.0, "z": 0.0}}), "position.x"),
+    (msgpack.packb([1, 2, 3]), "object"),
+    (b"\xc1\xff\x00garbage", ""),
+    (b"", ""),
+    (msgpack.packb(GOOD)[:-3], ""),
+]
+
+
+@pytest.mark.parametrize(("payload", "word"), BAD_MSGPACK)
+def test_invalid_msgpack_is_refused_with_the_field(robot: Robot, payload: bytes, word: str) -> None:
+    (answer,) = ask_raw(robot.client, key_of(robot, "motion"), payload, codec.MSGPACK)
+    reply = codec.decode(answer.payload, MotionReply)
+    assert (reply.result, reply.reason) == (False, Reason.BAD_VALUE)
+    assert word in reply.message
+    assert "position {x, y, z}" in reply.message
+    assert not robot.status().moving
+
+
+@pytest.mark.parametrize(
+    ("selector", "payload", "word"),
+    [
+        ("?x=0.1&y=0&z=0", None, ";"),
+        ("?x=0.1;y=0", None, "z"),
+        ("?x=0.1;y=0;z=0;w=1", None, "w"),
+        ("?x=abc;y=0;z=0", None, "x"),
+        ("", b"0.1 0.2", "words"),
+        ("", b"0.1 0.2 zero", "position.z"),
+        ("", b"1 2 3 4 5", "words"),
+        ("", b"{broken", "MotionQuery"),
+        ("", b"\xff\xfe\x00", "neither text nor marked as msgpack"),
+        ("", None, "Empty query"),
+    ],
+)
+def test_invalid_text_is_refused_with_the_cause(
+    robot: Robot, selector: str, payload: bytes | None, word: str
+) -> None:
+    reply = last_json(robot, key_of(robot, "motion") + selector, payload)
+    assert (reply["result"], reply["reason"]) == (False, "BAD_VALUE")
+    assert word in str(reply["message"])
+
+
+@pytest.mark.parametrize(
+    ("selector", "payload", "word"),
+    [("", b"{}", "yaw"), ("", b'{"yaw":0.1,"yaw":0.2}', "twice"), ("?speed=0.5", None, "yaw")],
+)
+def test_a_pose_without_or_with_repeated_angles_is_refused(
+    robot: Robot, selector: str, payload: bytes | None, word: str
+) -> None:
+    reply = last_json(robot, key_of(robot, "pose") + selector, payload)
+    assert (reply["result"], reply["reason"]) == (False, "BAD_VALUE")
+    assert word in str(reply["message"])
+    assert robot.positions().commanded == (0, 0, 0)
+
+
+@pytest.mark.bodies("sim", "in-process")
+@pytest.mark.parametrize("key", ["{}/{}/cmd/ana/motio$*", "*/*/cmd/ana/motion", "{}/{}/cmd/ana/*"])
+def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) -> None:
+    selector = f"beatrix/{key.format(robot.name, robot.twin)}?x=0.3;y=0.3;z=0.3"
+    answers = [json.loads(answer.payload) for answer in ask_raw(robot.client, selector)]
+    assert answers
+    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), (
+        "a preview moves nothing"
+    )
+    own = f"beatrix/{robot.name}/{robot.twin}/cmd/"
+    assert any(answer["detail"]["known"][0].startswith(own) for answer in answers if answer["detail"])
+    assert robot.positions().commanded == (0, 0, 0)
+
+
+def test_an_invalid_seat_is_refused_with_a_valid_example(robot: Robot) -> None:
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/Ana_B/pose?yaw=0.1")
+    assert reply["reason"] == "BAD_VALUE"
+    assert "ana-b" in str(reply["message"])
+
+
+@pytest.mark.parametrize("seat", ["legacy", "arm-topics"])
+def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/{seat}/pose?yaw=0.1")
+    assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
+    assert "choose another" in str(reply["message"])
+
+
+@pytest.mark.parametrize(
+    "key", ["state/positions", "state/positions/json", "state/status", "state/status/json", "info", "clock"]
+)
+def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
+    assert last_json(robot, f"beatrix/{robot.name}/{robot.twin}/{key}")
+
+
+def test_state_queries_may_have_wildcards(robot: Robot) -> None:
+    answers = ask_raw(robot.client, "beatrix/*/*/state/status")
+    assert [answer.key for answer in answers] == [keys.status(robot.name, robot.twin)]
+
+
+def test_info_has_limits_keys_and_commands(robot: Robot) -> None:
+    info: Info = robot.info()
+    assert info.robot == robot.name
+    assert info.limits.tilt_max == pytest.approx(math.radians(35))
+    assert any("cmd/<who>/pose" in key.key for key in info.keys)
+    assert any(line.startswith("1 ENABLE") for line in info.commands)
+
+
+def test_a_stream_of_positions_has_no_gaps(robot: Robot) -> None:
+    stream = robot.positions_stream()
+    received: list[Positions] = []
+
+    def enough() -> bool:
+        received.extend(stream.take(0.1))
+        return len(received) >= 30
+
+    until(enough, "30 positions", 10.0)
+    numbers = [positions.seq for positions in received]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
+
+def test_positions_and_status_are_published_as_json_to_a_subscriber(robot: Robot) -> None:
+    received: dict[str, bytes] = {}
+    robot.client.bus.subscribe(
+        f"beatrix/{robot.name}/{robot.twin}/state/*/json", lambda one: received.update({one.key: one.payload})
+    )
+    wanted = [f"beatrix/{robot.name}/{robot.twin}/state/{what}/json" for what in ("positions", "status")]
+    until(lambda: received.keys() >= set(wanted), "positions and status in JSON")  # events may arrive first
+    positions, status = (received[key] for key in wanted)
+    assert codec.decode_json(positions, Positions).seq > 0
+    assert codec.decode_json(status, Status).robot == robot.name
+
+
+def test_status_is_published_when_it_changes(robot: Robot) -> None:
+    received: list[Status] = []
+    robot.client.bus.subscribe(
+        keys.status(robot.name, robot.twin), lambda one: received.append(codec.decode(one.payload, Status))
+    )
+    until(lambda: bool(received), "the first status", 3.0)
+    robot.disable()
+    until(lambda: any(not status.enabled for status in received), "disabled before the next second", 0.9)
+
+
+def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
+    bus = robot.client.bus
+    until(lambda: robot.status().holder == "", "lease over", 5.0)
+    for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
+        bus.put(keys.arm_target(robot.name, robot.twin, arm), angle, "text/plain")
+    wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
+    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
+    until(lambda: robot.status().holder == "", "lease over", 5.0)
+
+
+@pytest.mark.parametrize("key", ["beatrix/**", "beatrix/*/*/arm/*/target", "beatrix/bea/*/arm/**"])
+def test_a_put_with_wildcards_has_no_effect(robot: Robot, key: str) -> None:
+    robot.client.bus.put(key, b"nonsense", "text/plain")
+    assert robot.status().robot == "bea"
+    robot.look(yaw=1, speed=60)
+
+
+def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:
+    for key in (
+        "beatrix/*/*/arm/short/target",
+        f"beatrix/{robot.name}/{robot.twin}/arm/*/target",
+        "beatrix/**/target",
+    ):
+        robot.client.bus.put(key, b"0.2", "text/plain")
+        until(
+            lambda: any("wildcards are allowed only for STOP" in line for line in robot.status().warnings),
+            "the warning",
+        )
+    assert robot.positions().commanded == (0, 0, 0)
+
+
+def test_an_invalid_per_arm_target_becomes_a_warning(robot: Robot) -> None:
+    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"far", "text/plain")
+    until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")
+
+
+@pytest.mark.bodies("sim", "in-process")
+@pytest.mark.parametrize(
+    ("pattern", "payload", "reason"),
+    [
+        ("cmd/**", b"stop", "OK"),
+        ("**/command", b"stop", "OK"),
+        ("**/motion", b"0.1 0 0", "BAD_VALUE"),
+        ("cmd/*/pose", b"0.1 0 0", "BAD_VALUE"),
+        ("cmd/ana/*", b"0.1 0 0", "BAD_VALUE"),
+    ],
+)
+def test_queries_with_wildcards_get_a_reply(robot: Robot, pattern: str, payload: bytes, reason: str) -> None:
+    answers = ask_raw(robot.client, f"beatrix/{robot.name}/{robot.twin}/{pattern}", payload)
+    replies = [json.loads(answer.payload) for answer in answers if b"reason" in answer.payload]
+    assert reason in [reply["reason"] for reply in replies], replies
+    assert not any("//" in reply["message"] or reply["reason"] == "REPLACED" for reply in replies)

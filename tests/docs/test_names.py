@@ -1,0 +1,62 @@
+"""Names of keys, threads and printed tables in the pages are those of the code."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.cli import comparison_text
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = ROOT / "docs/explanation"
+SOURCES = [
+    path for folder in ("beatrix_zenoh", "sim_node", "hw_node") for path in (ROOT / folder).rglob("*.py")
+]
+KEY = re.compile(r"\bbeatrix/bea1/[\w@/<>-]+")
+THREAD = re.compile(r'(?:threads\.start\(.*|ThreadPoolExecutor\(1, )f?"(?:beatrix-)?([\w-]+)')
+NOT_OURS = {"Zenoh's threads"}
+
+
+def test_tables_of_compare_are_as_printed() -> None:
+    text = (ROOT / "docs/how-to/compare.md").read_text(encoding="utf-8")
+    assert comparison_text.AFTER in text
+    for heads in (comparison_text.AXIS_HEADS, comparison_text.SAMPLE_HEADS):
+        assert re.search(" +".join(re.escape(head) for head in heads), text)
+
+
+@pytest.mark.parametrize("page", ["architecture.md", "ros-names.md"])
+def test_keys_of_a_page_are_keys_of_the_contract(page: str) -> None:
+    named = KEY.findall((PAGES / page).read_text(encoding="utf-8"))
+    assert len(named) > 5
+    assert [key for key in named if keys.parse(key.replace("<seat>", "ana")) is None] == []
+
+
+def test_words_of_the_glossary_are_words_of_the_code() -> None:
+    text = (PAGES / "glossary.md").read_text(encoding="utf-8")
+    rows = [row for row in re.findall(r"^\| ([^|]+) \|", text, re.MULTILINE) if row != "word"]
+    code = [path.read_text(encoding="utf-8") for path in (*SOURCES, *(ROOT / "schemas").glob("*.toml"))]
+    everything = " ".join(" ".join(code).lower().replace("_", " ").split())
+    words = [word for row in rows for word in row.split(", ")]
+    assert len(words) > 50
+    assert [word for word in words if word.lower().replace("_", " ") not in everything] == []
+
+
+def test_threads_of_a_node_have_the_names_of_the_table() -> None:
+    text = (PAGES / "architecture.md").read_text(encoding="utf-8")
+    table = text.split("## Threads of a node")[1].split("##")[0]
+    rows = re.findall(r"^\| ([^|]+) \|", table, re.MULTILINE)[1:]
+    named = {name for row in rows for name in row.split(", ")} - NOT_OURS
+    started = {name for path in SOURCES for name in THREAD.findall(path.read_text(encoding="utf-8"))}
+    missing = {name for name in named if not any(name.startswith(start) for start in started)}
+    assert len(named) > 10
+    assert missing == set()
+
+
+def test_unreleased_changes_are_one_line_each() -> None:
+    unreleased = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
+    lines = unreleased.splitlines()[1:]
+    assert len(lines) <= 40
+    assert [line for line in lines if len(line) > 200 or not re.match(r"- |### |$", line)] == []

@@ -1,0 +1,35 @@
+"""The generated table and tree of docs/explanation/neck.md agree with the kinematics and the model."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import neck_page
+
+from beatrix_zenoh.motion.kinematics import Neck
+from sim_node.model import build
+
+TEXT = neck_page.PAGE.read_text(encoding="utf-8")
+
+
+def test_page_is_as_generated() -> None:
+    assert neck_page.page(TEXT) == TEXT, "run python tools/neck_page.py"
+
+
+def test_heads_of_the_table_need_the_arms_of_their_row() -> None:
+    rows = dict(re.findall(r"^\| ([a-z ,]+) \| (.*°) \|$", TEXT, re.MULTILINE))
+    for title, pattern in neck_page.PATTERNS:
+        yaw, pitch, roll = (math.radians(float(angle.strip(" °"))) for angle in rows[title].split("|"))
+        arms = [math.degrees(angle) for angle in Neck().inverse(yaw, pitch, roll)]
+        expected = [neck_page.TURN_DEG * share for share in pattern]
+        assert all(abs(arm - goal) < 0.2 for arm, goal in zip(arms, expected, strict=True)), title
+
+
+def test_tree_names_every_body_joint_motor_and_loop() -> None:
+    model = build()
+    names = [model.body(i).name for i in range(model.nbody)]
+    names += [model.actuator(i).name for i in range(model.nu)]
+    names += [model.equality(i).name for i in range(model.neq)]
+    tree = TEXT.split("<!-- begin model")[1]
+    assert all(re.search(rf"\b{name}\b", tree) for name in names)

@@ -1,0 +1,46 @@
+"""Every path of the repository that a page names exists."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
+CODE = re.compile(r"^```text\n.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
+"""Code in a line, and drawings."""
+PATH = re.compile(r"[\w.-]+/[\w./-]*")
+FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").iterdir()) if path.is_dir()}
+"""Pages name files by their path in the repository, or in the library."""
+
+
+def named(page: Path) -> set[str]:
+    """Paths in the code and the drawings of a page, those of files without a colon and what follows it."""
+    words = {
+        word for span in CODE.findall(page.read_text(encoding="utf-8")) for word in span.strip("`").split()
+    }
+    return {
+        word
+        for word in (word.partition(":")[0] for word in words)
+        if PATH.fullmatch(word) and word.split("/")[0] in FOLDERS
+    }
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_paths_of_a_page_exist(page: Path) -> None:
+    missing = [
+        path
+        for path in sorted(named(page))
+        if not (ROOT / path).exists() and not (ROOT / "beatrix_zenoh" / path).exists()
+    ]
+    assert not missing
+
+
+def test_a_path_that_does_not_exist_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "See `beatrix_zenoh/nowhere.py`, `make -C firmware mega` and `bus/session.py`.\n```text\nnode -- node/x.py\n```\n"
+    )
+    assert named(page) == {"beatrix_zenoh/nowhere.py", "bus/session.py", "node/x.py"}

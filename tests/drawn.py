@@ -1,0 +1,26 @@
+"""Pictures that a simulation has drawn."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import numpy.typing as npt
+import simplejpeg
+
+from beatrix_zenoh.client import CameraImage
+from beatrix_zenoh.client.subscription import Subscription
+from sim_node.renderer import HEIGHT, WIDTH
+
+FIRST_S = 60.0
+"""Longest wait for the first picture: drawing is tried and started for it."""
+
+
+def fresh(images: Subscription[CameraImage]) -> npt.NDArray[np.uint8]:
+    """A picture of a moment after this call; shape (height, width, 3)."""
+    now_ns = time.monotonic_ns()
+    while (image := images.next(FIRST_S)).t_mono_ns <= now_ns:
+        pass
+    assert (image.width, image.height) == (WIDTH, HEIGHT)
+    picture: npt.NDArray[np.uint8] = simplejpeg.decode_jpeg(image.jpeg)
+    return picture

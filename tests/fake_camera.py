@@ -1,0 +1,75 @@
+"""USB cameras of a test: named pipes, which tests/fake_camera.c makes cameras of in a program that it is preloaded into."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import struct
+import subprocess
+from pathlib import Path
+
+SOURCE = Path(__file__).with_suffix(".c")
+HEAD = struct.Struct("=II")
+PIPE = 1 << 20
+"""Bytes: room for the pictures that are sent before the camera begins."""
+
+
+def library(folder: Path) -> Path:
+    """Build what is to be preloaded (LD_PRELOAD)."""
+    built = folder / "fake_camera.so"
+    command = [
+        "gcc",
+        "-std=c11",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-O1",
+        "-shared",
+        "-fPIC",
+        "-o",
+        str(built),
+        str(SOURCE),
+    ]
+    subprocess.run([*command, "-ldl"], check=True)
+    return built
+
+
+class FakeCamera:
+    """One camera; plugged in from the start. What is sent while it does not stream is lost."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._pipe = -1
+        self.plug()
+
+    def plug(self) -> None:
+        """Plug it in."""
+        os.mkfifo(self.path)
+        self._pipe = os.open(self.path, os.O_RDWR | os.O_NONBLOCK)
+        fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
+
+    def unplug(self) -> None:
+        """Pull the cable."""
+        self.path.unlink()
+        os.write(self._pipe, HEAD.pack(0, 0))
+        os.close(self._pipe)
+
+    def send(self, picture: bytes, *, damaged: bool = False) -> None:
+        """Deliver a picture."""
+        data = HEAD.pack(len(picture), damaged) + picture
+        assert os.write(self._pipe, data) == len(data), "the pipe is full"
+
+    def refuse(self, number: int, from_hz: int = 1) -> None:
+        """Fail with this errno from now on if it shall begin at this rate or above; 0: work again."""
+        path = self.path.with_name(f"{self.path.name}.refuses")
+        path.write_text(f"{number} {from_hz}") if number else path.unlink()
+
+    @property
+    def asked(self) -> str:
+        """Size, format, period and buffers that it streams with; empty if it does not."""
+        path = self.path.with_name(f"{self.path.name}.asked")
+        return path.read_text() if path.exists() else ""
+
+    def close(self) -> None:
+        """Free the pipe."""
+        os.close(self._pipe)

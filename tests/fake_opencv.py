@@ -1,0 +1,86 @@
+"""OpenCV of a test, with one USB camera: it can be unplugged, be slow or in use, and block."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+import numpy as np
+
+from hw_node.cameras.opencv import Pixels
+
+PLUM = (40, 20, 120)
+"""Blue, green, red of its pictures."""
+
+
+def plain(width: int = 640, height: int = 480) -> Pixels:
+    """A picture of one colour."""
+    return np.full((height, width, 3), PLUM, np.uint8)
+
+
+class FakeOpenCv:
+    """Stands for the module `cv2`."""
+
+    CAP_ANY, CAP_DSHOW, CAP_AVFOUNDATION = 0, 700, 1200
+    CAP_PROP_FRAME_WIDTH, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FPS, CAP_PROP_FOURCC = 3, 4, 5, 6
+
+    def __init__(self) -> None:
+        self.plugged = True
+        self.pictures: deque[Pixels] = deque()
+        self.failures = 0
+        """How often a read fails before the first picture."""
+        self.endless = True
+        """Pictures without end, every 5 ms; else those of `pictures`."""
+        self.goes_on = threading.Event()
+        """While it is clear, reads block."""
+        self.goes_on.set()
+        self.opens_at_once = threading.Event()
+        self.opens_at_once.set()
+        self.opened: list[tuple[int, int]] = []
+        self.captures: list[FakeCapture] = []
+
+    def VideoCapture(self, index: int, backend: int, /) -> FakeCapture:  # noqa: N802
+        self.opened.append((index, backend))
+        self.opens_at_once.wait(10.0)
+        capture = FakeCapture(self)
+        self.captures.append(capture)
+        return capture
+
+    @property
+    def released(self) -> int:
+        return sum(capture.released for capture in self.captures)
+
+
+class FakeCapture:
+    """Stands for `cv2.VideoCapture`."""
+
+    def __init__(self, module: FakeOpenCv) -> None:
+        self._module, self._there = module, module.plugged
+        self._pause = threading.Event()
+        self.asked: dict[int, float] = {}
+        self.released = False
+        self.thread = threading.current_thread()
+
+    def isOpened(self) -> bool:  # noqa: N802
+        return self._there
+
+    def set(self, property_id: int, value: float, /) -> bool:
+        self.asked[property_id] = value
+        return False  # as of a driver that refuses
+
+    def grab(self) -> bool:
+        assert threading.current_thread() is self.thread, "Windows wants one thread"
+        self._module.goes_on.wait(10.0)
+        if self._module.failures:
+            self._module.failures -= 1
+            return False
+        self._pause.wait(0.005)
+        self._there = self._there and self._module.plugged  # one that was unplugged needs to be opened anew
+        return self._there and bool(self._module.endless or self._module.pictures)
+
+    def retrieve(self) -> tuple[bool, Pixels | None]:
+        return True, plain() if self._module.endless else self._module.pictures.popleft()
+
+    def release(self) -> None:
+        assert threading.current_thread() is self.thread, "Windows wants one thread"
+        self.released = True

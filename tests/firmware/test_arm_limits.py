@@ -1,0 +1,159 @@
+"""Limits of the firmware: no sequence of requests crosses them."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rig import ARM_SPACING, GAP_MIN, ROOT, SPEED_MAX, YAW_SUM_MAX, Rig, Steps, least_gap
+
+from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
+
+CORE = ROOT / "firmware/beatrix/src/core"
+TARGETS = st.one_of(
+    st.tuples(*[st.integers(-900, 900)] * 3),
+    st.builds(lambda c, d: (c + d, c, c + d // 2), st.integers(-2300, 2300), st.integers(-1058, 1058)),
+)
+SPEEDS = st.tuples(*[st.integers(200, SPEED_MAX)] * 3)
+MOVES = st.tuples(TARGETS, SPEEDS, st.booleans(), st.integers(1, 600), st.integers(0, 9))
+
+
+@settings(max_examples=25)
+@given(st.lists(MOVES, min_size=2, max_size=10))
+def test_no_limit_is_ever_crossed(script: list[tuple[Steps, Steps, bool, int, int]]) -> None:
+    rig = Rig().ready()
+    for target, speed, straight, ms, dice in script:
+        rig.move(target, speed, straight=straight)
+        if dice == 0:
+            rig.ask(FrameType.STOP)
+        for tick in range(ms):
+            if tick % 400 == 0:
+                rig.ask(FrameType.PING)
+            rig.tick()
+            assert least_gap(rig.steps) >= GAP_MIN
+            assert abs(sum(rig.steps)) <= YAW_SUM_MAX
+
+
+def test_arms_that_come_too_close_on_their_path_are_stopped(ready: Rig) -> None:
+    assert ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX)) == Error.OK
+    ready.run()
+    assert ready.outcome == Outcome.GAP
+    assert ready.state == State.ENABLED | State.CALIBRATED
+    assert GAP_MIN <= least_gap(ready.steps) <= GAP_MIN + 3
+
+
+def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
+    assert ready.move((2300, 2300, 2300)) == Error.OK
+    ready.run()
+    assert ready.move((1900, 2500, 2500), SPEED_MAX) == Error.OK
+    ready.run()
+    assert ready.outcome == Outcome.YAW
+    assert YAW_SUM_MAX - 300 <= sum(ready.steps) <= YAW_SUM_MAX
+
+
+def test_an_arm_that_is_still_turning_back_counts_at_its_extreme(ready: Rig) -> None:
+    assert ready.move((2000, 2000, 2900), straight=True) == Error.OK
+    ready.run()
+    assert ready.move((2400, 2400, 2000), (2000, 2000, 3600)) == Error.OK
+    for tick in range(2000):
+        if tick % 400 == 0:
+            ready.ask(FrameType.PING)
+        ready.tick()
+        assert sum(ready.steps) <= YAW_SUM_MAX
+    assert ready.outcome == Outcome.YAW
+
+
+def test_the_first_reason_for_braking_is_reported(ready: Rig) -> None:
+    ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
+    while State.STOPPING not in ready.state:
+        ready.ask(FrameType.PING)
+        ready.tick(10)
+    ready.ask(FrameType.STOP)
+    ready.run()
+    assert ready.outcome == Outcome.GAP
+
+
+def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
+    ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
+    ready.run()
+    assert ready.move((0, 0, 0), straight=True) == Error.OK
+    ready.run()
+    assert (ready.steps, ready.outcome) == ((0, 0, 0), Outcome.DONE)
+
+
+@pytest.mark.parametrize("target", [(529, -529, 0), (1058, 0, 529), (0, 529, -529), (2324, 2325, 2325)])
+def test_a_target_on_the_limit_is_reached(ready: Rig, target: Steps) -> None:
+    assert ready.move(target, straight=True) == Error.OK
+    ready.run()
+    assert (ready.steps, ready.outcome) == (target, Outcome.DONE)
+
+
+@pytest.mark.parametrize("ms", range(1900, 2000, 20))
+def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -> None:
+    # With full ramps, as in a motion that replaces another, the slow arm ahead would rest so early that the fast one behind
+    # comes too close. So the arms brake on their line first, then start the new motion.
+    assert ready.move((2100, 1050, 1575), straight=True) == Error.OK
+    for _ in range(ms // 20):
+        ready.ask(FrameType.PING)
+        ready.tick(20)
+    assert ready.move((2080, 1050, 1575), straight=True) == Error.OK
+    assert State.STOPPING in ready.state
+    for tick in range(3000):
+        if tick % 400 == 0:
+            ready.ask(FrameType.PING)
+        ready.tick()
+        assert least_gap(ready.steps) >= GAP_MIN
+    assert (ready.steps, ready.outcome) == ((2080, 1050, 1575), Outcome.DONE)
+
+
+@pytest.fixture(scope="module")
+def probe(build: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    """The core as a library."""
+    build("host", "g++")
+    library = tmp_path_factory.mktemp("probe") / "probe.so"
+    core = [CORE / f"{name}.cpp" for name in ("axis", "limits", "motion", "fixed_point")]
+    source = Path(__file__).with_name("probe.cpp")
+    options = ["-shared", "-fPIC", "-O2", "-std=gnu++11", "-I", str(CORE)]
+    subprocess.run(["g++", *options, source, *core, "-o", library], check=True)
+    return ctypes.CDLL(str(library))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_limit_is_crossed_in_millions_of_ticks_close_to_the_limits(probe: ctypes.CDLL, seed: int) -> None:
+    life = ctypes.c_int64 * 5
+    seen = life()
+    probe.live(seed, 15_000, seen)
+    ticks, crossed, steep, trips, missed = seen
+    assert ticks > 5_000_000
+    assert trips > 100
+    assert (crossed, steep, missed) == (0, 0, 0)
+
+
+TOO_CLOSE = (ARM_SPACING - GAP_MIN + 50, 0, 0)
+TOO_FAR = (2400, 2400, 2400)
+
+
+@pytest.mark.parametrize(
+    ("start", "target", "verdict"),
+    [
+        (TOO_CLOSE, (0, 0, 0), Outcome.NONE),
+        (TOO_CLOSE, (TOO_CLOSE[0], 100, 0), Outcome.NONE),
+        (TOO_CLOSE, (TOO_CLOSE[0] + 1, 0, 0), Outcome.GAP),
+        (TOO_CLOSE, (TOO_CLOSE[0], -1, 0), Outcome.GAP),
+        (TOO_FAR, (0, 0, 0), Outcome.NONE),
+        (TOO_FAR, (2401, 2400, 2400), Outcome.YAW),
+        ((-2400, -2400, -2400), (0, 0, 0), Outcome.NONE),
+        ((-2400, -2400, -2400), (-2400, -2401, -2400), Outcome.YAW),
+        ((0, 0, 0), (10, -10, 5), Outcome.NONE),
+    ],
+)
+def test_from_beyond_a_limit_only_motions_back_are_allowed(
+    probe: ctypes.CDLL, start: Steps, target: Steps, verdict: Outcome
+) -> None:
+    triple = ctypes.c_int32 * 3
+    assert probe.check_first_tick(triple(*start), triple(*target)) == verdict

@@ -1,0 +1,115 @@
+"""Fixtures: Qt without a display, and a window for each test with a link that only records."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator
+
+os.environ["QT_QPA_PLATFORM"] = "offscreen"
+
+import pytest
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink, WatchedState
+from stage import Stage, ready, until
+from windowed import HOME, Windowed, windowed
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.node.lease import QUIET_S
+from gui.state.intents import Intent
+from gui.state.saved import Saved
+from gui.window import Window
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runtime_folder(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Qt warns where the system has made none, as in containers; warnings are errors."""
+    os.environ.setdefault("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
+
+
+@pytest.fixture
+def link() -> RecordingLink:
+    return RecordingLink()
+
+
+@pytest.fixture
+def state() -> WatchedState:
+    return WatchedState()
+
+
+@pytest.fixture
+def window(qtbot: QtBot, link: RecordingLink, state: WatchedState) -> Iterator[Window]:
+    window = Window(link, state)
+    window.resize(1366, 768)
+    window.show()
+    qtbot.waitActive(window)
+    qtbot.waitExposed(window)
+    window.activateWindow()
+    yield window
+    window.close()
+    window.deleteLater()
+
+
+@pytest.fixture
+def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
+    """The intents since the last call; without those of the tabs."""
+
+    def taken() -> list[Intent]:
+        given = state.intents.copy()
+        state.intents.clear()
+        return given
+
+    taken()
+    return taken
+
+
+# -- a window in front of real robots -------------------------------------------------------------
+
+
+FAST = Saved(speed=80.0, lead_s=0.0)
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea")
+        made.hardware("bea")
+        made.node("other")
+        yield made
+
+
+@pytest.fixture(scope="module")
+def robots(stage: Stage) -> dict[str, Robot]:
+    """Both robots, seen by a client of its own with the window's seat."""
+    return {twin: ready(stage.robot("bea", twin)) for twin in ("sim", "hw")}
+
+
+@pytest.fixture
+def sim(robots: dict[str, Robot]) -> Robot:
+    return robots["sim"]
+
+
+@pytest.fixture
+def hw(robots: dict[str, Robot]) -> Robot:
+    return robots["hw"]
+
+
+@pytest.fixture
+def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windowed]:
+    """A window in front of two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
+    for robot in robots.values():
+        until(lambda robot=robot: is_at_rest(robot), "STOP was long enough ago")  # type: ignore[misc]
+        robot.make_ready()
+        if robot.positions().commanded != HOME:
+            robot.move(*HOME, speed=80)
+    with windowed(stage.endpoint, saved=FAST) as made:
+        made.until_ready("sim", "hw")
+        made.send_to("sim", "hw")
+        yield made
+
+
+def is_at_rest(robot: Robot) -> bool:
+    """Whether a STOP of another session refuses motions no longer."""
+    stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]
+    return time.time_ns() - max(stops_ns, default=0) > QUIET_S * 1e9

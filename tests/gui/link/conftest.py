@@ -1,0 +1,25 @@
+"""Both robots, and a link of the window in front of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from linked import Linked, at_home
+from stage import Stage
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea", "--ready")
+        made.hardware("bea")
+        yield made
+
+
+@pytest.fixture
+def linked(stage: Stage) -> Iterator[Linked]:
+    """Both robots at home and ready."""
+    with Linked(stage.endpoint) as made:
+        at_home(made)
+        yield made

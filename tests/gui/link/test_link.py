@@ -1,0 +1,264 @@
+"""The link of the window: its session, and requests to one robot."""
+
+from __future__ import annotations
+
+import signal
+import statistics
+import time
+from collections.abc import Iterator
+
+import pytest
+from linked import Linked, look
+from stage import Process, Stage, free_endpoint, until
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Command, Reason
+from beatrix_zenoh.client import Client, Presence
+from beatrix_zenoh.client.queries import pose_query
+from gui.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
+from gui.state.world import LinkPhase
+
+
+def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
+    for row, twin in enumerate(("sim", "hw")):
+        linked.do(Send(row, look(10), (twin,)))
+        accepted = linked.accepted(row, twin)
+        assert not accepted.done
+        end = linked.end_of(row, twin)
+        assert (end.accepted, end.reason) == (True, Reason.OK)
+        assert end.duration_s == pytest.approx(accepted.duration_s, abs=0.3)
+        reading = linked.world.twin(twin).reading
+        assert reading is not None
+        assert reading.commanded.short == pytest.approx(10, abs=0.1)
+
+
+def test_commands_reach_both_and_each_answers(linked: Linked) -> None:
+    linked.do(SendCommand(1, Command.ENABLE, value=False, twins=("sim", "hw")))
+    for twin in ("sim", "hw"):
+        assert linked.end_of(1, twin).accepted
+        linked.until(lambda world, twin=twin: not world.twin(twin).status.enabled, "motors off")  # type: ignore[misc]
+    linked.do(Send(2, look(5), ("hw",)))
+    end = linked.end_of(2, "hw")
+    assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
+    linked.do(Ready(3, "hw"))
+    assert linked.end_of(3, "hw").accepted
+
+
+def test_a_refusal_is_data(linked: Linked) -> None:
+    linked.do(Send(1, pose_query(0, 60, 0, relative=False, speed=30), ("sim",)))
+    end = linked.end_of(1, "sim")
+    assert (end.accepted, end.done) == (False, True)
+    assert end.detail is not None
+    assert end.detail.alternative is not None
+    assert "60.0°" in end.message
+
+
+def test_the_newer_motion_of_one_robot_replaces_the_older(linked: Linked) -> None:
+    linked.do(Send(1, look(90, 30), ("sim",)))
+    linked.accepted(1, "sim")
+    linked.do(Send(2, look(5), ("sim",)))
+    assert linked.end_of(1, "sim").reason is Reason.REPLACED
+    assert linked.end_of(2, "sim").accepted
+
+
+def test_stop_while_both_move(linked: Linked) -> None:
+    for row, twin in ((1, "sim"), (2, "hw")):
+        linked.do(Send(row, look(90, 30), (twin,)))
+    linked.accepted(1, "sim")
+    linked.accepted(2, "hw")
+    linked.do(StopBoth(3))
+    for row, twin in ((1, "sim"), (2, "hw")):
+        assert linked.end_of(row, twin).reason is Reason.STOPPED
+        assert linked.end_of(3, twin).accepted
+    world = linked.until(lambda world: not (world.sim.status.moving or world.hw.status.moving), "both rest")  # type: ignore[union-attr]
+    assert world.sim.reading is not None
+    assert world.sim.reading.commanded.short < 60
+
+
+def test_stop_is_sent_within_2_ms_while_the_window_is_busy(
+    linked: Linked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent_s: list[float] = []
+    put = Client.put_stop
+
+    def noted(client: Client, robot: str, twin: str) -> None:
+        put(client, robot, twin)
+        sent_s.append(time.monotonic())
+
+    monkeypatch.setattr(Client, "put_stop", noted)
+    took_s = []
+    for row in range(15):
+        sent_s.clear()
+        began_s = time.monotonic()
+        linked.do(StopBoth(row))
+        while time.monotonic() < began_s + 0.03 or len(sent_s) < 2:
+            linked.link.world()
+        took_s.append(sent_s[0] - began_s)
+    assert statistics.median(took_s) < 0.002
+    for row in range(15):
+        assert linked.end_of(row, "hw").accepted
+
+
+def test_a_request_to_no_robot_is_refused(linked: Linked) -> None:
+    linked.do(Send(1, look(5), ()))
+    assert "Neither" in linked.end_of(1).message
+
+
+def test_round_trips_are_measured(linked: Linked) -> None:
+    world = linked.until(lambda world: None not in world.latency_s.values(), "both have answered", 5.0)
+    assert set(world.latency_s) == {"sim", "hw"}
+    assert all(0 < (latency or 0) < 0.5 for latency in world.latency_s.values())
+
+
+def test_events_of_other_seats_are_seen(linked: Linked, stage: Stage) -> None:
+    stage.robot("bea", "sim", "eve").status()
+    stage.robot("bea", "sim", "eve").stop()
+    linked.until(lambda world: any(event.seat == "eve" for event in world.sim.events), "STOP of eve")
+
+
+# -- the session ----------------------------------------------------------------------------------
+
+
+def test_stop_without_a_session_is_reported_at_once() -> None:
+    endpoint = free_endpoint()
+    with Linked(endpoint) as linked:
+        world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
+        assert f"No router at {endpoint}" in world.trouble
+        assert world.sim.presence is world.hw.presence is Presence.ABSENT
+        linked.do(StopBoth(1))
+        end = linked.end_of(1, timeout_s=0.5)
+        assert (end.accepted, end.reason) == (False, Reason.NO_ROUTER)
+        linked.do(Send(2, look(5), ("sim", "hw")))
+        assert linked.end_of(2).reason is Reason.NO_ROUTER
+
+
+def test_the_router_may_start_later_stop_and_return() -> None:
+    endpoint = free_endpoint()
+    with Linked(endpoint) as linked:
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
+        router = zbus.open_router(endpoint)
+        linked.do(Connect())
+        linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router", 0.9)
+        with Stage() as other:
+            node = other.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+            node.expect("ready")
+            linked.on_line("hw")
+            router.close()
+            world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "it has gone", 0.5)
+            assert endpoint in world.trouble
+            linked.do(StopBoth(1))
+            assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
+            router = zbus.open_router(endpoint)
+            try:
+                linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "it is back")
+                linked.on_line("hw")
+                until(lambda: retried(linked), "the seat is known again")
+            finally:
+                linked.close()
+                node.end()
+                router.close()
+
+
+def retried(linked: Linked) -> bool:
+    """Ready once more, with a row of its own."""
+    row = 100 + len(linked.outcomes)
+    linked.do(Ready(row, "hw"))
+    return linked.end_of(row, "hw").accepted
+
+
+def test_the_only_name_on_line_is_selected_and_another_can_be(stage: Stage) -> None:
+    with Linked(stage.endpoint, "not-there", name_given=False) as linked:
+        world = linked.until(lambda world: world.robot == "bea", "the only one is taken")
+        assert world.names == ("bea",)
+        linked.on_line("sim", "hw")
+        linked.do(Select("other"))
+        world = linked.world
+        assert (world.robot, world.sim.presence) == ("other", Presence.ABSENT)
+        linked.do(Select("bea"))
+        linked.on_line("sim", "hw")
+    with Linked(stage.endpoint, "not-there") as linked:
+        linked.until(lambda world: world.names == ("bea",), "bea is seen")
+        assert linked.world.robot == "not-there"
+
+
+def test_a_frozen_router_counts_as_lost_and_delays_nothing(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+    router.expect("ready")
+    with Linked(endpoint) as linked:
+        linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router")
+        router.send(signal.SIGSTOP)
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "it is frozen", 4.0)
+        linked.do(StopBoth(1))
+        linked.do(Send(2, look(5), ("sim", "hw")))
+        for twin in ("sim", "hw"):
+            assert linked.end_of(1, twin, 6.0).reason is Reason.NO_ROUTER
+        linked.do(StopBoth(3))
+        linked.close()
+    router.end()
+
+
+# -- robots that die or freeze --------------------------------------------------------------------
+
+
+@pytest.fixture
+def own() -> Iterator[tuple[Stage, Process, Process]]:
+    """A stage whose robots may be frozen."""
+    with Stage() as stage:
+        yield stage, stage.simulation("bea", "--ready"), stage.hardware("bea")
+
+
+def test_a_frozen_hardware_delays_neither_the_simulation_nor_stop(
+    own: tuple[Stage, Process, Process],
+) -> None:
+    stage, _, hardware = own
+    with Linked(stage.endpoint) as linked:
+        linked.on_line("sim", "hw")
+        linked.do(Ready(1, "hw"))
+        assert linked.end_of(1, "hw").accepted
+        hardware.send(signal.SIGSTOP)
+        began_s = time.monotonic()
+        linked.until(lambda world: world.hw.presence is Presence.LOST, "it is frozen", 1.2)
+        linked.do(Send(2, look(90, 30), ("hw",)))
+        linked.do(Send(3, look(40, 30), ("sim",)))
+        linked.accepted(3, "sim", 0.5)
+        linked.do(StopBoth(4))
+        assert linked.end_of(4, "sim", 1.0).accepted
+        assert linked.end_of(3, "sim", 0.5).reason is Reason.STOPPED
+        assert not linked.of(4, "hw")
+        assert time.monotonic() - began_s < 3.0
+        assert linked.end_of(4, "hw").reason in (Reason.TIMED_OUT, Reason.NO_ANSWER)
+        linked.until(lambda world: world.latency_s["hw"] is None, "no round trip")
+        assert linked.world.latency_s["sim"] is not None
+        rows = range(20, 32)
+        for row in rows:
+            linked.do(Ready(row, "hw"))
+        assert linked.end_of(rows[-1], "hw", 0.5).reason is Reason.BUSY
+        linked.do(StopBoth(5))
+        assert linked.end_of(rows[1], "hw", 0.5).reason is Reason.STOPPED
+        hardware.send(signal.SIGCONT)
+        linked.on_line("hw")
+        until(lambda: retried(linked), "it does as it is asked again")
+        hardware.end(signal.SIGKILL)
+        linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
+
+
+def test_close_takes_at_most_3_s_with_frozen_robots(own: tuple[Stage, Process, Process]) -> None:
+    stage, simulation, hardware = own
+    linked = Linked(stage.endpoint)
+    linked.on_line("sim", "hw")
+    simulation.send(signal.SIGSTOP)
+    hardware.send(signal.SIGSTOP)
+    linked.do(Send(1, look(20), ("sim", "hw"), 2.0))
+    linked.do(Ready(2, "hw"))
+    linked.do(StopBoth(3))
+    linked.close()
+
+
+def test_close_stops_the_motions_of_this_window(linked: Linked, stage: Stage) -> None:
+    linked.do(Send(1, look(90, 20), ("hw",)))
+    linked.accepted(1, "hw")
+    linked.close()
+    robot = stage.robot("bea", "hw", "eve")
+    until(lambda: not robot.status().moving, "it rests")
+    assert robot.positions().commanded.short < 60

@@ -1,0 +1,205 @@
+"""The link of the window: its child processes (simulation, viewer, recorder), pictures and files."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from linked import Linked, look
+from stage import Stage, free_endpoint, until
+
+from beatrix_zenoh.cli.processes import Child
+from beatrix_zenoh.cli.recording_files import read_recording
+from beatrix_zenoh.client import Presence
+from gui.link.recordings import folder
+from gui.state.actions import (
+    BeginRecording,
+    EndRecording,
+    RunSimulation,
+    Send,
+    ViewRecording,
+    WatchCameras,
+    WriteFile,
+)
+from gui.state.world import LinkPhase, RecordingProgress
+
+READY_S = 60.0
+"""For a child process on a busy machine."""
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea", "--ready")
+        yield made
+
+
+@pytest.fixture
+def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Linked]:
+    """In a working directory of its own."""
+    monkeypatch.chdir(tmp_path)
+    with Linked(stage.endpoint) as made:
+        made.on_line("sim")
+        yield made
+
+
+def kill(child: Child | None) -> None:
+    """As the system does that runs out of memory."""
+    assert child is not None
+    os.kill(child._process.pid, signal.SIGKILL)
+
+
+def test_a_viewer_that_cannot_show_a_file_says_why(linked: Linked, tmp_path: Path) -> None:
+    linked.do(ViewRecording(tmp_path / "none.rrd"))
+    world = linked.until(lambda world: bool(world.child_trouble), "it has ended", READY_S)
+    assert "there is no such file" in world.child_trouble
+
+
+def test_files_are_written(linked: Linked, tmp_path: Path) -> None:
+    linked.do(WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
+    assert linked.end_of(1).accepted
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
+    linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
+    end = linked.end_of(2)
+    assert (end.accepted, "cannot be written" in end.message) == (False, True)
+
+
+def test_pictures_come_while_they_are_wanted(linked: Linked) -> None:
+    linked.do(WatchCameras(frozenset({("sim", "left")})))
+    until(lambda: ("sim", "left") in linked.pictures, "a picture", READY_S)
+    assert set(linked.pictures) == {("sim", "left")}
+    linked.do(WatchCameras(frozenset()))
+
+
+def test_limits_clock_and_session_are_known(linked: Linked) -> None:
+    world = linked.until(lambda world: world.limits is not None, "it has answered")
+    assert world.limits is not None
+    assert world.limits.tilt_max == pytest.approx(0.61, abs=0.01)
+    assert len(world.session) > 8
+    assert world.wall_s > 1.7e9
+
+
+# -- an own simulation ----------------------------------------------------------------------------
+
+
+def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None:
+    with Linked(free_endpoint()) as linked:
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
+        linked.do(RunSimulation())
+        assert linked.world.starting
+        world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
+        assert world.child_trouble == ""
+        linked.on_line("sim")
+        linked.do(Send(1, look(5), ("sim",)))
+        assert linked.end_of(1, "sim").accepted
+        kill(linked.link._children._simulation)
+        world = linked.until(lambda world: not world.own_simulation, "it was killed")
+        assert "The simulation has ended (exit code -9)" in world.child_trouble
+        linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
+        linked.do(RunSimulation())
+        assert linked.world.child_trouble == ""
+        linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
+        linked.on_line("sim")
+
+
+def test_the_window_may_end_while_a_simulation_starts() -> None:
+    with Linked(free_endpoint()) as linked:
+        linked.do(RunSimulation())
+        children = linked.link._children
+        until(lambda: children._serving is not None and bool(children._serving.children), "the router starts")
+
+
+def test_a_simulation_at_another_computer_is_refused() -> None:
+    with Linked("tcp/203.0.113.1:7447") as linked:
+        linked.do(RunSimulation())
+        world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
+        assert "another computer" in world.child_trouble
+        assert not world.own_simulation
+
+
+def test_a_taken_name_is_the_error_of_the_simulation(linked: Linked) -> None:
+    linked.do(RunSimulation())
+    world = linked.until(lambda world: not world.starting, "it has ended", READY_S)
+    assert "The simulation has ended" in world.child_trouble
+    assert not world.own_simulation
+
+
+# -- recordings -----------------------------------------------------------------------------------
+
+
+def recording(linked: Linked) -> RecordingProgress:
+    """A recording that has begun."""
+    linked.do(BeginRecording())
+    world = linked.until(
+        lambda world: world.recording is not None and world.recording.seconds > 0.5, "it records", READY_S
+    )
+    assert world.recording is not None
+    return world.recording
+
+
+def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
+    linked.do(EndRecording())  # there is none: nothing happens
+    assert linked.world.recording is None
+    begun = recording(linked)
+    assert (begun.running, begun.trouble) == (True, "")
+    assert begun.file.parent == tmp_path / "recordings"
+    linked.do(Send(1, look(5), ("sim",)))
+    assert linked.end_of(1, "sim").accepted
+    linked.do(EndRecording())
+    world = linked.until(
+        lambda world: world.recording is not None and not world.recording.running, "it has ended"
+    )
+    assert world.recording is not None
+    assert world.recording.trouble == ""
+    assert world.recording.seconds >= begun.seconds
+    assert list(read_recording(begun.file).robots) == [("bea", "sim")]
+
+
+def test_a_recording_that_is_ended_while_it_starts_is_complete(linked: Linked) -> None:
+    linked.do(BeginRecording())
+    linked.do(EndRecording())
+    world = linked.world
+    assert world.recording is not None
+    assert (world.recording.running, world.recording.ending) == (True, True)
+    world = linked.until(
+        lambda world: world.recording is not None and not world.recording.running, "it has ended", READY_S
+    )
+    assert world.recording is not None
+    assert world.recording.trouble == ""
+    assert world.recording.file.is_file()
+
+
+def test_a_recorder_that_ends_by_itself_says_why(linked: Linked) -> None:
+    recording(linked)
+    kill(linked.link._recordings._child)
+    world = linked.until(
+        lambda world: world.recording is not None and not world.recording.running, "it is seen", 1.0
+    )
+    assert world.recording is not None
+    assert "The recorder has ended (exit code -9)" in world.recording.trouble
+
+
+def test_the_end_of_the_window_completes_a_recording(linked: Linked) -> None:
+    begun = recording(linked)
+    linked.close()
+    assert read_recording(begun.file).robots
+
+
+def test_a_frozen_recorder_does_not_delay_the_end_of_the_window(linked: Linked) -> None:
+    recording(linked)
+    child = linked.link._recordings._child
+    assert child is not None
+    os.kill(child._process.pid, signal.SIGSTOP)
+    linked.close()
+    assert child.code == -signal.SIGKILL
+
+
+def test_in_a_read_only_folder_recordings_go_to_documents(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    assert folder() == tmp_path / "Documents" / "recordings"

@@ -1,0 +1,179 @@
+"""The link of the window: motions of both robots, and their end within the lead."""
+
+from __future__ import annotations
+
+import pytest
+from linked import Linked, arms, look, short
+from stage import Stage, until
+
+from beatrix_zenoh._generated.messages import Reason, Steps
+from beatrix_zenoh.client.queries import pose_query
+from gui.state.actions import AbortPlan, Select, Send, SendPlanNow, StopBoth
+from gui.state.world import PlanPhase, World
+
+BOTH = ("sim", "hw")
+
+
+def steps(linked: Linked, twin: str = "hw") -> Steps:
+    """What the board has counted."""
+    positions = linked.world.twin(twin).positions
+    assert positions is not None
+    return positions.steps
+
+
+def leading(linked: Linked, row: int, yaw: float = 60.0, lead_s: float = 5.0) -> World:
+    """A motion whose simulation has begun and whose hardware waits."""
+    linked.do(Send(row, look(yaw, 30), BOTH, lead_s))
+    world = linked.until(
+        lambda world: world.plan is not None and world.plan.phase is PlanPhase.LEADING, "the simulation leads"
+    )
+    linked.until(lambda world: abs(short(world, "sim")) > 1, "the simulation moves")
+    assert linked.accepted(row).duration_s > lead_s
+    return world
+
+
+def test_both_go_at_once_without_a_lead(linked: Linked) -> None:
+    linked.do(Send(1, look(12), BOTH))
+    accepted = linked.accepted(1)
+    assert accepted.message.startswith("Possible")
+    end = linked.end_of(1)
+    assert (end.accepted, [found.done for found in linked.of(1)]) == (True, [False, True])
+    assert linked.world.plan is None
+    for twin in BOTH:
+        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(12, abs=0.1), "there")  # type: ignore[misc]
+
+
+def test_the_hardware_follows_after_the_lead_with_a_countdown(linked: Linked) -> None:
+    before = steps(linked)
+    world = leading(linked, 1, 20.0, 1.0)
+    assert world.plan is not None
+    assert world.plan.path is not None
+    assert world.plan.path.arms[-1].short == pytest.approx(20, abs=0.1)
+    assert 0.5 < world.plan.countdown_s <= world.plan.lead_s == 1.0
+    assert world.plan.verdict.startswith("Possible")
+    assert steps(linked) == before
+    sent = linked.until(
+        lambda world: world.plan is not None and world.plan.phase is PlanPhase.SENT,
+        "the hardware follows",
+        1.5,
+    )
+    assert sent.plan is not None
+    assert sent.plan.countdown_s == 0.0
+    assert linked.end_of(1).accepted
+    linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
+
+
+def test_abort_leaves_the_hardware_unmoved_and_stops_the_simulation(linked: Linked) -> None:
+    before = steps(linked)
+    leading(linked, 1)
+    linked.do(AbortPlan())
+    end = linked.end_of(1)
+    assert (end.accepted, end.reason) == (False, Reason.STOPPED)
+    assert "bea (hw): not moved" in end.message
+    world = linked.until(lambda world: not world.sim.status.moving and world.plan is None, "it rests")  # type: ignore[union-attr]
+    assert short(world, "sim") < 50
+    assert steps(linked) == before
+
+
+def test_send_now_ends_the_lead(linked: Linked) -> None:
+    leading(linked, 1, 20.0, 30.0)
+    linked.do(SendPlanNow())
+    assert linked.end_of(1).accepted
+    linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
+
+
+def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> None:
+    before = steps(linked)
+    leading(linked, 1)
+    linked.do(StopBoth(2))
+    assert linked.end_of(1).reason is Reason.STOPPED
+    for twin in BOTH:
+        assert linked.end_of(2, twin).accepted
+    linked.until(lambda world: world.plan is None, "nothing is under way")
+    assert steps(linked) == before
+
+
+def test_a_newer_motion_of_both_replaces_one_in_its_lead(linked: Linked) -> None:
+    leading(linked, 1, 90.0)
+    linked.do(Send(2, look(5, 60), BOTH))
+    assert linked.end_of(1).reason is Reason.REPLACED
+    assert linked.end_of(2).accepted
+    for twin in BOTH:
+        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
+
+
+def test_the_newest_of_many_motions_of_both_wins_and_each_row_ends_once(linked: Linked) -> None:
+    for row in range(10):
+        linked.do(Send(row, look(row, 60), BOTH))
+    assert linked.end_of(9).accepted
+    for row in range(9):
+        assert linked.end_of(row).reason is Reason.REPLACED
+        assert len([found for found in linked.of(row) if found.done]) == 1
+
+
+def test_a_motion_of_the_simulation_replaces_one_in_its_lead(linked: Linked) -> None:
+    before = steps(linked)
+    leading(linked, 1)
+    linked.do(Send(2, look(0, 60), ("sim",)))
+    assert linked.end_of(1).reason is Reason.REPLACED
+    assert linked.end_of(2, "sim").accepted
+    assert steps(linked) == before
+
+
+def test_a_refused_preview_is_data_and_keeps_the_waiting_motion(linked: Linked) -> None:
+    leading(linked, 1, 30.0, 1.5)
+    linked.do(Send(2, pose_query(0, 60, 0, relative=False, speed=1.0), BOTH))
+    end = linked.end_of(2)
+    assert not end.accepted
+    assert end.detail is not None
+    world = linked.until(lambda world: world.plan is not None, "the one before")
+    assert world.plan is not None
+    assert world.plan.phase in (PlanPhase.LEADING, PlanPhase.SENT)
+    assert linked.end_of(1).accepted
+
+
+def test_selecting_another_robot_ends_a_motion_in_its_lead(linked: Linked) -> None:
+    before = steps(linked)
+    leading(linked, 1)
+    linked.do(Select("other"))
+    end = linked.end_of(1)
+    assert "Another robot was selected" in end.message
+    linked.do(Select("bea"))
+    linked.on_line(*BOTH)
+    assert steps(linked) == before
+    assert short(linked.world, "sim") < 50
+
+
+def test_selecting_another_robot_stops_motions_of_this_window(linked: Linked, stage: Stage) -> None:
+    linked.do(Send(1, look(90, 20), ("hw",)))
+    linked.accepted(1, "hw")
+    linked.until(lambda world: short(world, "hw") > 1, "the hardware moves")
+    linked.do(Select("elsewhere"))
+    with stage.robot("bea", "hw") as robot:
+        until(lambda: not robot.status().moving, "it stops, for STOP of this window goes elsewhere now")
+        assert robot.positions().commanded.short < 60
+    linked.do(Select("bea"))
+    linked.on_line("sim", "hw")
+
+
+def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
+    linked: Linked, stage: Stage
+) -> None:
+    before = steps(linked)
+    leading(linked, 1, lead_s=0.6)
+    linked.close()
+    with Linked(stage.endpoint) as other:
+        other.on_line(*BOTH)
+        other.until(lambda world: world.sim.status is not None and not world.sim.status.holder, "it is free")
+        assert steps(other) == before
+        assert short(other.world, "sim") < 50
+
+
+def test_home_of_both_is_previewed_and_keeps_them_together(linked: Linked) -> None:
+    linked.do(Send(1, look(8), BOTH))
+    assert linked.end_of(1).accepted
+    linked.do(Send(2, arms(0, 0, 0), BOTH))
+    assert linked.accepted(2).message.startswith("Possible")
+    assert linked.end_of(2).accepted
+    for twin in BOTH:
+        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(0, abs=0.1), "home")  # type: ignore[misc]

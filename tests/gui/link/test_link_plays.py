@@ -1,0 +1,110 @@
+"""The link of the window: choreographies, and a frozen hardware."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from linked import Linked, at_home, look, short
+from stage import Process, Stage, until
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client import Presence
+from gui.state.actions import Play, Select, Send, StopBoth
+
+BOTH = ("sim", "hw")
+
+
+# -- choreographies -------------------------------------------------------------------------------
+
+
+def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
+    linked.do(Play(1, ("sim",), poses=((10.0, 10.0, 10.0), (-5.0, -5.0, -5.0)), speed=60.0))
+    assert linked.world.playing == "poses"
+    linked.until(lambda world: short(world, "sim") > 9, "the first pose")
+    assert linked.end_of(1, "sim").accepted
+    world = linked.until(lambda world: not world.playing, "it has ended")
+    assert short(world, "sim") == pytest.approx(-5, abs=0.1)
+
+
+def test_stop_ends_a_choreography_of_both(linked: Linked) -> None:
+    linked.do(Play(1, BOTH, poses=((40.0,) * 3, (-40.0,) * 3, (0.0,) * 3), speed=30.0))
+    linked.accepted(1)
+    linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
+    linked.do(StopBoth(2))
+    assert linked.end_of(1).reason is Reason.STOPPED
+    world = linked.until(lambda world: not world.playing and not world.hw.status.moving, "it has ended")  # type: ignore[union-attr]
+    assert short(world, "hw") < 39
+
+
+def test_a_motion_replaces_a_choreography(linked: Linked) -> None:
+    linked.do(Play(1, ("sim",), poses=((40.0,) * 3, (-40.0,) * 3), speed=30.0))
+    linked.until(lambda world: short(world, "sim") > 2, "it moves")
+    linked.do(Send(2, look(0, 60), ("sim",)))
+    assert linked.end_of(2, "sim").accepted
+    assert linked.end_of(1, "sim").reason is Reason.REPLACED
+    assert short(linked.world, "sim") == pytest.approx(0, abs=0.1)
+
+
+def test_a_file_that_takes_long_to_check_is_refused(linked: Linked, tmp_path: Path) -> None:
+    large = tmp_path / "large.csv"
+    large.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n" + "0,0,0,0\n" * 100_000, encoding="utf-8")
+    linked.do(Play(1, ("sim",), large))
+    end = linked.end_of(1, timeout_s=2.0, twin="sim")
+    assert end.reason is Reason.BAD_VALUE
+    assert "0.8 MB" in end.message
+
+
+def test_choreographies_and_paths_are_played_and_refused_by_line(linked: Linked, tmp_path: Path) -> None:
+    path, wrong = tmp_path / "nod.csv", tmp_path / "wrong.csv"
+    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.5,6,0,0\n1,6,0,0\n", encoding="utf-8")
+    wrong.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,80,0,30\n", encoding="utf-8")
+    linked.do(Play(1, ("sim",), path))
+    assert linked.world.playing == "nod"
+    assert linked.end_of(1, "sim").accepted
+    assert short(linked.world, "sim") == pytest.approx(6, abs=0.2)
+    linked.do(Play(2, BOTH, wrong))
+    end = linked.end_of(2)
+    assert not end.accepted
+    assert "line 2" in end.message
+    linked.do(Play(3, BOTH, tmp_path / "none.csv"))
+    assert "none.csv cannot be read" in linked.end_of(3).message
+
+
+# -- a frozen robot -------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
+    """The hardware stands still from now on."""
+    with Stage() as other:
+        node: Process = other.process(
+            "hw_node", "--name", "ice", "--connect", stage.endpoint, "--port", "virtual:"
+        )
+        node.expect("ready")
+        simulation = other.process("sim_node", "--name", "ice", "--connect", stage.endpoint, "--ready")
+        simulation.expect("ready")
+        linked.do(Select("ice"))
+        at_home(linked)
+        node.send(signal.SIGSTOP)
+        linked.until(lambda world: world.hw.presence is Presence.LOST, "it is frozen", 1.5)
+        yield linked
+        node.send(signal.SIGCONT)
+
+
+def test_a_plan_that_waits_for_a_frozen_hardware_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
+    frozen.do(Send(1, look(20, 30), BOTH, 1.0))
+    frozen.do(Send(2, look(5, 60), ("sim",)))
+    assert frozen.end_of(1, timeout_s=0.5).reason is Reason.REPLACED
+    assert frozen.end_of(2, "sim", 1.5).accepted
+    frozen.do(Send(3, look(20, 30), BOTH, 1.0))
+    frozen.do(StopBoth(4))
+    assert frozen.end_of(3, timeout_s=0.5).reason is Reason.STOPPED
+    assert frozen.end_of(4, "sim", 0.5).accepted
+    frozen.do(Send(5, look(10, 30), BOTH, 1.0))
+    end = frozen.end_of(5, timeout_s=12)
+    assert end.reason in (Reason.TIMED_OUT, Reason.NO_ANSWER)
+    assert "ice (hw)" in end.message
+    until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only what was sent was done")

@@ -1,0 +1,52 @@
+"""The file of choices: written on changes, and shared by windows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from worlds import world
+
+from gui.autosave import Autosave
+from gui.state import intents, saved
+from gui.state.intents import Theme
+from gui.state.saved import Saved
+from gui.state.state import State
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "beatrix" / "window.json"
+    monkeypatch.setattr(saved, "path", lambda: path)
+    return path
+
+
+def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
+    one, two = State(), State()
+    first, second = Autosave(one), Autosave(two)
+    one.handle(intents.SavePose("nod"), world())
+    first.save_changes()
+    assert [pose.name for pose in saved.load(file)[0].poses] == ["nod"]
+    two.handle(intents.SetTheme(Theme.PROJECTOR), world())
+    second.save_changes()
+    first.save_changes()
+    kept, _ = saved.load(file)
+    assert ([pose.name for pose in kept.poses], kept.theme) == (["nod"], Theme.PROJECTOR)
+    one.handle(intents.DeletePose("nod"), world())
+    first.save_changes()
+    kept, _ = saved.load(file)
+    assert (kept.poses, kept.theme) == ((), Theme.PROJECTOR)
+
+
+def test_unchanged_choices_are_not_written(file: Path) -> None:
+    Autosave(State(Saved(theme=Theme.LIGHT))).save_changes()  # an option is for one window
+    assert not file.exists()
+
+
+def test_a_folder_that_cannot_be_written_is_logged(file: Path, caplog: pytest.LogCaptureFixture) -> None:
+    file.parent.write_text("no folder")
+    state = State()
+    autosave = Autosave(state)
+    state.handle(intents.SetSpeed(40.0), world())
+    autosave.save_changes()
+    assert "could not be saved" in caplog.text

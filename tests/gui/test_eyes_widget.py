@@ -1,0 +1,210 @@
+"""Pictures in the window: only visible ones are decoded, and missing ones have a reason."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+import simplejpeg
+from PyQt5.QtGui import QColor, QImage
+from pytestqt.qtbot import QtBot
+
+from beatrix_zenoh.client import CameraImage
+from gui.state.intents import Theme
+from gui.state.views import EyeView
+from gui.texts import Texts
+from gui.theme import style_of
+from gui.widgets import eyes
+from gui.widgets.eyes import Eyes, OutsideView, Picture
+
+RED, BLUE = (220, 20, 20), (20, 20, 220)
+WORDS = Texts("en")
+OFF = EyeView("sim", "left", "Simulation, left eye", watched=False, text="The cameras are off.")
+ON = EyeView("sim", "left", "Simulation, left eye", watched=True, text="")
+OUTSIDE = EyeView("sim", "outside", "Simulation", watched=True, text="")
+
+
+def picture_of(
+    colour: tuple[int, int, int], eye: str = "left", seq: int = 1, *, t_s: float = 0.0, age_s: float = 0.0
+) -> CameraImage:
+    pixels = np.full((480, 640, 3), colour, dtype=np.uint8)
+    return of_bytes(simplejpeg.encode_jpeg(pixels), eye, seq, t_s=t_s, age_s=age_s)
+
+
+def of_bytes(
+    jpeg: bytes, eye: str = "left", seq: int = 1, *, t_s: float = 0.0, age_s: float = 0.0
+) -> CameraImage:
+    arrived_ns = time.monotonic_ns() - round(age_s * 1e9)
+    return CameraImage(jpeg, eye, seq, round(t_s * 1e9), 0, 640, 480, "egl", arrived_ns, 0)
+
+
+class Decoder:
+    """Counts what is decoded."""
+
+    def __init__(self) -> None:
+        self.seen: list[bytes] = []
+
+    def __call__(self, jpeg: bytes) -> QImage | None:
+        self.seen.append(jpeg)
+        return real_decode(jpeg)
+
+
+real_decode = eyes.decode
+
+
+@pytest.fixture
+def decoder(monkeypatch: pytest.MonkeyPatch) -> Decoder:
+    made = Decoder()
+    monkeypatch.setattr(eyes, "decode", made)
+    return made
+
+
+@pytest.fixture
+def picture(qtbot: QtBot) -> Picture:
+    made = Picture(WORDS)
+    qtbot.addWidget(made)
+    made.resize(400, 400)
+    made.show_view(ON)
+    return made
+
+
+def colour(widget: Picture | Eyes | OutsideView, x: float, y: float) -> tuple[int, int, int]:
+    """Colour of the widget, x and y as parts of its size."""
+    image = widget.grab().toImage()
+    pixel = image.pixelColor(int(x * image.width()), int(y * image.height()))
+    return pixel.red(), pixel.green(), pixel.blue()
+
+
+def alike(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
+    return max(abs(a - b) for a, b in zip(one, other, strict=True)) < 20
+
+
+def test_a_picture_keeps_its_shape(picture: Picture) -> None:
+    picture.show_image(picture_of(RED))
+    assert alike(colour(picture, 0.5, 0.5), RED)
+    field = QColor(style_of(Theme.DARK).field)
+    assert alike(colour(picture, 0.5, 0.98), (field.red(), field.green(), field.blue())), (
+        "no picture is that high"
+    )
+
+
+def test_only_the_newest_picture_is_decoded_and_only_when_visible(
+    qtbot: QtBot, picture: Picture, decoder: Decoder
+) -> None:
+    for seq in range(100):
+        picture.show_image(picture_of(RED, seq=seq))
+    picture.show_image(picture_of(BLUE, seq=100))
+    qtbot.wait(2 * eyes.PERIOD_MS)
+    assert decoder.seen == [], "it is hidden"
+    picture.show()
+    qtbot.waitUntil(lambda: len(decoder.seen) == 1)
+    assert alike(colour(picture, 0.5, 0.5), BLUE)
+    picture.repaint()
+    assert len(decoder.seen) == 1, "a picture is decoded once"
+
+
+def test_at_most_thirty_pictures_a_second_are_drawn(qtbot: QtBot, picture: Picture, decoder: Decoder) -> None:
+    picture.show()
+    qtbot.waitExposed(picture)
+    begin_s = time.monotonic()
+    last = b""
+    for seq in range(60):
+        last = picture_of((seq, 0, 0), seq=seq).jpeg
+        picture.show_image(of_bytes(last, seq=seq))
+        qtbot.wait(2)
+    qtbot.waitUntil(lambda: decoder.seen[-1:] == [last])
+    spent_s = time.monotonic() - begin_s
+    assert len(decoder.seen) <= spent_s * 1e3 / eyes.PERIOD_MS + 2
+
+
+def test_a_text_replaces_a_missing_picture(picture: Picture) -> None:
+    picture.show_image(picture_of(RED))
+    picture.show_view(OFF)
+    assert not alike(colour(picture, 0.5, 0.8), RED)
+    assert picture.accessibleDescription() == OFF.text
+    picture.show_view(ON)
+    assert not alike(colour(picture, 0.5, 0.8), RED), "the old picture does not come back"
+    picture.show_image(picture_of(BLUE))
+    assert alike(colour(picture, 0.5, 0.5), BLUE)
+
+
+@pytest.mark.parametrize(
+    "jpeg", [b"", b"nonsense", bytes(1000), simplejpeg.encode_jpeg(np.zeros((8, 8, 3), np.uint8))[:40]]
+)
+@pytest.mark.qt_log_ignore("JPEG")  # libjpeg warns of it
+def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, jpeg: bytes) -> None:
+    picture.show_image(picture_of(RED))
+    picture.show_image(of_bytes(jpeg, seq=2))
+    said = picture.grab().toImage()
+    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    assert picture.grab().toImage() == said
+    picture.show_view(ON)
+    picture.show_image(picture_of(BLUE, seq=3))
+    assert alike(colour(picture, 0.5, 0.5), BLUE)
+
+
+def test_the_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(picture: Picture) -> None:
+    for seq in range(0, 30, 3):  # two of three are lost on the way
+        picture.show_image(picture_of(RED, seq=seq, t_s=seq / 15))
+    picture.show_view(ON)
+    assert picture.note == "15/s"
+    picture.show_image(picture_of(RED, seq=40, t_s=40 / 15, age_s=4.0))
+    picture.show_view(ON)
+    assert picture.note == "4 s"
+
+
+def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
+    shown = Eyes(WORDS)
+    qtbot.addWidget(shown)
+    shown.resize(640, 520)
+    all_eyes = [
+        EyeView(twin, eye, f"{twin} {eye}", watched=True, text="")
+        for twin in ("sim", "hw")
+        for eye in ("left", "right")
+    ]
+    shown.show_view((*all_eyes, OUTSIDE))
+    shown.show_image("sim", picture_of(RED, "left"))
+    shown.show_image("hw", picture_of(BLUE, "right"))
+    shown.show_image("sim", picture_of(BLUE, "outside"))
+    assert alike(colour(shown, 0.25, 0.25), RED)
+    assert alike(colour(shown, 0.75, 0.75), BLUE)
+    assert not alike(colour(shown, 0.75, 0.25), BLUE)
+
+
+def test_the_head_from_outside_takes_no_picture_of_an_eye(qtbot: QtBot) -> None:
+    shown = OutsideView(WORDS)
+    qtbot.addWidget(shown)
+    shown.resize(400, 320)
+    shown.show_view((ON, OUTSIDE))
+    shown.show_image("sim", picture_of(RED, "outside"))
+    shown.show_image("sim", picture_of(BLUE, "left"))
+    assert alike(colour(shown, 0.5, 0.5), RED)
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_each_theme_has_its_colours(picture: Picture, theme: Theme) -> None:
+    picture.show_theme(theme)
+    strip = QColor(style_of(theme).panel)
+    assert alike(colour(picture, 0.7, 0.02), (strip.red(), strip.green(), strip.blue()))
+    bar = QColor(style_of(theme).sim)
+    assert alike(colour(picture, 0.005, 0.02), (bar.red(), bar.green(), bar.blue()))
+
+
+def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: Picture) -> None:
+    """The size stands in the header's frame, after 0xFFC0, its length and the precision: height, width."""
+    jpeg = bytearray(picture_of(RED).jpeg)
+    at = jpeg.index(b"\xff\xc0") + 5
+    assert jpeg[at : at + 4] == (480).to_bytes(2, "big") + (640).to_bytes(2, "big")
+    jpeg[at : at + 4] = 2 * (65500).to_bytes(2, "big")
+    began_s = time.monotonic()
+    assert eyes.decode(bytes(jpeg)) is None
+    assert time.monotonic() - began_s < 0.5
+    picture.show_image(of_bytes(bytes(jpeg)))
+    shown = picture.grab().toImage()
+    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    assert picture.grab().toImage() == shown
+    whole = eyes.decode(picture_of(RED).jpeg)
+    assert whole is not None
+    assert (whole.width(), whole.height()) == (640, 480)

@@ -1,0 +1,155 @@
+"""Pictures from a real simulation and a virtual board: subscribed while wanted, and again when a robot returns."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+from stage import Process, Stage, until, wait_status
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client import CameraImage, Client
+from gui.link.pictures import CLOSE_S, Pictures
+
+FIRST_S = 20.0
+"""Longest wait for the first picture, which starts rendering."""
+LEFT, RIGHT = ("hw", "left"), ("hw", "right")
+
+
+class ImageLog:
+    """Counts the pictures that were handed over."""
+
+    def __init__(self) -> None:
+        self.seen: dict[tuple[str, str], list[CameraImage]] = {}
+        self.threads: set[str] = set()
+
+    def add(self, twin: str, image: CameraImage) -> None:
+        self.threads.add(threading.current_thread().name)
+        self.seen.setdefault((twin, image.eye), []).append(image)
+
+    def count(self, *place: str) -> int:
+        return len(self.seen.get((place[0], place[1]), []))
+
+
+def reading_threads() -> list[str]:
+    names = [one.name for one in threading.enumerate()]
+    return [name for name in names if name.startswith("beatrix-pictures")]
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as stage:
+        stage.simulation("bea")
+        stage.hardware("bea")
+        yield stage
+
+
+@pytest.fixture
+def client(stage: Stage) -> Iterator[Client]:
+    client = stage.client("window")
+    yield client
+    client.close()
+
+
+@pytest.fixture
+def hw(stage: Stage) -> Iterator[Robot]:
+    robot = stage.robot("bea", "hw")
+    wait_status(robot, lambda status: not any(eye.streaming for eye in status.cameras), "no client watches")
+    yield robot
+    robot.client.close()
+
+
+@pytest.fixture
+def images_taken() -> ImageLog:
+    return ImageLog()
+
+
+@pytest.fixture
+def pictures(client: Client, images_taken: ImageLog) -> Iterator[Pictures]:
+    made = Pictures(client, "bea", images_taken.add)
+    yield made
+    made.close()
+
+
+def test_no_camera_works_before_its_pictures_are_wanted(
+    pictures: Pictures, images_taken: ImageLog, hw: Robot
+) -> None:
+    pictures.watch(frozenset({LEFT}))
+    until(lambda: images_taken.count(*LEFT) > 3, "pictures come", FIRST_S)
+    left, right = hw.status().cameras
+    assert left.streaming
+    assert not right.streaming
+    pictures.watch(frozenset())
+    last = images_taken.count(*LEFT)
+    wait_status(hw, lambda status: not status.cameras[0].streaming, "the camera rests")
+    assert images_taken.count(*LEFT) == last, "none is handed over that is not wanted"
+
+
+def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_taken: ImageLog) -> None:
+    wanted = {("sim", "outside"), ("sim", "left"), LEFT, RIGHT}
+    pictures.watch(frozenset(wanted))
+    until(lambda: images_taken.seen.keys() == wanted, "all four come", FIRST_S)
+    for twin, eye in wanted:
+        image = images_taken.seen[twin, eye][0]
+        assert image.jpeg[:2] == b"\xff\xd8"
+        assert (image.width, image.height) == (640, 480)
+    pictures.watch(frozenset({RIGHT}))
+    counts = {place: images_taken.count(*place) for place in wanted}
+    until(lambda: images_taken.count(*RIGHT) > counts[RIGHT] + 5, "those that are still wanted go on")
+    assert all(images_taken.count(*place) == counts[place] for place in wanted - {RIGHT})
+    assert threading.current_thread().name not in images_taken.threads
+
+
+def test_a_robot_that_dies_is_waited_for(stage: Stage, client: Client, images_taken: ImageLog) -> None:
+    pictures = Pictures(client, "mortal", images_taken.add)
+    pictures.watch(frozenset({LEFT}))
+
+    def born() -> Process:
+        process = stage.hardware("mortal")
+        seen = images_taken.count(*LEFT)
+        until(lambda: images_taken.count(*LEFT) > seen + 2, "pictures come", FIRST_S)
+        return process
+
+    born().end()
+    born().end()
+    pictures.close()
+
+
+def test_a_camera_without_a_router_is_tried_again(
+    stage: Stage, client: Client, images_taken: ImageLog, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The window's own session is there; that for pictures cannot be opened at first."""
+    endpoint = client.settings.connect
+    client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
+    pictures = Pictures(client, "bea", images_taken.add)
+    monkeypatch.setattr("gui.link.pictures.RETRY_S", 0.1)
+    pictures.watch(frozenset({LEFT}))
+    client.settings = type(client.settings)("bea", endpoint, "window")
+    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
+    pictures.close()
+
+
+def test_closing_is_quick_and_final(client: Client, images_taken: ImageLog) -> None:
+    pictures = Pictures(client, "bea", images_taken.add)
+    wanted = frozenset({LEFT, RIGHT, ("sim", "left")})
+    pictures.watch(wanted)
+    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
+    begin_s = time.monotonic()
+    pictures.close()
+    assert time.monotonic() - begin_s < CLOSE_S
+    counts = {place: images_taken.count(*place) for place in wanted}
+    pictures.close()
+    client.close()
+    assert counts == {place: images_taken.count(*place) for place in wanted}
+    assert not reading_threads()
+
+
+def test_the_client_may_close_first(client: Client, images_taken: ImageLog) -> None:
+    pictures = Pictures(client, "bea", images_taken.add)
+    pictures.watch(frozenset({LEFT}))
+    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
+    client.close()
+    pictures.close()
+    until(lambda: not reading_threads(), "the threads have ended")

@@ -1,0 +1,211 @@
+"""Plots of the arms: times of the robots, bounded memory, and no drawing while hidden."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+import worlds
+from PyQt5.QtGui import QColor
+from pyqtgraph import PlotDataItem
+from pytestqt.qtbot import QtBot
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.clocks import Offset, Offsets
+from gui.state.intents import Theme
+from gui.state.world import World
+from gui.texts import Texts
+from gui.theme import style_of
+from gui.widgets import plots as plots_module
+from gui.widgets.plots import CAPACITY, History, Plots, difference, sample_time_s, span
+
+Arms = tuple[float, float, float]
+LAG_S = 0.2
+
+
+@pytest.fixture
+def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> Plots:
+    monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
+    made = Plots(Texts("en"))
+    qtbot.addWidget(made)
+    made.resize(600, 500)
+    return made
+
+
+def robot_at(twin: str, time_s: float, arms: Arms) -> RobotState:
+    state = worlds.robot(twin, arms=arms, age_s=0.01)
+    assert state.positions is not None
+    stamped = msgspec.structs.replace(state.positions, t_mono_ns=round(time_s * 1e9))
+    return replace(state, positions=stamped)
+
+
+def world_at(now_s: float, sim: Arms = (0, 0, 0), hw: Arms = (0, 0, 0)) -> World:
+    made = worlds.world(robot_at("sim", now_s - 0.01, sim), robot_at("hw", now_s - 0.01, hw))
+    return replace(made, now_s=now_s)
+
+
+def ramp(time_s: float) -> float:
+    """10 deg/s, from 5 s on."""
+    return 10 * max(0.0, time_s - 5)
+
+
+def fill(plots: Plots, arms: Callable[[float], Arms], seconds: float = 10.0) -> None:
+    """Feed 20 worlds a second; the hardware is late."""
+    for tick in range(round(seconds * 20) + 1):
+        now_s = tick / 20
+        plots.append(world_at(now_s, arms(now_s - 0.01), arms(now_s - 0.01 - LAG_S)))
+
+
+def curve(line: PlotDataItem) -> np.ndarray:
+    """Times and angles of a curve, shape (2, n)."""
+    times, angles = line.getData()
+    return np.array((times, angles))
+
+
+def test_the_plots_show_the_lag_of_the_hardware(plots: Plots) -> None:
+    fill(plots, lambda time_s: (ramp(time_s), 0, 0))
+    plots.show()
+    hw, sim = (curve(line) for line in plots.arms[0].lines)
+    assert sim[0, -1] == pytest.approx(-0.01), "times before now"
+    assert np.interp(20.0, sim[1], sim[0]) == pytest.approx(-3.0, abs=0.01), "20 deg at 7 s of 10 s"
+    assert np.interp(20.0, hw[1], hw[0]) == pytest.approx(-3.0 + LAG_S, abs=0.01)
+    apart = curve(plots.difference.lines[0])
+    assert apart[1, -1] == pytest.approx(-10 * LAG_S, abs=0.01), "hardware minus simulation"
+    assert apart[1, 0] == pytest.approx(0.0)
+    assert curve(plots.arms[1].lines[0])[1] == pytest.approx(0.0)
+
+
+def test_hidden_plots_draw_nothing_and_keep_samples(plots: Plots) -> None:
+    fill(plots, lambda time_s: (ramp(time_s), 0, 0))
+    line = plots.arms[0].lines[0]
+    assert line.getData()[0] is None
+    plots.show()
+    assert len(curve(line)[0]) == 201
+    plots.hide()
+    before = curve(line)
+    plots.append(world_at(11.0))
+    assert (curve(line) == before).all()
+
+
+def test_curves_are_drawn_at_most_20_times_a_second(plots: Plots, monkeypatch: pytest.MonkeyPatch) -> None:
+    plots.append(world_at(1.0))
+    plots.show()
+    monkeypatch.setattr(plots_module, "PERIOD_S", 60.0)
+    plots.append(world_at(1.05))
+    assert len(curve(plots.arms[0].lines[0])[0]) == 1
+    monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
+    plots.append(world_at(1.1))
+    assert len(curve(plots.arms[0].lines[0])[0]) == 3, "none is lost"
+
+
+def test_memory_is_bounded() -> None:
+    def feed(first: int, count: int) -> None:
+        for tick in range(first, first + count):
+            history.add(tick / 50, (tick, 0, 0))
+
+    history = History()
+    feed(0, 95_000)
+    tracemalloc.start()
+    feed(95_000, 10_000)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 10_000, "bytes"
+    assert len(history.samples) == CAPACITY
+    assert history.samples[:, 1].tolist() == list(range(105_000 - CAPACITY, 105_000)), "the newest, in order"
+
+
+def test_twenty_seconds_are_drawn(plots: Plots) -> None:
+    fill(plots, lambda _: (0, 0, 0), seconds=60)
+    plots.show()
+    assert -20 <= curve(plots.arms[0].lines[1])[0, 0] < -19.9
+    (left, right), _ = plots.arms[0].plot.viewRange()
+    assert (left, right) == pytest.approx((-20, 0), abs=1.0)
+
+
+def test_a_sample_is_kept_once_and_a_pause_breaks_the_line() -> None:
+    history = History()
+    for time_s in (1.0, 1.0, 1.1, 1.05, 5.0):
+        history.add(time_s, (time_s, 0, 0))
+    times, angles = history.samples[:, 0], history.samples[:, 1]
+    assert times.tolist() == [1.0, 1.1, 1.1, 5.0]
+    assert np.isnan(angles[2])
+    history.add(0.5, (7, 0, 0))
+    assert history.samples[:, 1].tolist() == [7.0], "another clock begins anew"
+
+
+def test_there_is_no_difference_without_a_simulation() -> None:
+    alone = np.array([[1.0, 0, 0, 0], [2.0, 0, 0, 0]])
+    assert len(difference(alone, np.empty((0, 4)))) == 0
+    later = alone + np.array([5.0, 0, 0, 0])
+    assert np.isnan(difference(later, alone)[:, 1]).all(), "no times in common"
+
+
+def test_the_stamps_of_another_computer_are_moved_to_this_clock() -> None:
+    state = robot_at("hw", 99.9, (0, 0, 0))
+    assert sample_time_s(state, 100.0) == pytest.approx(99.9)
+    foreign = robot_at("hw", 5099.9, (0, 0, 0))
+    assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the arrival, until the clock is measured"
+    measured = replace(foreign, offsets=Offsets(wall=Offset(0.0, 0.001), mono=Offset(5000.0, 0.001)))
+    assert sample_time_s(measured, 100.0) == pytest.approx(99.9)
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "limits"), [(0, 0, (-10, 10)), (-1, 62, (-5, 65)), (40, 41, (30, 50))]
+)
+def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[float, float]) -> None:
+    low, high = span(lowest, highest, 20.0)
+    assert (low, high) == limits
+
+
+def test_values_that_do_not_fit_move_the_axis(plots: Plots) -> None:
+    fill(plots, lambda time_s: (ramp(time_s), 0, 0))
+    plots.show()
+    low, high = plots.arms[0].plot.viewRange()[1]
+    assert low <= 0
+    assert 50 <= high < 60
+    low, high = plots.arms[1].plot.viewRange()[1]
+    assert high - low < 25
+
+
+def test_another_robot_begins_with_empty_plots(plots: Plots) -> None:
+    plots.show()
+    fill(plots, lambda _: (10, 0, 0), seconds=1)
+    plots.append(replace(world_at(1.05), robot="bea2"))
+    assert curve(plots.arms[0].lines[0])[1].tolist() == [0.0]
+
+
+def test_plots_without_samples_say_what_to_do(plots: Plots) -> None:
+    plots.show()
+    assert plots.empty.isVisible()
+    plots.append(worlds.world(worlds.absent("sim"), worlds.absent("hw")))
+    assert plots.empty.isVisible()
+    plots.append(world_at(100.0))
+    assert not plots.empty.isVisible()
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_each_theme_has_its_colours_and_widths(plots: Plots, theme: Theme) -> None:
+    plots.show_theme(theme)
+    hw, sim = (line.opts["pen"] for line in plots.arms[0].lines)
+    assert sim.color() == QColor(style_of(theme).sim)
+    assert hw.color().name() == style_of(theme).hw
+    assert hw.color().alphaF() < 0.7, "pale"
+    assert hw.widthF() >= 2 * sim.widthF(), "wide for the hardware"
+    if theme is Theme.PROJECTOR:
+        assert sim.widthF() == 3.0
+    plots.show()
+    plots.append(world_at(100.0))
+    corner = plots.grab().toImage().pixelColor(2, 2)
+    assert corner.name() == style_of(theme).field
+
+
+def test_nan_angles_are_ignored(plots: Plots) -> None:
+    plots.show()
+    plots.append(world_at(1.0, (math.nan, 0, 0)))
+    plots.append(world_at(1.1, (5, 0, 0)))
+    assert np.isfinite(plots.arms[0].plot.viewRange()[1]).all()

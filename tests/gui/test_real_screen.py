@@ -1,0 +1,151 @@
+"""The window as a process on a real X screen: its keys, its picture, and its end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from stage import START_S, Process, Stage, ready, until
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.recording.rrd.read import read
+from gui.state.intents import Theme
+from gui.theme import style_of
+
+MISSING = [program for program in ("Xvfb", "xdotool") if shutil.which(program) is None]
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
+END_S = 3.0
+BEGUN = 100_000
+"""Bytes of a recording that holds positions of both."""
+
+
+class Screen:
+    """An X screen in memory."""
+
+    def __init__(self, folder: Path) -> None:
+        self._file = folder / "Xvfb_screen0"
+        words = ("-displayfd", "1", "-screen", "0", "1366x768x24", "-nolisten", "tcp", "-fbdir", str(folder))
+        self._server = subprocess.Popen(
+            ["Xvfb", *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        assert self._server.stdout is not None
+        self.display = f":{self._server.stdout.readline().strip()}"
+
+    def tool(self, *words: str) -> str:
+        """What xdotool prints; empty if it fails."""
+        done = subprocess.run(
+            ["xdotool", *words],
+            env={**os.environ, "DISPLAY": self.display},
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=False,
+        )
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    def pixels(self) -> npt.NDArray[np.uint8]:
+        """Red, green and blue of all pixels, rows from above; the file is a dump of xwd."""
+        data = self._file.read_bytes()
+        header = struct.unpack(">25I", data[:100])
+        width, height, line, colours = header[4], header[5], header[12], header[19]
+        rows = np.frombuffer(data, np.uint8, line * height, header[0] + 12 * colours).reshape(height, line)
+        return rows[:, : 4 * width].reshape(height, width, 4)[:, :, 2::-1]
+
+    def close(self) -> None:
+        self._server.terminate()
+        self._server.wait(10)
+        if self._server.stdout is not None:
+            self._server.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def screen(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Screen]:
+    made = Screen(tmp_path_factory.mktemp("screen"))
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea")
+        made.hardware("bea")
+        yield made
+
+
+@pytest.fixture
+def window(
+    stage: Stage, screen: Screen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Process]:
+    """The window, shown and with the keys; opencv-python's setting, which breaks Qt, is there."""
+    monkeypatch.setenv("DISPLAY", screen.display)
+    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
+    monkeypatch.setenv("QT_QPA_PLATFORM_PLUGIN_PATH", str(tmp_path / "cv2/qt/plugins"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    words = ("gui", "--name", "bea", "--connect", stage.endpoint)
+    process = Process("-m", "beatrix_zenoh.cli", *words, traced=False, folder=tmp_path)
+    try:
+        process.expect("ready window")
+        until(lambda: bool(found(screen)), "the window is on the screen", START_S)
+        screen.tool("windowfocus", "--sync", found(screen))
+        yield process
+    finally:
+        process.end(signal.SIGKILL)
+
+
+def found(screen: Screen) -> str:
+    """Number of the window."""
+    return screen.tool("search", "--onlyvisible", "--name", "^BEATRIX – bea$").partition("\n")[0]
+
+
+@pytest.fixture
+def robots(stage: Stage) -> list[Robot]:
+    return [ready(stage.robot("bea", twin, "eve")) for twin in ("sim", "hw")]
+
+
+def test_space_stops_both_robots(window: Process, screen: Screen, robots: list[Robot]) -> None:
+    red = tuple(bytes.fromhex(style_of(Theme.DARK).stop.lstrip("#")))
+    until(lambda: tuple(screen.pixels()[-20, 683]) == red, "STOP is drawn over the lower edge")
+    assert len(np.unique(screen.pixels().reshape(-1, 3), axis=0)) > 1000, "the head is drawn"
+    for robot in robots:
+        robot.look(yaw=150, speed=20, wait=False)
+    until(lambda: all(robot.positions().velocity.long > 10 for robot in robots), "both move")
+    screen.tool("key", "space")
+    until(lambda: not any(robot.status().moving for robot in robots), "both rest", 2.0)
+    assert all(robot.positions().arms.long < 140 for robot in robots)
+    assert window.end() == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_the_window_and_its_children(
+    window: Process, screen: Screen, tmp_path: Path, number: signal.Signals
+) -> None:
+    screen.tool("key", "ctrl+r")
+    recordings = tmp_path / "recordings"
+    until(
+        lambda: any(file.stat().st_size > BEGUN for file in recordings.glob("*.rrd")), "it records", START_S
+    )
+    (recorder,) = children(window)
+    began_s = time.monotonic()
+    window.send(number)
+    assert window.wait(END_S + 5) == 0
+    assert time.monotonic() - began_s < END_S
+    assert not Path(f"/proc/{recorder}").exists(), "the recorder has ended"
+    assert not [line for line in window.lines if line != "ready window"], "it complained"
+    (file,) = recordings.glob("*.rrd")
+    assert set(read(file).robots) == {("bea", "sim"), ("bea", "hw")}
+
+
+def children(process: Process) -> list[int]:
+    """Numbers of the child processes."""
+    listings = Path(f"/proc/{process.pid}/task").glob("*/children")
+    return [int(number) for listing in listings for number in listing.read_text().split()]

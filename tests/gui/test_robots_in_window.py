@@ -1,0 +1,314 @@
+"""Every control of the window, pressed by mouse and keys; the robots show the effect."""
+
+from __future__ import annotations
+
+import pytest
+from PyQt5.QtCore import QPointF, Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QLabel
+from stage import Stage
+from windowed import HOME, Windowed, near
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import Fault
+from beatrix_zenoh.client.readings import arm_angles
+from gui.state.intents import ARMS
+
+pytestmark = [
+    pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
+    pytest.mark.no_cover,  # the tests of window, link and bridge cover the same code
+]
+
+
+def turned(**arms: float) -> tuple[float, float, float]:
+    """Angles of short, middle and long arm; those that are not named are at home."""
+    by_all = arms.get("all", 0.0)
+    return arms.get("short", by_all), arms.get("middle", by_all), arms.get("long", by_all)
+
+
+# -- arms -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("twins", [("sim",), ("hw",)], ids="-".join)
+def test_plus_and_minus_turn_arms_of_the_checked_robots_only(
+    user: Windowed, robots: dict[str, Robot], twins: tuple[str, ...]
+) -> None:
+    user.send_to(*twins)
+    resting = [robot for twin, robot in robots.items() if twin not in twins]
+    for arm, row in user.window.panels.arms.rows.items():
+        user.press(row.plus)
+        for twin in twins:
+            user.until_at(robots[twin], *turned(**{arm: 5.0}))
+        assert all(near(robot.positions().arms, HOME) for robot in resting)
+        user.until_last("done")
+        user.press(row.minus)
+        for twin in twins:
+            user.until_at(robots[twin], *HOME)
+        user.until_last("done")
+
+
+def test_absolute_mode_goes_to_the_increment_on_either_side(user: Windowed, sim: Robot) -> None:
+    arms = user.window.panels.arms
+    user.send_to("sim")
+    user.check(arms.absolute)
+    for _ in range(2):  # the second press changes nothing: it is there
+        user.press(arms.rows["long"].plus)
+        user.until_at(sim, 0, 0, 5)
+        user.until_last("done")
+    user.press(arms.rows["long"].minus)
+    user.until_at(sim, 0, 0, -5)
+    user.press(arms.rows["all"].plus)
+    user.until_at(sim, 5, 5, 5)
+    user.check(arms.relative)
+    user.press(arms.rows["all"].plus)
+    user.until_at(sim, 10, 10, 10)
+
+
+def test_sliders_change_distance_and_speed(user: Windowed, hw: Robot) -> None:
+    arms = user.window.panels.arms
+    user.send_to("hw")
+    for slider, presses in ((arms.increment.slider, 3), (arms.speed.slider, -6)):
+        slider.setFocus()
+        user.until(slider.hasFocus, "the slider has the focus")
+        for _ in range(abs(presses)):
+            user.key(Qt.Key.Key_PageUp if presses > 0 else Qt.Key.Key_PageDown)
+    assert (arms.increment.box.value(), arms.speed.box.value()) == (20.0, 50.0)
+    assert fastest(user, hw, (20, 20, 20)) == pytest.approx(50, abs=1)
+    user.type_number(arms.speed.box, 25)
+    user.type_number(arms.increment.box, 10)
+    assert (arms.increment.slider.value(), arms.speed.slider.value()) == (100, 250)
+    assert fastest(user, hw, (30, 30, 30)) == pytest.approx(25, abs=1)
+
+
+def fastest(user: Windowed, robot: Robot, goal: tuple[float, float, float]) -> float:
+    """Press + of all arms; the top speed (deg/s) that the robot reports on its way."""
+    with robot.positions_stream() as stream:
+        user.press(user.window.panels.arms.rows["all"].plus)
+        user.until_at(robot, *goal)
+        return max(arm_angles(sample.velocity).long for sample in stream.take())
+
+
+def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robot]) -> None:
+    panels = user.window.panels
+    for arm in ("short", "short", "middle", "long"):
+        user.press(panels.arms.rows[arm].plus)
+        user.until_last("done")
+    for twin, robot in robots.items():
+        at = robot.positions()
+        shown = {getattr(panels.arms.rows[arm], twin): getattr(at.arms, arm) for arm in ARMS}
+        shown |= {
+            panels.head.numbers[twin, axis]: getattr(at.head, axis) for axis in ("yaw", "pitch", "roll")
+        }
+        assert len({round(angle) for angle in shown.values()}) > 3, (
+            "they differ, so that none stands for another"
+        )
+        user.until(
+            lambda shown=shown: all(shows(label, angle) for label, angle in shown.items()),  # type: ignore[misc]
+            f"{at}; shown: {[label.text() for label in shown]}",
+        )
+
+
+def shows(label: QLabel, angle: float) -> bool:
+    """Whether a label shows an angle (deg)."""
+    return label.text() != "–" and abs(float(label.text().rstrip("°")) - angle) < 0.2
+
+
+# -- commands -------------------------------------------------------------------------------------
+
+
+def test_commands_of_both_robots(user: Windowed, robots: dict[str, Robot]) -> None:
+    panels, buttons = user.window.panels, user.window.panels.commands.buttons
+    user.press(panels.arms.rows["all"].plus)
+    user.until_last("done")
+    user.press(buttons["home"])
+    for robot in robots.values():
+        user.until_at(robot, *HOME)
+    user.until_last("home done")
+    user.press(buttons["disable"])
+    assert "sinks" in panels.refusal.text.text(), "it asks before it does what cannot be undone"
+    assert all(robot.status().enabled for robot in robots.values())
+    user.press(buttons["disable"])
+    user.until_last("disable done")
+    assert not any(robot.status().enabled for robot in robots.values())
+    user.until(lambda: "motors off" in panels.header.pills["hw"].state.text(), "it says so")
+    user.press(buttons["enable"])
+    user.until_last("enable done")
+    assert all(robot.status().enabled and not robot.status().calibrated for robot in robots.values())
+    user.press(buttons["calibrate"])
+    user.until_last("calibrate done")
+    assert all(robot.status().calibrated for robot in robots.values())
+    user.until_ready("sim", "hw")
+
+
+# -- STOP -----------------------------------------------------------------------------------------
+
+
+def stop_by_mouse(user: Windowed) -> None:
+    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)  # not released yet
+
+
+def stop_in_a_box(user: Windowed) -> None:
+    box = user.window.panels.sending.lead
+    box.setFocus()
+    user.until(box.hasFocus, "the box has the focus")
+    user.key(Qt.Key.Key_Space)
+
+
+def stop_in_a_name(user: Windowed) -> None:
+    poses = user.window.panels.poses
+    user.window.panels.side.setCurrentWidget(poses)
+    poses.name.setFocus()
+    user.until(poses.name.hasFocus, "the name has the focus")
+    user.key(Qt.Key.Key_Escape)
+
+
+def stop_in_a_popup(user: Windowed) -> None:
+    user.window.panels.header.robots.showPopup()
+    user.until(lambda: QApplication.activePopupWidget() is not None, "the list is open")
+    user.key(Qt.Key.Key_Space)
+
+
+def test_stop_stops_both_while_they_move(user: Windowed, sim: Robot, hw: Robot) -> None:
+    panels, way = user.window.panels, 1
+    user.type_number(panels.arms.speed.box, 30)
+    user.type_number(panels.arms.increment.box, 60)
+    user.check(panels.arms.absolute)
+    for stop in (stop_by_mouse, stop_in_a_box, stop_in_a_name, stop_in_a_popup):
+        rows = panels.arms.rows["all"]
+        user.press(rows.plus if way > 0 else rows.minus)
+        user.until(lambda: sim.status().moving and hw.status().moving, "both move")
+        stop(user)
+        user.until(lambda: not (sim.status().moving or hw.status().moving), "both rest")
+        user.until_last("stop done", "both")
+        assert all(abs(robot.positions().arms.long - way * 60) > 5 for robot in (sim, hw)), "they went on"
+        QTest.mouseRelease(panels.stop_bar, Qt.MouseButton.LeftButton)
+        way = -way
+
+
+# -- head -----------------------------------------------------------------------------------------
+
+
+def aim(user: Windowed, pitch: float, roll: float) -> None:
+    """Drag the circle of the pad."""
+    pad = user.window.panels.head.pad
+    view = pad._view
+    assert view is not None
+    start = pad.tilt_point(view.target, view.tilt_max).toPoint()
+    scale = pad._disc / (view.tilt_max * 1.2)
+    goal = (QPointF(pad.width() / 2, pad.height() / 2) + QPointF(roll, pitch) * scale).toPoint()
+    user.drag(pad, start, goal)
+
+
+def test_the_pad_is_dragged_and_sent(user: Windowed, sim: Robot, hw: Robot) -> None:
+    head = user.window.panels.head
+    aim(user, 12.0, -8.0)
+    target = head.pad._view.target if head.pad._view else None
+    assert target is not None
+    assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
+    assert near(sim.positions().arms, HOME), "nothing was sent yet"
+    user.press(head.send)
+    user.until_last("look", "done")
+    for robot in (sim, hw):
+        at = robot.positions().head
+        assert (at.yaw, at.pitch, at.roll) == pytest.approx((0, target.pitch, target.roll), abs=0.25)
+
+
+def test_the_pad_by_keys(user: Windowed, sim: Robot) -> None:
+    user.send_to("sim")
+    pad = user.window.panels.head.pad
+    pad.setFocus()
+    user.until(pad.hasFocus, "the pad has the focus")
+    shift = Qt.KeyboardModifier.ShiftModifier
+    for key, modifier in (
+        (Qt.Key.Key_Down, shift),
+        (Qt.Key.Key_Up, Qt.KeyboardModifier.NoModifier),
+        (Qt.Key.Key_Right, shift),
+        (Qt.Key.Key_PageUp, shift),
+        (Qt.Key.Key_PageUp, shift),
+    ):
+        user.key(key, modifier)
+    assert near(sim.positions().arms, HOME)
+    user.key(Qt.Key.Key_Return)
+    user.until_last("look 10/4/5 done")
+    at = sim.positions().head
+    assert (at.yaw, at.pitch, at.roll) == pytest.approx((10, 4, 5), abs=0.25)
+
+
+def test_a_refusal_at_the_pad_offers_an_alternative(user: Windowed, sim: Robot) -> None:
+    user.send_to("sim")
+    panels = user.window.panels
+    aim(user, 39.0, 0.0)
+    user.press(panels.head.send)
+    user.until(panels.refusal.isVisible, "the refusal")
+    assert "at most 35.0° is allowed" in panels.refusal.text.text()
+    assert near(sim.positions().arms, HOME)
+    user.press(panels.refusal.alternative)
+    user.until_last("done")
+    assert not panels.refusal.isVisible()
+    assert sim.positions().head.pitch == pytest.approx(35, abs=0.5)
+
+
+# -- lead -----------------------------------------------------------------------------------------
+
+
+def leading(user: Windowed, sim: Robot) -> None:
+    """Send a motion whose lead is a minute, and wait until the simulation is there."""
+    panels = user.window.panels
+    user.type_number(panels.sending.lead, 60)
+    user.press(panels.arms.rows["all"].plus)
+    user.until_at(sim, 5, 5, 5)
+    assert "follows in 5" in panels.sending.countdown.text(), panels.sending.countdown.text()
+
+
+def test_send_now(user: Windowed, sim: Robot, hw: Robot) -> None:
+    leading(user, sim)
+    assert near(hw.positions().arms, HOME)
+    user.press(user.window.panels.sending.send_now)
+    user.until_at(hw, 5, 5, 5)
+    user.until_last("done")
+    assert not user.window.panels.sending.countdown.text()
+
+
+@pytest.mark.parametrize("name", ["change", "abort"])
+def test_during_the_lead_the_hardware_can_be_kept_unmoved(
+    user: Windowed, sim: Robot, hw: Robot, name: str
+) -> None:
+    leading(user, sim)
+    before = hw.positions().commanded
+    user.press(getattr(user.window.panels.sending, name))
+    user.until(lambda: not user.window.panels.sending.countdown.text(), "nothing waits")
+    user.until_ready("sim", "hw")
+    assert hw.positions().commanded == before == HOME
+    shown = user.window.panels.head.pad._view
+    assert shown is not None
+    assert shown.sim is not None
+    there = 5 if name == "change" else shown.sim.yaw
+    assert shown.target.yaw == pytest.approx(there, abs=0.2)
+
+
+def test_the_hardware_follows_after_the_lead(user: Windowed, sim: Robot, hw: Robot) -> None:
+    panels = user.window.panels
+    user.type_number(panels.sending.lead, 2)
+    user.press(panels.arms.rows["all"].plus)
+    user.until(lambda: sim.positions().arms.long > 1, "the simulation moves")
+    assert hw.positions().commanded == HOME
+    user.until_at(hw, 5, 5, 5)
+
+
+def test_the_next_steps_of_a_pill_make_the_robot_ready(
+    user: Windowed, stage: Stage, sim: Robot, hw: Robot
+) -> None:
+    pills = user.window.panels.header.pills
+    stage.robot("bea", "sim", "eve").emergency_stop()
+    hw.disable()
+    user.until(lambda: "emergency" in pills["sim"].state.text(), "the window shows the emergency stop")
+    assert sim.status().fault is Fault.EMERGENCY
+    user.press(user.window.panels.commands.buttons["reset"])
+    user.until(lambda: pills["sim"].next_step.text() == "Make ready", "the next step")
+    assert not sim.status().enabled
+    user.press(pills["sim"].next_step)
+    for text in ("Enable", "Calibrate"):
+        user.until(lambda text=text: pills["hw"].next_step.text() == text, text)  # type: ignore[misc]
+        user.press(pills["hw"].next_step)
+    user.until_ready("sim", "hw")
+    assert all(robot.status().calibrated for robot in (sim, hw))

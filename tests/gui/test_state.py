@@ -1,0 +1,312 @@
+"""The actions of intents, and the resulting views."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from worlds import (
+    BOTH,
+    NOT_SIM,
+    NOWHERE,
+    absent,
+    accept,
+    arms_of,
+    robot,
+    sent,
+    state_after,
+    status,
+    vector,
+    world,
+)
+
+from beatrix_zenoh._generated.messages import (
+    CameraStatus,
+    Command,
+    PoseQuery,
+)
+from gui.state import intents
+from gui.state.actions import (
+    BeginRecording,
+    EndRecording,
+    Ready,
+    Select,
+    SendCommand,
+    StopBoth,
+    ViewRecording,
+    WatchCameras,
+)
+from gui.state.intents import Jog, RunCommand, SetDestination, Tab
+from gui.state.state import State
+from gui.state.views import ButtonView, View
+from gui.state.world import LinkPhase, RecordingProgress, World
+
+
+def motion_buttons(view: View) -> list[ButtonView]:
+    rows = [button for row in view.arms.rows for button in (row.minus, row.plus)]
+    return [
+        *rows,
+        view.head.send,
+        view.commands.home,
+        view.commands.undo,
+        view.poses.go,
+        view.poses.play_file,
+    ]
+
+
+# -- modes -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("relative", "arm", "sign", "goal"),
+    [
+        (True, "short", 1, (5, 0, 0)),
+        (True, "long", -1, (0, 0, -5)),
+        (True, "all", 1, (5, 5, 5)),
+        (False, "short", 1, (5, -20, 30)),
+        (False, "middle", -1, (10, -5, 30)),
+        (False, "all", -1, (-5, -5, -5)),
+    ],
+)
+def test_plus_and_minus_turn_by_or_to_the_increment(
+    relative: bool, arm: str, sign: int, goal: tuple[int, ...]
+) -> None:
+    now = world(robot("sim", arms=(10, -20, 30)))
+    send = sent(state_after(intents.SetRelative(relative)).handle(Jog(arm, sign), now))
+    assert arms_of(send) == goal
+    assert send.query.absolute is not relative
+    assert send.twins == ("sim",)
+
+
+def test_a_tooltip_shows_the_effect_before_it_is_sent() -> None:
+    now = world(robot("sim", arms=(12, 0, 0)))
+    rows = state_after().view(now).arms.rows
+    assert rows[0].plus.tooltip == "Short arm: 12.0° → 17.0°"
+    assert rows[3].plus.tooltip == "All arms: by +5.0° from the present position"
+    rows = state_after(intents.SetRelative(False), intents.SetIncrement(8.0)).view(now).arms.rows
+    assert rows[0].minus.tooltip == "Short arm: 12.0° → -8.0°"
+    assert rows[3].minus.tooltip == "All arms: to -8.0°"
+
+
+def test_sliders_set_increment_and_speed() -> None:
+    state = state_after(intents.SetIncrement(2.5), intents.SetSpeed(60.0))
+    jog = sent(state.handle(Jog("middle", 1), world()))
+    assert arms_of(jog) == (0, 2.5, 0)
+    assert jog.query.speed == vector(60, 60, 60)
+    state.handle(intents.AimHead(20, -10, 5), world())
+    look = sent(state.handle(intents.SendHead(), world())).query
+    assert isinstance(look, PoseQuery)
+    assert look == PoseQuery(
+        yaw=math.radians(20), pitch=math.radians(-10), roll=math.radians(5), speed=math.radians(60)
+    )
+
+
+def test_angles_of_both_robots_stand_side_by_side() -> None:
+    now = world(robot("sim", arms=(12, 0, 0)), robot("hw", arms=(12.14, 0, 0)))
+    row = State().view(now).arms.rows[0]
+    assert (row.sim, row.hw, row.difference, row.axis) == ("12.0°", "12.1°", "+0.1°", "x")
+    row = State().view(world(hw=absent("hw"))).arms.rows[0]
+    assert (row.sim, row.hw, row.difference) == ("0.0°", "–", "")
+
+
+def test_limits_are_those_of_the_robot_as_it_ships_until_it_reports_its_own() -> None:
+    view = State().view(world())
+    assert (view.head.tilt_max, view.head.yaw_max, view.arms.speed_max, view.arms.speed) == (35, 180, 90, 30)
+
+
+# -- where to ----------------------------------------------------------------------------------------
+
+
+def test_both_boxes_send_one_motion_with_the_lead() -> None:
+    state = state_after(BOTH)
+    send = sent(state.handle(Jog("all", 1), world()))
+    assert (send.twins, send.lead_s) == (("sim", "hw"), 2.0)
+    state.handle(intents.SetLead(0.0), world())
+    assert sent(state.handle(intents.SendHead(), world())).lead_s == 0.0
+    state.handle(NOT_SIM, world())
+    send = sent(state.handle(intents.SendHead(), world()))
+    assert (send.twins, send.lead_s) == (("hw",), 0.0)
+
+
+def test_home_is_a_motion_that_the_hardware_makes_with_the_lead() -> None:
+    send = sent(state_after(BOTH).handle(RunCommand(Command.HOME), world()))
+    assert arms_of(send) == (0, 0, 0)
+    assert send.lead_s == 2.0
+
+
+def test_commands_go_to_the_checked_robots_or_to_the_one_that_is_named() -> None:
+    state = state_after(BOTH)
+    (both,) = state.handle(RunCommand(Command.ENABLE, value=False), world())
+    assert isinstance(both, SendCommand)
+    assert (both.twins, both.value) == (("sim", "hw"), False)
+    (one,) = state.handle(RunCommand(Command.RESET, twin="sim"), world())
+    assert isinstance(one, SendCommand)
+    assert one.twins == ("sim",)
+    assert state.handle(intents.MakeReady("hw"), world()) == [Ready(3, "hw")]
+
+
+def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> None:
+    state = state_after(NOT_SIM)
+    for button in motion_buttons(state.view(world())):
+        assert not button.enabled
+        assert "Check Simulation, Hardware or both" in button.tooltip
+    assert state.handle(Jog("short", 1), world()) == []
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert (refusal.place, refusal.text.split(":")[0]) == (
+        "short",
+        "Check Simulation, Hardware or both first",
+    )
+    state.handle(SetDestination("sim", checked=True), world())
+    assert state.view(world()).arms.refusal is None
+
+
+@pytest.mark.parametrize(
+    ("now", "text"),
+    [
+        (world(phase=LinkPhase.NO_ROUTER), "no router answers at tcp/127.0.0.1:7447"),
+        (NOWHERE, "the simulation of bea1 is not on line"),
+    ],
+)
+def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World, text: str) -> None:
+    state = State()
+    assert state.handle(intents.SendHead(), now) == []
+    refusal = state.view(now).head.refusal
+    assert refusal is not None
+    assert text in refusal.text
+    assert refusal.alternative is None
+    assert state.view(now).arms.refusal is None
+    state.handle(intents.DismissRefusal(), now)
+    assert state.view(now).head.refusal is None
+
+
+def test_an_absolute_jog_needs_the_other_arms() -> None:
+    now = world(robot("sim", arms=None))
+    state = state_after(intents.SetRelative(False))
+    assert state.handle(Jog("short", 1), now) == []
+    refusal = state.view(now).arms.refusal
+    assert refusal is not None
+    assert "no positions arrive" in refusal.text
+    assert arms_of(sent(state.handle(Jog("all", 1), now))) == (5, 5, 5)
+
+
+def test_limits_are_checked_by_the_robot_not_by_the_window() -> None:
+    off = world(robot("sim", known=status("sim", enabled=False)))
+    assert sent(state_after(intents.AimHead(0, 80, 0)).handle(intents.SendHead(), off)).twins == ("sim",)
+
+
+def test_a_number_outside_the_range_of_the_message_is_refused() -> None:
+    state = state_after(intents.SetSpeed(1e300))
+    assert state.handle(intents.SendHead(), world()) == []
+    refusal = state.view(world()).head.refusal
+    assert refusal is not None
+    assert "speed" in refusal.text
+
+
+# -- stop --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("now", [world(), NOWHERE, world(phase=LinkPhase.NO_ROUTER)])
+def test_stop_goes_to_both_robots_always(now: World) -> None:
+    assert state_after(NOT_SIM).handle(intents.Stop(), now) == [StopBoth(1)]
+    assert state_after().view(now).stop.enabled
+
+
+# -- window ------------------------------------------------------------------------------------------
+
+
+EYES = frozenset((twin, eye) for twin in ("sim", "hw") for eye in ("left", "right"))
+
+
+def test_only_visible_pictures_are_subscribed_to() -> None:
+    state = State()
+    outside = frozenset({("sim", "outside")})
+    assert state.begin() == [WatchCameras(outside)]
+    assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(outside)]
+    assert [(eye.twin, eye.eye) for eye in state.view(world()).eyes if eye.watched] == [("sim", "outside")]
+    assert state.handle(intents.ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
+    assert state.view(world()).tab is Tab.EYES
+    assert state.handle(intents.SetCameras(on=True), world()) == [WatchCameras(EYES)]
+    watched = {(eye.twin, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
+    assert watched == {("sim", "left"), ("sim", "right")}
+    assert state.handle(intents.SetCameras(on=False), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.ShowTab(Tab.PLOTS), world()) == [WatchCameras(frozenset())]
+
+
+def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "") -> CameraStatus:
+    return CameraStatus(
+        eye="left",
+        connected=connected,
+        streaming=streaming,
+        hz=15.0,
+        width=640,
+        height=480,
+        source="v4l2",
+        trouble=trouble,
+    )
+
+
+@pytest.mark.parametrize(
+    ("cameras", "left", "outside"),
+    [
+        ((), "This robot has no camera for this eye.", "This simulation draws no pictures."),
+        ((camera(),), "", ""),
+        ((camera(trouble="Coarse pictures."),), "", ""),
+        ((camera(streaming=False),), "The window waits for pictures.", ""),
+        ((camera(connected=False, streaming=False),), "The camera is not connected.", ""),
+        ((camera(connected=False, streaming=False, trouble="In use."),), "In use.", "In use."),
+    ],
+)
+def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str, outside: str) -> None:
+    now = world(robot("sim", known=status("sim", cameras=cameras)), absent("hw"))
+    state = state_after(intents.SetCameras(on=True))
+    found = {(eye.twin, eye.eye): eye.text for eye in state.view(now).eyes}
+    assert found["sim", "left"].startswith(left)
+    assert bool(found["sim", "left"]) is bool(left)
+    assert found["sim", "outside"].startswith(outside)
+    assert bool(found["sim", "outside"]) is bool(outside)
+    assert found["hw", "left"].startswith("The hardware is not on line.")
+    assert {eye.text for eye in State().view(world()).eyes if eye.eye != "outside"} == {
+        "The eye cameras are off. Check Eye cameras."
+    }
+
+
+def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> None:
+    failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble="There is no mujoco.")
+    banner = State().view(failed).banner
+    assert banner is not None
+    assert banner.text.startswith("There is no mujoco. No robot is on line.")
+    assert State().view(failed).last == "A program of this window has failed: There is no mujoco."
+
+
+def test_a_recording_is_begun_ended_and_opened() -> None:
+    file, state = Path("a.rrd"), State()
+    assert state.handle(intents.ToggleRecording(), world()) == [BeginRecording()]
+    running = world(recording=RecordingProgress(file, running=True, seconds=72.6))
+    assert state.view(running).record.text == "1:12"
+    assert state.handle(intents.ToggleRecording(), running) == [EndRecording()]
+    assert state.handle(intents.OpenRecording(), running) == []
+    ending = world(recording=RecordingProgress(file, running=True, seconds=72.6, ending=True))
+    assert not State().view(ending).record.toggle.enabled
+    assert state.handle(intents.ToggleRecording(), ending) == []
+    ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble="The disk is full."))
+    assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
+    assert state.view(ended).last == "The recording ended by itself: The disk is full."
+    state.handle(intents.Stop(), ended)
+    assert state.view(ended).last == "last: stop sent, both"
+
+
+def test_another_robot_is_chosen() -> None:
+    state = state_after(Jog("short", 1))
+    accept(state, 1)
+    now = world(names=("bea2", "bea1"))
+    assert state.view(now).robots == ("bea1", "bea2")
+    assert state.handle(intents.ChooseRobot("bea2"), now) == [Select("bea2")]
+    assert not state.view(now).commands.undo.enabled
+
+
+def test_only_disabling_the_hardware_has_a_question() -> None:
+    assert state_after().view(world()).commands.disable.question == ""
+    assert "sinks" in state_after(BOTH).view(world()).commands.disable.question

@@ -1,0 +1,350 @@
+"""The history: own requests, those of other seats, and the same as Python and as a command line."""
+
+from __future__ import annotations
+
+import shlex
+from itertools import count
+from pathlib import Path
+from typing import Any
+from unittest.mock import MagicMock, create_autospec
+
+import pytest
+import typer.main
+from worlds import robot, status, world
+
+from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
+from beatrix_zenoh.cli.verbs import application
+from beatrix_zenoh.client import Plan, Robot, Twin
+from beatrix_zenoh.client.choreography import Choreography, choreography
+from beatrix_zenoh.client.motion_file import parse
+from beatrix_zenoh.refusals import not_enabled
+from gui.state import intents
+from gui.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.state.intents import Intent, Jog, RunCommand, SetDestination
+from gui.state.state import State
+from gui.state.views import HistoryRowView
+from gui.state.world import World
+
+BOTH = SetDestination("hw", checked=True)
+HW_ONLY = (BOTH, SetDestination("sim", checked=False))
+LOOK = (intents.AimHead(20, -10, 0), intents.SendHead())
+SEQ = count(1)
+
+
+def newest(*given: Intent, now: World | None = None) -> HistoryRowView:
+    state, now = State(), now or world()
+    for intent in given:
+        state.handle(intent, now)
+    return state.view(now).history[0]
+
+
+# -- own rows ----------------------------------------------------------------------------------------
+
+
+def test_a_row_follows_its_motion_to_its_end() -> None:
+    state, now = State(), world()
+    for intent in (BOTH, *LOOK):
+        state.handle(intent, now)
+    row = state.view(now).history[0]
+    assert (row.who, row.what, row.result, row.good) == ("you", "look 20/-10/0", "sent", None)
+    state.report(Outcome(1, "", accepted=True, done=False, duration_s=1.2))
+    row = state.view(now).history[0]
+    assert (row.result, row.good) == ("under way, takes 1.2 s", None)
+    state.report(Outcome(1, "", accepted=True, done=True, duration_s=1.21))
+    view = state.view(now)
+    assert (view.history[0].result, view.history[0].good) == ("done, 1.2 s", True)
+    assert view.last == "last: look 20/-10/0 done, 1.2 s, both"
+
+
+def test_a_row_ends_when_every_robot_has_ended() -> None:
+    state, now = State(), world()
+    for intent in (BOTH, RunCommand(Command.CALIBRATE)):
+        state.handle(intent, now)
+    state.report(Outcome(1, "sim", accepted=True, done=True))
+    assert state.view(now).history[0].good is None
+    state.report(
+        Outcome(1, "hw", accepted=False, done=True, reason=Reason.NOT_ENABLED, detail=not_enabled().detail)
+    )
+    row = state.view(now).history[0]
+    assert row.good is False
+    assert row.result.startswith("refused: Hardware: The motors are off.")
+
+
+def test_an_outcome_of_a_dropped_row_is_ignored() -> None:
+    state = State()
+    state.report(Outcome(99, "sim", accepted=True, done=True))
+    assert state.view(world()).history == ()
+
+
+def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
+    state = State()
+    (first,) = state.handle(Jog("short", 1), world())
+    state.handle(BOTH, world())
+    (again,) = state.handle(intents.Repeat(1), world())
+    assert isinstance(first, Send)
+    assert isinstance(again, Send)
+    assert (again.row, again.query, again.twins, again.lead_s) == (2, first.query, ("sim", "hw"), 2.0)
+    state.handle(RunCommand(Command.RESET, twin="sim"), world())
+    (reset,) = state.handle(intents.Repeat(3), world())
+    assert reset == SendCommand(4, Command.RESET, value=True, twins=("sim",))
+    assert state.handle(intents.Repeat(77), world()) == []
+    refusal = state.view(world()).commands.refusal
+    assert refusal is not None
+
+
+def test_the_history_is_german_with_a_decimal_comma() -> None:
+    state, now = State(), world()
+    for intent in (intents.SetIncrement(2.5), Jog("short", -1), intents.SetLanguage("de")):
+        state.handle(intent, now)
+    state.report(Outcome(1, "sim", accepted=True, done=True, duration_s=0.5))
+    row = state.view(now).history[0]
+    assert (row.who, row.what, row.result) == ("du", "Arme um -2,5/0/0 (Simulation)", "fertig, 0,5 s")
+    assert row.python == "twin.sim.move(-2.5, 0, 0, relative=True, speed=30)"
+    assert state.view(now).last == "zuletzt: Arme um -2,5/0/0 fertig, 0,5 s, Simulation"
+
+
+# -- lines -------------------------------------------------------------------------------------------
+
+LINES: list[tuple[tuple[Intent, ...], str, str]] = [
+    (
+        (BOTH, *LOOK),
+        "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit(lead_s=2)",
+        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on both --lead 2",
+    ),
+    (
+        (BOTH, intents.SetLead(0), *LOOK),
+        "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit()",
+        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on both",
+    ),
+    (
+        (BOTH, intents.SetLead(0.5), Jog("all", -1)),
+        "twin.preview_arms(-5, -5, -5, speed=30).commit(lead_s=0.5)",
+        "beatrix move -5 -5 -5 --speed 30 --on both --lead 0.5",
+    ),
+    (
+        (*HW_ONLY, *LOOK),
+        "twin.hw.look(yaw=20, pitch=-10, roll=0, speed=30)",
+        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on hw",
+    ),
+    (
+        (intents.SetRelative(False), intents.SetIncrement(2.345), Jog("middle", -1)),
+        "twin.sim.move(0, -2.345, 0, speed=30)",
+        "beatrix move 0 -2.345 0 --speed 30 --on sim",
+    ),
+    ((RunCommand(Command.ENABLE),), "twin.sim.enable()", "beatrix enable --on sim"),
+    ((BOTH, RunCommand(Command.ENABLE, value=False)), "twin.disable()", "beatrix disable --on both"),
+    ((BOTH, RunCommand(Command.CALIBRATE)), "twin.calibrate()", "beatrix calibrate --on both"),
+    ((RunCommand(Command.RESET, twin="hw"),), "twin.hw.reset()", "beatrix reset --on hw"),
+    ((intents.Stop(),), "twin.stop()", "beatrix stop"),
+    (
+        (intents.MakeReady("hw"),),
+        "twin.hw.make_ready()",
+        "beatrix enable --on hw && beatrix calibrate --on hw",
+    ),
+    (
+        (BOTH, intents.PlayFile(Path("my greeting.csv"))),
+        "play(twin, load('my greeting.csv'), lead_s=2)",
+        "beatrix play 'my greeting.csv' --on both --lead 2",
+    ),
+]
+
+
+@pytest.mark.parametrize(("given", "python", "line"), LINES)
+def test_a_row_is_copied_as_python_and_as_a_command_line(
+    given: tuple[Intent, ...], python: str, line: str
+) -> None:
+    row = newest(*given)
+    assert (row.python, row.command_line) == (python, line)
+
+
+def specified_twin() -> MagicMock:
+    """A Twin that accepts only the calls that a real one has, with the arguments that it takes."""
+    twin: MagicMock = create_autospec(Twin, instance=True)
+    twin.sim, twin.hw = create_autospec(Robot, instance=True), create_autospec(Robot, instance=True)
+    for preview in (twin.preview, twin.preview_arms):
+        preview.return_value = create_autospec(Plan, instance=True)
+    return twin
+
+
+@pytest.mark.parametrize("python", [python for _, python, _ in LINES])
+def test_the_python_is_a_call_that_the_sdk_has(python: str) -> None:
+    twin, play, load = specified_twin(), MagicMock(), MagicMock()
+    eval(compile(python, "history", "eval"), {"twin": twin, "play": play, "load": load})
+    assert twin.mock_calls or twin.sim.mock_calls or twin.hw.mock_calls or play.mock_calls
+
+
+@pytest.mark.parametrize("line", [line for _, _, line in LINES])
+def test_the_command_line_is_one_that_beatrix_parses(line: str) -> None:
+    for part in line.split(" && "):
+        program, *words = shlex.split(part)
+        assert program == "beatrix"
+        assert parsed(words)
+
+
+def parsed(words: list[str]) -> dict[str, Any]:
+    """Parameters of the verb as typer reads them; fails for wrong usage, and runs nothing."""
+    app = typer.main.get_command(application(words))
+    with app.make_context("beatrix", list(words)) as context:
+        name, verb, rest = app.resolve_command(context, words)  # type: ignore[attr-defined]
+        with verb.make_context(name, rest, parent=context) as inner:
+            assert inner.args == []
+            parameters: dict[str, Any] = inner.params
+            return parameters
+
+
+def test_the_command_line_sends_the_same_request() -> None:
+    words = shlex.split(newest(BOTH, *LOOK).command_line)[1:]
+    found = parsed(words)
+    assert (found["yaw"], found["pitch"], found["roll"], found["speed"], found["lead"]) == (20, -10, 0, 30, 2)
+    assert found["on"] == "both"
+
+
+def test_the_command_line_names_robot_and_router_if_they_are_not_the_defaults() -> None:
+    assert (
+        newest(intents.Stop(), now=world(names=("bea1", "bea2"))).command_line == "beatrix stop --name bea1"
+    )
+
+
+# -- other seats -------------------------------------------------------------------------------------
+
+
+def event(
+    at_s: float,
+    action: str = "pose",
+    *,
+    kind: EventKind = EventKind.MOTION,
+    seat: str = "ana",
+    phase: Phase | None = Phase.ACCEPTED,
+    reason: Reason = Reason.OK,
+    motion: int = 1,
+    detail: Detail | None = None,
+    session: str = "",
+    times: int = 1,
+) -> Event:
+    return Event(
+        seq=next(SEQ),
+        t_mono_ns=int(at_s * 1e9),
+        t_wall_ns=int(at_s * 1e9),
+        kind=kind,
+        action=action,
+        seat=seat,
+        session=session,
+        phase=phase,
+        reason=reason,
+        motion=motion,
+        duration=1.2,
+        detail=detail,
+        count=times,
+    )
+
+
+def rows(*sim: Event, hw: tuple[Event, ...] = ()) -> list[tuple[str, str, str, bool | None]]:
+    now = world(robot("sim", known=status("sim"), events=sim), robot("hw", events=hw))
+    return [(row.who, row.what, row.result, row.good) for row in State().view(now).history]
+
+
+def test_a_motion_of_another_seat_is_one_row_from_accepted_to_done() -> None:
+    begun = event(10)
+    assert rows(begun) == [("ana", "look", "under way, takes 1.2 s", None)]
+    assert rows(begun, event(11.2, phase=Phase.DONE)) == [("ana", "look", "done, 1.2 s", True)]
+
+
+def test_both_robots_are_one_row_which_ends_with_the_later() -> None:
+    sim = (event(10, motion=7), event(11.2, phase=Phase.DONE, motion=7))
+    assert rows(*sim, hw=(event(12, motion=3),)) == [("ana", "look", "under way, takes 1.2 s", None)]
+    hw = (event(12, motion=3), event(13.2, phase=Phase.DONE, motion=3))
+    assert rows(*sim, hw=hw) == [("ana", "look", "done, 1.2 s", True)]
+    failed = (event(12, motion=3), event(12.2, phase=Phase.DONE, motion=3, reason=Reason.STOPPED))
+    ((_, _, result, good),) = rows(*sim, hw=failed)
+    assert (result, good) == ("stopped", False)
+
+
+def test_a_stream_of_motions_is_one_row() -> None:
+    stream = [event(10 + 0.05 * number, motion=number) for number in range(1, 21)]
+    ends = [
+        event(10.06 + 0.05 * number, motion=number, phase=Phase.DONE, reason=Reason.REPLACED)
+        for number in range(1, 20)
+    ]
+    assert rows(*stream, *ends) == [("ana", "look (20 times)", "under way, takes 1.2 s", None)]
+    last = event(12, motion=20, phase=Phase.DONE)
+    assert rows(*stream, *ends, last) == [("ana", "look (20 times)", "done, 1.2 s", True)]
+
+
+def test_different_requests_have_rows_of_their_own_newest_first() -> None:
+    found = rows(
+        event(10, "motion"),
+        event(10.1, "STOP", kind=EventKind.STOP, phase=None, motion=0, seat="cem"),
+        event(10.2, "motion", phase=Phase.DONE, reason=Reason.STOPPED),
+        event(30, "motion", reason=Reason.NOT_ENABLED, detail=not_enabled().detail, motion=0),
+        event(60, "motion", motion=2),
+    )
+    assert [(who, what) for who, what, _, _ in found] == [
+        ("ana", "move"),
+        ("ana", "move"),
+        ("cem", "stop"),
+        ("ana", "move"),
+    ]
+    assert found[1][2].startswith("refused: The motors are off.")
+
+
+def test_a_row_counts_the_requests_that_an_event_counts() -> None:
+    assert rows(event(10, times=30)) == [("ana", "look (30 times)", "under way, takes 1.2 s", None)]
+
+
+def test_own_requests_are_not_shown_twice() -> None:
+    own = event(10, seat="ben", session="abc")
+    assert rows(own) == []
+    now = world(robot("sim", events=(own,)))
+    assert State().view(now).history == ()
+
+
+def test_own_and_other_rows_are_in_the_order_of_their_times() -> None:
+    state = State()
+    now = world(
+        robot("sim", events=(event(999_990), event(1_000_010, "STOP", kind=EventKind.STOP, phase=None)))
+    )
+    state.handle(Jog("short", 1), now)
+    assert [row.what for row in state.view(now).history] == ["stop", "move by +5/0/0 (simulation)", "look"]
+    assert [row.row for row in state.view(now).history] == [-1, 1, -1]
+
+
+# -- poses -------------------------------------------------------------------------------------------
+
+
+def test_poses_are_saved_sent_played_and_written() -> None:
+    state = State()
+    state.handle(intents.SavePose(" bow, low "), world(robot("sim", arms=(10, 20.5, -5))))
+    state.handle(intents.SavePose("up"), world())
+    assert state.view(world()).poses.names == ("bow, low", "up")
+    (go,) = state.handle(intents.GoToPose("bow, low"), world())
+    assert isinstance(go, Send)
+    assert go.query.absolute
+    (play,) = state.handle(intents.PlayPoses(), world())
+    assert isinstance(play, Play)
+    assert play.poses == ((10, 20.5, -5), (0, 0, 0))
+    (write,) = state.handle(intents.SaveChoreography(Path("bow.csv")), world())
+    assert isinstance(write, WriteFile)
+    found: Choreography = choreography(parse(write.text, "bow.csv"))
+    assert [(title, pose.at, pose.speed) for title, pose in found.steps] == [
+        ("bow, low", 0.0, 30.0),
+        ("up", pytest.approx(20.5 / 30 + 0.5, abs=1e-3), 30.0),
+    ]
+    state.handle(intents.DeletePose("up"), world())
+    assert [pose.name for pose in state.saved.poses] == ["bow, low"]
+
+
+def test_invalid_requests_about_poses_are_refused_with_a_reason() -> None:
+    unknown = world(robot("sim", arms=None), robot("hw", arms=None))
+    given: list[tuple[Intent, World, str]] = [
+        (intents.SavePose(" "), world(), "needs a name"),
+        (intents.SavePose("a"), unknown, "present angles are unknown"),
+        (intents.GoToPose("b"), world(), "no pose named 'b'"),
+        (intents.PlayPoses(), world(), "no saved poses"),
+        (intents.SaveChoreography(Path("a.csv")), world(), "no saved poses"),
+    ]
+    for intent, now, text in given:
+        state = State()
+        assert state.handle(intent, now) == []
+        refusal = state.view(now).commands.refusal
+        assert refusal is not None
+        assert text in refusal.text

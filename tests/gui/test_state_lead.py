@@ -1,0 +1,107 @@
+"""A motion of both robots: preview, countdown, and the buttons during the lead."""
+
+from __future__ import annotations
+
+import pytest
+from worlds import (
+    BOTH,
+    arms_of,
+    plan,
+    sent,
+    state_after,
+    world,
+)
+
+from beatrix_zenoh._generated.messages import (
+    Reason,
+)
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.readings import Path as MotionPath
+from gui.state import intents
+from gui.state.actions import (
+    AbortPlan,
+    Outcome,
+    SendPlanNow,
+)
+from gui.state.intents import Jog
+from gui.state.state import State
+from gui.state.views import Orientation
+from gui.state.world import PlanPhase, PlanProgress
+
+
+def test_the_countdown_is_shown_with_its_buttons() -> None:
+    view = state_after(BOTH).view(plan(PlanPhase.LEADING, 1.4)).sending
+    assert (view.title, view.countdown) == ("Possible, 1.2 s", "hardware follows in 1.4 s")
+    assert view.progress == pytest.approx(0.3)
+    assert [view.send_now.enabled, view.change.enabled, view.abort.enabled] == [True] * 3
+    view = state_after(BOTH).view(plan(PlanPhase.TRYING)).sending
+    assert [view.send_now.enabled, view.change.enabled, view.abort.enabled] == [False, True, True]
+    for now in (plan(PlanPhase.SENT), world()):
+        view = state_after(BOTH).view(now).sending
+        assert [view.send_now.enabled, view.change.enabled] == [False] * 2
+        assert view.abort.enabled is (now.plan is not None), "it stops both"
+        assert view.send_now.tooltip == "No motion waits for its lead."
+
+
+def test_a_verdict_that_warns_is_shown() -> None:
+    now = world(
+        plan=PlanProgress(PlanPhase.LEADING, "Possible: 1.2 s. The hardware stands 3.0° away.", 1.2, 2.0, 1.0)
+    )
+    assert State().view(now).sending.text == "The hardware stands 3.0° away."
+
+
+def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
+    waiting = plan(PlanPhase.LEADING, 1.0)
+    state = state_after(BOTH, intents.AimHead(20, 10, 0), intents.SendHead(), intents.AimHead(-50, 0, 0))
+    assert state.handle(intents.SendNow(), waiting) == [SendPlanNow()]
+    assert state.handle(intents.Abort(), waiting) == [AbortPlan()]
+    assert state.view(waiting).head.target.yaw == -50
+    assert state.handle(intents.Change(), waiting) == [AbortPlan()]
+    target = state.view(waiting).head.target
+    assert (round(target.yaw, 6), round(target.pitch, 6)) == (20, 10)
+    for intent in (intents.SendNow(), intents.Change(), intents.Abort()):
+        assert state.handle(intent, world()) == []
+
+
+def test_change_of_an_arm_motion_aims_at_the_end_of_its_path() -> None:
+    path = MotionPath([0.0, 1.0], [ArmAngles(0, 0, 0)] * 2, [HeadAngles(0, 0, 0), HeadAngles(1, 2, 3)])
+    state = state_after(BOTH, Jog("short", 1))
+    now = plan(PlanPhase.LEADING, 1.0, path)
+    state.handle(intents.Change(), now)
+    assert state.view(now).head.target == Orientation(1, 2, 3)
+    assert state.view(now).head.path[-1] == Orientation(1, 2, 3)
+
+
+def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    assert sent(state.handle(Jog("short", 1), plan(PlanPhase.LEADING, 1.0))).row == 2
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.REPLACED))
+    view = state.view(world())
+    assert view.arms.refusal is None
+    assert view.history[1].result == "replaced by a newer motion"
+
+
+def test_plus_in_the_lead_adds_to_the_goal_of_both() -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    leading = plan(PlanPhase.LEADING)
+    again = sent(state.handle(Jog("long", 1), leading))
+    assert again.twins == ("sim", "hw")
+    assert arms_of(again) == pytest.approx((5.0, 0.0, 5.0))
+    third = sent(state.handle(Jog("all", -1), leading))
+    assert arms_of(third) == pytest.approx((0.0, -5.0, 0.0))
+    assert third.query.absolute, "robots that stand apart come to one place"
+
+
+def test_abort_just_after_the_hardware_was_sent_its_motion_stops_both() -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    assert state.handle(intents.Abort(), plan(PlanPhase.SENT)) == [AbortPlan()]
+    assert state.handle(intents.Abort(), world()) == []
+
+
+def test_the_target_follows_the_head_until_the_user_aims() -> None:
+    state = state_after()
+    assert state.view(world()).head.target == state.view(world()).head.sim
+    state.handle(intents.AimHead(20, 10, 5), world())
+    assert state.view(world()).head.target == Orientation(20, 10, 5)
+    state.handle(Jog("short", 1), world())
+    assert state.view(world()).head.target == state.view(world()).head.sim, "an old aim is not kept"

@@ -1,0 +1,95 @@
+"""State and link with real robots: actions are carried out, and outcomes are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import pytest
+from linked import Linked
+from stage import Stage, until
+
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.twin import Twin
+from gui.state import intents
+from gui.state.intents import Intent, Jog, SetDestination
+from gui.state.state import State
+from gui.state.views import Condition, View
+
+
+@pytest.fixture
+def linked() -> Iterator[Linked]:
+    with Stage() as stage:
+        stage.simulation("bea")
+        stage.hardware("bea")
+        with Linked(stage.endpoint) as made:
+            made.on_line("sim", "hw")
+            yield made
+
+
+class BareWindow:
+    """A window without widgets."""
+
+    def __init__(self, linked: Linked) -> None:
+        self.linked, self.state, self.heard = linked, State(), 0
+
+    def view(self) -> View:
+        """Return the present view."""
+        while self.heard < len(self.linked.outcomes):
+            self.state.report(self.linked.outcomes[self.heard])
+            self.heard += 1
+        return self.state.view(self.linked.world)
+
+    def want(self, intent: Intent) -> None:
+        for action in self.state.handle(intent, self.linked.world):
+            self.linked.do(action)
+
+    def ends(self) -> bool:
+        """Wait for the end of the newest own request; return whether that is good."""
+        until(lambda: self.own() is not None, "the newest request ends", 15.0)
+        return bool(self.own())
+
+    def own(self) -> bool | None:
+        return next(row.good for row in self.view().history if row.row > 0)
+
+    def commanded(self, twin: str) -> ArmAngles:
+        reading = self.linked.world.twin(twin).reading
+        assert reading is not None
+        return reading.commanded
+
+
+def changed(window: BareWindow, number: int, condition: Condition) -> bool:
+    """Whether the pill of a robot shows another condition."""
+    return window.view().pills[number].condition is not condition
+
+
+def test_next_steps_motion_refusal_and_undo_with_both_robots(linked: Linked) -> None:
+    window = BareWindow(linked)
+    window.want(SetDestination("hw", checked=True))
+    for number in (0, 1):
+        while (pill := window.view().pills[number]).condition is not Condition.READY:
+            assert pill.next_step is not None, pill
+            window.want(pill.next_step.intent)
+            assert window.ends(), window.view().last
+            until(partial(changed, window, number, pill.condition), "the next step was made", 5.0)
+    window.want(intents.SetLead(0.3))
+    window.want(Jog("all", 1))
+    assert window.ends(), window.view().last
+    assert [round(angle, 1) for angle in window.commanded("hw")] == [5, 5, 5]
+    window.want(intents.AimHead(0, 60, 0))
+    window.want(intents.SendHead())
+    assert not window.ends()
+    refusal = window.view().head.refusal
+    assert refusal is not None
+    assert "60.0°" in refusal.text
+    assert refusal.alternative is not None
+    window.want(refusal.alternative.intent)
+    assert window.ends(), window.view().last
+    line = window.view().history[0].python
+    assert line.startswith("twin.preview(")
+    window.want(intents.Undo())
+    assert window.ends(), window.view().last
+    assert [round(angle, 1) for angle in window.commanded("hw")] == [5, 5, 5]
+    with Twin("bea", connect=linked.world.endpoint, who=linked.world.seat) as twin:
+        eval(line, {"twin": twin})
+    assert max(window.commanded("hw")) > 10, "the copied line does what the window did"

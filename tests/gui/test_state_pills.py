@@ -1,0 +1,172 @@
+"""Pills: the condition of a robot and the one next step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from worlds import absent, robot, status, world
+
+from beatrix_zenoh._generated.messages import CameraStatus, Command, Fault
+from beatrix_zenoh.client import Presence, RobotState
+from gui.state.intents import ChooseRobot, Intent, MakeReady, Retry, RunCommand, SetLanguage, StartSimulation
+from gui.state.pills import SYMBOLS
+from gui.state.state import State
+from gui.state.views import Condition, PillView
+from gui.state.world import LinkPhase, World
+
+CALIBRATE_SIM = RunCommand(Command.CALIBRATE, twin="sim")
+
+
+def sim_with(**fields: Any) -> RobotState:
+    return robot("sim", known=status("sim", **fields))
+
+
+def pill(now: World, twin: str = "sim") -> PillView:
+    return next(found for found in State().view(now).pills if found.twin == twin)
+
+
+@pytest.mark.parametrize(
+    ("sim", "condition", "text", "next_step"),
+    [
+        (absent("sim"), Condition.ABSENT, "not on line", StartSimulation()),
+        (robot("sim", presence=Presence.SILENT, arms=None), Condition.SILENT, "silent", None),
+        (robot("sim", presence=Presence.LOST, age_s=3.0), Condition.SILENT, "silent", None),
+        (robot("sim", age_s=0.41), Condition.SILENT, "silent", None),
+        (replace(robot("sim"), status=None), Condition.SILENT, "silent", None),
+        (
+            sim_with(fault=Fault.EMERGENCY, enabled=False),
+            Condition.FAULT,
+            "emergency stop",
+            RunCommand(Command.RESET, twin="sim"),
+        ),
+        (sim_with(fault=Fault.BOARD_LOST), Condition.FAULT, "board lost", None),
+        (sim_with(connected=False), Condition.FAULT, "board lost", None),
+        (sim_with(fault=Fault.CONTRACT_MISMATCH, connected=False), Condition.FAULT, "wrong firmware", None),
+        (sim_with(fault=Fault.ASSEMBLY_LEFT), Condition.FAULT, "neck put back", None),
+        (
+            sim_with(fault=Fault.ASSEMBLY_LEFT, calibrated=False),
+            Condition.FAULT,
+            "neck put back",
+            CALIBRATE_SIM,
+        ),
+        (
+            sim_with(enabled=False, calibrated=False, holder="ana"),
+            Condition.DISABLED,
+            "motors off",
+            MakeReady("sim"),
+        ),
+        (sim_with(calibrated=False, holder="ana"), Condition.NOT_CALIBRATED, "not calibrated", CALIBRATE_SIM),
+        (sim_with(holder="ana", moving=True), Condition.DRIVEN, "driven by ana", None),
+        (sim_with(holder="ben", moving=True), Condition.MOVING, "moving", None),
+        (sim_with(holder="ben"), Condition.READY, "ready", None),
+        (robot("sim", age_s=0.4), Condition.READY, "ready", None),
+    ],
+)
+def test_a_pill_names_the_first_problem_and_the_next_step(
+    sim: RobotState, condition: Condition, text: str, next_step: Intent | None
+) -> None:
+    found = pill(world(sim))
+    assert (found.condition, found.text) == (condition, text)
+    assert (None if found.next_step is None else found.next_step.intent) == next_step
+    assert bool(found.reason) is (condition not in (Condition.READY, Condition.MOVING))
+
+
+def test_each_condition_has_a_symbol_of_its_own() -> None:
+    assert set(SYMBOLS) == set(Condition)
+    assert len(set(SYMBOLS.values())) == len(Condition)
+
+
+def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
+    found = pill(world(hw=robot("hw", known=status("hw", enabled=False, calibrated=False))), "hw")
+    assert found.next_step is not None
+    assert found.next_step.intent == RunCommand(Command.ENABLE, twin="hw")
+    assert "upright" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("phase", "text"), [(LinkPhase.CONNECTING, "connecting"), (LinkPhase.NO_ROUTER, "not on line")]
+)
+def test_without_a_router_no_robot_is_on_line(phase: LinkPhase, text: str) -> None:
+    found = pill(world(phase=phase))
+    assert (found.condition, found.text) == (Condition.ABSENT, text)
+    assert "tcp/127.0.0.1:7447" in found.reason
+    assert found.latency == ""
+
+
+def test_the_router_is_tried_again_from_the_pill_of_the_hardware() -> None:
+    next_step = pill(world(phase=LinkPhase.NO_ROUTER), "hw").next_step
+    assert next_step is not None
+    assert next_step.intent == Retry()
+    assert pill(world(hw=absent("hw")), "hw").next_step is None
+
+
+def test_a_simulation_that_starts_is_not_started_again() -> None:
+    now = world(absent("sim"), starting=True)
+    next_step = pill(now).next_step
+    assert next_step is not None
+    assert not next_step.enabled
+    assert next_step.tooltip == "A simulation is starting."
+    assert State().handle(StartSimulation(), now) == []
+
+
+def test_latency_and_details_are_shown() -> None:
+    camera = CameraStatus(
+        eye="left", connected=True, streaming=True, hz=15.0, width=640, height=480, source="rays"
+    )
+    found = pill(world(robot("sim", known=status("sim", cameras=(camera,)))))
+    assert found.latency == "2 ms"
+    assert found.details == "Board bea1 at virtual:, firmware 1.2\nleft eye: rays, 15 pictures a second"
+    assert pill(world(), "hw").latency == ""
+
+
+@pytest.mark.parametrize(
+    ("sim", "hw", "text"),
+    [
+        ("", "", "Free to drive"),
+        ("ben", "", "You drive"),
+        ("ben", "ana", "ana drives"),
+        ("ana", "ben", "ana drives"),
+    ],
+)
+def test_the_driver_is_named(sim: str, hw: str, text: str) -> None:
+    now = world(sim_with(holder=sim), robot("hw", known=status("hw", holder=hw)))
+    assert State().view(now).driver == text
+
+
+def test_a_latched_emergency_stop_has_a_banner_with_a_reset_for_each_robot() -> None:
+    latched = status("hw", enabled=False, calibrated=False, fault=Fault.EMERGENCY)
+    banner = State().view(world(hw=robot("hw", known=latched))).banner
+    assert banner is not None
+    assert banner.text.startswith("Emergency stop (hardware): the motors are off.")
+    assert [button.intent for button in banner.buttons] == [RunCommand(Command.RESET, twin="hw")]
+    both = world(robot("sim", known=latched), robot("hw", known=latched))
+    banner = State().view(both).banner
+    assert banner is not None
+    assert [button.text for button in banner.buttons] == ["Reset simulation", "Reset hardware"]
+
+
+def test_without_a_robot_the_banner_offers_the_next_step() -> None:
+    sim, hw = absent("sim"), absent("hw")
+    assert State().view(world()).banner is None
+    found = State().view(world(sim, hw, phase=LinkPhase.NO_ROUTER)).banner
+    assert found is not None
+    assert [button.intent for button in found.buttons] == [StartSimulation(), Retry()]
+    found = State().view(world(sim, hw, names=())).banner
+    assert found is not None
+    assert [button.intent for button in found.buttons] == [StartSimulation()]
+    found = State().view(world(sim, hw, names=("bea2",))).banner
+    assert found is not None
+    assert [button.intent for button in found.buttons] == [ChooseRobot("bea2"), StartSimulation()]
+    found = State().view(world(sim, hw, starting=True)).banner
+    assert found is not None
+    assert found.buttons == ()
+
+
+def test_a_pill_is_german() -> None:
+    state, now = State(), world(sim_with(holder="ana"))
+    state.handle(SetLanguage("de"), now)
+    assert state.view(now).pills[0].text == "ana steuert"
+    emergency = world(sim_with(fault=Fault.EMERGENCY))
+    assert state.view(emergency).pills[0].reason.startswith("EMERGENCY_STOP ist eingerastet")

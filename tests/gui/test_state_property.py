@@ -1,0 +1,237 @@
+"""In any order of events a view can be made, STOP stops, and only requested motions are sent."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from worlds import absent, robot, status, vector, world
+
+from beatrix_zenoh import refusals
+from beatrix_zenoh._generated.messages import (
+    Alternative,
+    Command,
+    Detail,
+    Event,
+    EventKind,
+    Fault,
+    Head,
+    Limit,
+    Phase,
+    Reason,
+)
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.readings import Path as MotionPath
+from gui.state import intents
+from gui.state.actions import Action, Outcome, Play, Ready, Send, SendCommand, StopBoth
+from gui.state.intents import ALL_ARMS, ARMS, Intent, Tab, Theme
+from gui.state.state import State
+from gui.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
+
+TWINS = st.sampled_from(["sim", "hw"])
+ANGLES = st.floats(-1e6, 1e6)
+ANY_NUMBER = st.floats()
+NAMES = st.sampled_from(["bow", "up", ""])
+COMMANDS = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
+"""those that the window sends"""
+FILES = st.sampled_from([Path(), Path("a.csv")])
+SEATS = st.sampled_from(["ana", "ben", ""])
+DETAILS = st.sampled_from(
+    [
+        None,
+        Detail(),
+        refusals.not_enabled().detail,
+        refusals.not_calibrated().detail,
+        refusals.emergency_latched().detail,
+        refusals.driven_by("ana", 1.0).detail,
+        refusals.home_known([1, 0, 0], 0.1).detail,
+        Detail(limit=Limit.TILT, alternative=Alternative(head=Head(0.1, 0.2, 0.3), arms=vector(1, 2, 3))),
+        Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
+        Detail(alternative=Alternative()),
+        Detail(needs=["FLASH"]),
+    ]
+)
+INTENTS: st.SearchStrategy[Intent] = st.one_of(
+    st.builds(intents.Stop),
+    st.builds(intents.Jog, st.sampled_from([*ARMS, ALL_ARMS]), st.sampled_from([1, -1])),
+    st.builds(intents.AimHead, ANY_NUMBER, ANY_NUMBER, ANY_NUMBER),
+    st.builds(intents.SendHead),
+    st.builds(intents.SetRelative, st.booleans()),
+    st.builds(intents.SetIncrement, ANY_NUMBER),
+    st.builds(intents.SetSpeed, ANY_NUMBER),
+    st.builds(intents.SetDestination, TWINS, st.booleans()),
+    st.builds(intents.SetCameras, st.booleans()),
+    st.builds(intents.SetLead, ANY_NUMBER),
+    st.builds(
+        intents.RunCommand, st.sampled_from(COMMANDS), st.booleans(), st.sampled_from(["", "sim", "hw"])
+    ),
+    st.builds(intents.MakeReady, TWINS),
+    st.sampled_from(
+        [
+            intents.SendNow(),
+            intents.Change(),
+            intents.Abort(),
+            intents.TakeAlternative(),
+            intents.DismissRefusal(),
+            intents.Undo(),
+            intents.PlayPoses(),
+            intents.ToggleRecording(),
+            intents.OpenRecording(),
+            intents.StartSimulation(),
+            intents.Retry(),
+        ]
+    ),
+    st.builds(intents.Repeat, st.integers(-1, 30)),
+    st.builds(intents.SavePose, NAMES),
+    st.builds(intents.DeletePose, NAMES),
+    st.builds(intents.GoToPose, NAMES),
+    st.builds(intents.PlayFile, FILES),
+    st.builds(intents.SaveChoreography, FILES),
+    st.builds(intents.ChooseRobot, NAMES),
+    st.builds(intents.ShowTab, st.sampled_from(Tab)),
+    st.builds(intents.SetTheme, st.sampled_from(Theme)),
+    st.builds(intents.SetLanguage, st.sampled_from(["en", "de", "fr"])),
+)
+EVENTS = st.builds(
+    Event,
+    seq=st.integers(0, 9),
+    t_mono_ns=st.integers(0, 10**10),
+    t_wall_ns=st.integers(0, 10**10),
+    kind=st.sampled_from(EventKind),
+    action=st.sampled_from(["pose", "motion", "STOP", "HOME", "DISABLE", "new"]),
+    seat=SEATS,
+    phase=st.none() | st.sampled_from(Phase),
+    reason=st.sampled_from(Reason),
+    motion=st.integers(0, 3),
+    detail=DETAILS,
+    count=st.integers(1, 9),
+)
+PATHS = st.sampled_from(
+    [None, MotionPath([], [], []), MotionPath([0.0], [ArmAngles(0, 0, 0)], [HeadAngles(1, 2, 3)])]
+)
+
+
+@st.composite
+def robots(draw: st.DrawFn, twin: str) -> RobotState:
+    presence = draw(st.sampled_from(Presence))
+    if presence is Presence.ABSENT:
+        return absent(twin)
+    known = status(
+        twin,
+        enabled=draw(st.booleans()),
+        calibrated=draw(st.booleans()),
+        moving=draw(st.booleans()),
+        fault=draw(st.sampled_from(Fault)),
+        holder=draw(SEATS),
+        connected=draw(st.booleans()),
+    )
+    arms = draw(st.none() | st.tuples(ANGLES, ANGLES, ANGLES))
+    events = tuple(draw(st.lists(EVENTS, max_size=4)))
+    return robot(twin, presence=presence, arms=arms, age_s=draw(st.floats(0, 9)), known=known, events=events)
+
+
+WORLDS: st.SearchStrategy[World] = st.builds(
+    world,
+    sim=robots("sim"),
+    hw=robots("hw"),
+    phase=st.sampled_from(LinkPhase),
+    names=st.sampled_from([(), ("bea1",), ("bea1", "bea2")]),
+    plan=st.none()
+    | st.builds(
+        PlanProgress,
+        st.sampled_from(PlanPhase),
+        st.sampled_from(["", "Possible: 1.2 s.", "Possible: 1.2 s. But no."]),
+        st.floats(0, 10),
+        st.floats(0, 5),
+        st.floats(-1, 5),
+        PATHS,
+    ),
+    recording=st.none()
+    | st.builds(
+        RecordingProgress, FILES, st.booleans(), st.floats(0, 1e5), st.sampled_from(["", "Disk full."])
+    ),
+    starting=st.booleans(),
+    wall_s=st.floats(0, 2e9),
+    playing=st.sampled_from(["", "hello"]),
+)
+MOVES = (Send, Play)
+
+
+class AnyOrder(RuleBasedStateMachine):
+    """Intents, outcomes and worlds in any order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.state, self.world, self.rows = State(), world(), 0
+
+    @rule(now=WORLDS)
+    def become(self, now: World) -> None:
+        self.world = now
+
+    @rule(intent=INTENTS)
+    def want(self, intent: Intent) -> None:
+        sending = self.state.view(self.world).sending
+        actions = self.state.handle(intent, self.world)
+        asked = ("sim",) * sending.sim + ("hw",) * sending.hw
+        for action in actions:
+            self.check(action, asked)
+        if isinstance(intent, intents.Stop):
+            assert [type(action) for action in actions] == [StopBoth]
+
+    def check(self, action: Action, asked: tuple[str, ...]) -> None:
+        if isinstance(action, Send | Play | SendCommand | Ready | StopBoth):
+            self.rows += 1
+            assert action.row > 0
+        if isinstance(action, MOVES):
+            assert action.twins == asked
+            assert asked, "nothing may move while no box is checked"
+            assert self.world.phase is LinkPhase.ON_LINE
+            assert all(self.world.twin(twin).presence is not Presence.ABSENT for twin in action.twins)
+            assert action.lead_s >= 0
+
+    @rule(
+        row=st.integers(0, 20),
+        twin=st.sampled_from(["", "sim", "hw"]),
+        accepted=st.booleans(),
+        done=st.booleans(),
+        reason=st.sampled_from(Reason),
+        message=st.sampled_from(["", "Why.", "bea1 (hw): Why."]),
+        detail=DETAILS,
+        duration_s=st.floats(0, 9),
+    )
+    def hear(
+        self,
+        row: int,
+        twin: str,
+        accepted: bool,
+        done: bool,
+        reason: Reason,
+        message: str,
+        detail: Detail | None,
+        duration_s: float,
+    ) -> None:
+        outcome = Outcome(row, twin, accepted, done, reason, message, detail, duration_s)
+        self.state.report(outcome)
+
+    @invariant()
+    def a_view_can_be_made(self) -> None:
+        view = self.state.view(self.world)
+        assert view == self.state.view(self.world), "making a view changes nothing"
+        assert view.stop.enabled
+        assert view.stop.intent == intents.Stop()
+        assert all(pill.text and pill.symbol for pill in view.pills)
+        places = [
+            found.place for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found
+        ]
+        assert len(places) <= 1, "one refusal at a time, where the request was made"
+        if not (view.sending.sim or view.sending.hw):
+            buttons = [button for row in view.arms.rows for button in (row.minus, row.plus)]
+            assert not any(button.enabled for button in [*buttons, view.head.send, view.commands.home])
+        assert self.state.saved == self.state.saved
+
+
+AnyOrder.TestCase.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+TestAnyOrder = AnyOrder.TestCase

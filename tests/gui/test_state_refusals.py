@@ -1,0 +1,261 @@
+"""Refusals with the button for the next step, and undo."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from worlds import (
+    BOTH,
+    accept,
+    arms_of,
+    plan,
+    refused,
+    robot,
+    sent,
+    state_after,
+    vector,
+    world,
+)
+
+from beatrix_zenoh._generated.messages import (
+    Alternative,
+    Command,
+    Detail,
+    Head,
+    Limit,
+    PoseQuery,
+    Reason,
+)
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.refusals import driven_by, emergency_latched, not_calibrated, not_enabled, stopped_pause
+from gui.state import intents
+from gui.state.actions import (
+    DESELECTED,
+    Action,
+    Outcome,
+    Ready,
+    SendCommand,
+)
+from gui.state.intents import Jog, RunCommand
+from gui.state.state import State
+from gui.state.world import PlanPhase
+
+# -- refusals ----------------------------------------------------------------------------------------
+
+
+def tilt(**alternative: Any) -> Detail:
+    return Detail(
+        limit=Limit.TILT,
+        value=math.radians(40),
+        high=math.radians(35),
+        unit="rad",
+        at_goal=True,
+        alternative=Alternative(**alternative) if alternative else None,
+    )
+
+
+def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
+    state = state_after(intents.AimHead(0, 40, 0), intents.SendHead())
+    refused(state, tilt(head=Head(0.0, math.radians(34), 0.0), arms=vector(1, 2, 3)), Reason.OUT_OF_REACH)
+    refusal = state.view(world()).head.refusal
+    assert refusal is not None
+    assert refusal.text.startswith("The head would tilt 40.0°; at most 35.0° is allowed.")
+    assert refusal.alternative is not None
+    assert refusal.alternative.text == "Look to 0.0°/34.0°/0.0°"
+    send = sent(state.handle(refusal.alternative.intent, world()))
+    assert isinstance(send.query, PoseQuery)
+    assert (send.query.pitch, send.query.speed) == (math.radians(34), math.radians(30))
+    assert state.view(world()).head.refusal is None
+
+
+def test_an_alternative_of_arms_is_absolute() -> None:
+    state = state_after(Jog("short", 1))
+    refused(state, tilt(arms=vector(1, 2, 3)), Reason.OUT_OF_REACH)
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert refusal.alternative is not None
+    assert refusal.alternative.text == "Move to 1.0°/2.0°/3.0°"
+    send = sent(state.handle(intents.TakeAlternative(), world()))
+    assert (send.query.absolute, arms_of(send), send.query.speed) == (True, (1, 2, 3), vector(30, 30, 30))
+
+
+def test_an_alternative_speed_keeps_the_motion() -> None:
+    state = state_after(intents.SetSpeed(100), Jog("long", -1))
+    refused(
+        state,
+        Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
+        Reason.SPEED_LIMIT,
+    )
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert refusal.alternative is not None
+    assert refusal.alternative.text == "Use 90.0°/s"
+    send = sent(state.handle(intents.TakeAlternative(), world()))
+    assert (arms_of(send), send.query.speed, send.query.absolute) == ((0, 0, -5), vector(90, 90, 90), False)
+
+
+@pytest.mark.parametrize(
+    ("error", "text", "action"),
+    [
+        (not_enabled(), "Make ready", Ready(2, "sim")),
+        (
+            Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE"])),
+            "Enable",
+            SendCommand(2, Command.ENABLE, value=True, twins=("sim",)),
+        ),
+        (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, twins=("sim",))),
+        (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, twins=("sim",))),
+        (driven_by("ana", 1.2), None, None),
+    ],
+)
+def test_the_first_required_step_is_one_button(
+    error: Refused, text: str | None, action: Action | None
+) -> None:
+    state = state_after(Jog("short", 1))
+    refused(state, error.detail, error.reason)
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert (None if refusal.alternative is None else refusal.alternative.text) == text
+    assert state.handle(intents.TakeAlternative(), world()) == ([] if action is None else [action])
+
+
+def test_a_refusal_of_one_of_both_robots_names_it_in_the_language() -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    refused(state, not_enabled().detail, Reason.NOT_ENABLED, twin="hw")
+    shown = state.view(world()).arms.refusal
+    assert shown is not None
+    assert shown.text == "Hardware: The motors are off. Set the head upright, then enable and calibrate."
+    state.handle(intents.SetLanguage("de"), world())
+    shown = state.view(world()).arms.refusal
+    assert shown is not None
+    assert shown.text.startswith("Hardware: Die Motoren sind aus.")
+    assert shown.alternative is not None
+    assert shown.alternative.text == "Bereit machen"
+    assert state.handle(intents.TakeAlternative(), world()) == [Ready(2, "hw")]
+
+
+def test_the_robot_that_refused_is_read_from_the_message() -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", twin="")
+    shown = state.view(world()).arms.refusal
+    assert shown is not None
+    assert shown.text.startswith("Hardware: Home is not known.")
+    (action,) = state.handle(intents.TakeAlternative(), world())
+    assert action == SendCommand(2, Command.CALIBRATE, value=True, twins=("hw",))
+
+
+def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
+    for intent, result in ((intents.Stop(), "stopped"), (intents.Abort(), "aborted by you")):
+        state, now = state_after(BOTH, Jog("short", 1)), plan(PlanPhase.TRYING)
+        state.handle(intent, now)
+        state.report(
+            Outcome(
+                1, "", accepted=False, done=True, reason=Reason.STOPPED, message="Aborted in this window."
+            )
+        )
+        view = state.view(now)
+        assert view.arms.refusal is None
+        assert view.history[-1].result == result
+
+
+def test_the_last_line_omits_the_advice() -> None:
+    state = state_after(intents.SendHead())
+    refused(state, tilt(head=Head(0.0, 0.5, 0.0)), Reason.OUT_OF_REACH)
+    text = "last: look 0/0/0 refused: The head would tilt 40.0°; at most 35.0° is allowed, simulation"
+    assert state.view(world()).last == text
+
+
+def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
+    state = state_after(Jog("short", 1))
+    refused(state, stopped_pause("ben", 1.5).detail, Reason.STOPPED)
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert "1.5 s" in refusal.text
+
+
+@pytest.mark.parametrize(
+    ("reason", "german"),
+    [
+        (Reason.BAD_VALUE, "Das ist nicht möglich: Something is wrong."),
+        (Reason.BUSY, "Zu viele Anfragen warten. Sende weniger in der Sekunde."),
+    ],
+)
+def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
+    reason: Reason, german: str
+) -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    refused(state, None, reason, "Something is wrong.", twin="")
+    shown = state.view(world()).arms.refusal
+    assert shown is not None
+    assert shown.text == "Something is wrong."
+    state.handle(intents.SetLanguage("de"), world())
+    shown = state.view(world()).arms.refusal
+    assert shown is not None
+    assert shown.text == german
+
+
+def test_a_request_that_ended_with_another_robot_is_explained_in_german() -> None:
+    state = state_after(Jog("short", 1), intents.SetLanguage("de"))
+    accept(state, 1)
+    refused(state, None, Reason.STOPPED, DESELECTED)
+    assert state.view(world()).history[0].result.endswith("ein anderer Roboter gewählt.")
+
+
+def test_a_motion_that_ends_before_its_goal_is_not_a_refusal() -> None:
+    state = state_after(Jog("short", 1))
+    state.report(Outcome(1, "sim", accepted=True, done=False, duration_s=1.2))
+    refused(state, None, Reason.STOPPED, "Ended by STOP.")
+    view = state.view(world())
+    assert view.arms.refusal is None
+    assert view.last == "last: move by +5/0/0 stopped, simulation"
+
+
+def test_a_new_target_hides_the_refusal_of_the_pad() -> None:
+    state = state_after(intents.SendHead())
+    refused(state, tilt(), Reason.OUT_OF_REACH)
+    state.handle(intents.SetLanguage("de"), world())
+    assert state.view(world()).head.refusal is not None
+    state.handle(intents.AimHead(1, 0, 0), world())
+    assert state.view(world()).head.refusal is None
+
+
+# -- undo --------------------------------------------------------------------------------------------
+
+
+def test_undo_goes_back_through_accepted_motions() -> None:
+    state, here = State(), world(robot("sim", arms=(10, 0, 0)))
+    state.handle(Jog("short", 1), here)
+    accept(state, 1)
+    state.handle(Jog("short", 1), world(robot("sim", arms=(15, 0, 0))))
+    accept(state, 2)
+    state.handle(Jog("short", 1), world(robot("sim", arms=(20, 0, 0))))
+    refused(state, None, Reason.ARM_GAP)
+    assert "short 15.0°" in state.view(here).commands.undo.tooltip
+    back = sent(state.handle(intents.Undo(), here))
+    assert (arms_of(back), back.query.absolute) == ((15, 0, 0), True)
+    further = sent(state.handle(intents.Undo(), here))
+    assert arms_of(further) == (10, 0, 0), "an undo that is not answered yet is not sent twice"
+    accept(state, back.row)
+    accept(state, further.row)
+    assert not state.view(here).commands.undo.enabled
+    assert state.handle(intents.Undo(), here) == []
+
+
+def test_an_undo_that_was_refused_can_be_tried_again() -> None:
+    state = state_after(Jog("short", 1))
+    accept(state, 1)
+    state.handle(intents.Undo(), world())
+    refused(state, None, Reason.NOT_HOLDER)
+    assert state.view(world()).commands.undo.enabled
+    refusal = state.view(world()).commands.refusal
+    assert refusal is not None
+
+
+def test_a_new_home_clears_the_undo_list() -> None:
+    state = state_after(Jog("short", 1))
+    accept(state, 1)
+    state.handle(RunCommand(Command.CALIBRATE), world())
+    accept(state, 2)
+    assert not state.view(world()).commands.undo.enabled

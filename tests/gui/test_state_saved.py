@@ -1,0 +1,83 @@
+"""Saved choices: shared by windows, and robust against damaged files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from worlds import robot, world
+
+from gui.state import intents, saved
+from gui.state.intents import Theme
+from gui.state.saved import Saved, SavedPose
+from gui.state.state import State
+
+
+def test_choices_and_poses_are_those_of_the_window_before(tmp_path: Path) -> None:
+    file, now = tmp_path / "new" / "window.json", world(robot("sim", arms=(10, -5, 2.5)))
+    state = State()
+    for intent in (
+        intents.SetTheme(Theme.PROJECTOR),
+        intents.SetLanguage("de"),
+        intents.SetIncrement(2.5),
+        intents.SetSpeed(45),
+        intents.SetLead(0),
+        intents.SavePose("bow"),
+    ):
+        state.handle(intent, now)
+    saved.save(file, state.saved)
+    assert [path.name for path in file.parent.iterdir()] == ["window.json"]
+    found, sentence = saved.load(file)
+    assert sentence == ""
+    assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, (SavedPose("bow", 10, -5, 2.5),))
+    view = State(found).view(now)
+    assert (view.theme, view.language, view.poses.names) == (Theme.PROJECTOR, "de", ("bow",))
+    assert (view.arms.increment, view.arms.speed, view.sending.lead_s) == (2.5, 45, 0)
+
+
+def test_no_file_means_the_defaults(tmp_path: Path) -> None:
+    assert saved.load(tmp_path / "window.json") == (Saved(), "")
+
+
+@pytest.mark.parametrize(
+    "text", [b"", b"{", b"[]", b'{"theme": "pink"}', b'{"speed": -1}', b'{"lead_s": "2"}', b"\xff\xfe"]
+)
+def test_a_damaged_file_is_renamed_and_reported(tmp_path: Path, text: bytes) -> None:
+    file = tmp_path / "window.json"
+    file.write_bytes(text)
+    found, sentence = saved.load(file)
+    kept = tmp_path / "window.json.bad"
+    assert found == Saved()
+    assert kept.read_bytes() == text
+    assert not file.exists()
+    assert str(kept) in sentence
+    state = State(found, sentence)
+    assert state.view(world()).last == sentence
+    state.handle(intents.Stop(), world())
+    assert state.view(world()).last == "last: stop sent, both"
+
+
+def test_an_unreadable_file_is_reported(tmp_path: Path) -> None:
+    found, sentence = saved.load(tmp_path)  # a folder
+    assert found == Saved()
+    assert "could not be read" in sentence
+
+
+def test_a_language_of_another_version_is_the_default(tmp_path: Path) -> None:
+    file = tmp_path / "window.json"
+    saved.save(file, Saved(language="fr"))
+    found, _ = saved.load(file)
+    assert State(found).view(world()).language == "en"
+
+
+@pytest.mark.parametrize(
+    ("platform", "environment", "path"),
+    [
+        ("linux", {"XDG_CONFIG_HOME": "/x"}, Path("/x/beatrix/window.json")),
+        ("linux", {}, Path.home() / ".config/beatrix/window.json"),
+        ("win32", {"APPDATA": "/roaming"}, Path("/roaming/beatrix/window.json")),
+        ("darwin", {}, Path.home() / "Library/Application Support/beatrix/window.json"),
+    ],
+)
+def test_each_platform_has_its_folder(platform: str, environment: dict[str, str], path: Path) -> None:
+    assert saved.path(platform, environment) == path

@@ -1,0 +1,110 @@
+"""The texts: every language has every text with the same slots, and every text is used."""
+
+from __future__ import annotations
+
+import ast
+import re
+import string
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from gui.texts import LANGUAGES, Texts
+
+GUI = Path(__file__).resolve().parents[2] / "gui"
+CALLERS = ("texts", "_texts", "words")
+OTHERS = {code: table for code, table in LANGUAGES.items() if code != "en"}
+KEYS_OF_MEMORY = ("refuse",)
+"""Methods whose second argument is the key of a text."""
+
+
+def slots(template: str) -> set[str]:
+    return {name for _, name, _, _ in string.Formatter().parse(template) if name}
+
+
+def literals(node: ast.AST) -> Iterator[str]:
+    """Texts, and regular expressions of texts, that an expression may come to."""
+    match node:
+        case ast.Constant(value=str(text)):
+            yield re.escape(text)
+        case ast.IfExp(body=body, orelse=orelse):
+            yield from literals(body)
+            yield from literals(orelse)
+        case ast.JoinedStr(values=parts):
+            yield "".join(
+                re.escape(str(part.value)) if isinstance(part, ast.Constant) else "(.+)" for part in parts
+            )
+
+
+def keys_asked_for(tree: ast.AST) -> Iterator[str]:
+    """Expressions of the keys that calls name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            called = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
+            place = 0 if called in CALLERS else 1 if called in KEYS_OF_MEMORY else len(node.args)
+            for argument in node.args[place : place + 1]:
+                yield from literals(argument)
+
+
+def is_used(key: str, words: set[str], patterns: set[str]) -> bool:
+    """Whether a key stands in the window's code, or is put together from words that do."""
+    found = (re.fullmatch(pattern, key) for pattern in patterns)
+    return key in words or any(match and words.issuperset(match.groups()) for match in found)
+
+
+def modules() -> dict[Path, ast.Module]:
+    """All code of the window but the tables of texts."""
+    return {
+        path: ast.parse(path.read_text(encoding="utf-8"))
+        for path in GUI.rglob("*.py")
+        if path.parent.name != "texts" or path.name == "__init__.py"
+    }
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_languages_have_the_same_keys(code: str) -> None:
+    assert list(OTHERS[code]) == list(LANGUAGES["en"])
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_languages_have_the_same_slots(code: str) -> None:
+    english = LANGUAGES["en"]
+    assert {key for key, text in OTHERS[code].items() if slots(text) != slots(english[key])} == set()
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_texts_are_not_empty_and_have_no_exclamation_marks(code: str) -> None:
+    assert {key for key, text in LANGUAGES[code].items() if not text.strip() or "!" in text} == set()
+
+
+def test_every_key_that_the_window_asks_for_exists() -> None:
+    for path, tree in modules().items():
+        for pattern in keys_asked_for(tree):
+            found = any(re.fullmatch(pattern, key) for key in LANGUAGES["en"])
+            assert found, f"{path.relative_to(GUI)}: there is no text {pattern!r}"
+
+
+def test_every_text_is_used() -> None:
+    nodes = [node for tree in modules().values() for node in ast.walk(tree)]
+    words = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    patterns = {text for node in nodes if isinstance(node, ast.JoinedStr) for text in literals(node)}
+    dotted = {pattern for pattern in patterns if re.match(r"[a-z]+\\\.", pattern)}
+    assert [key for key in LANGUAGES["en"] if not is_used(key, words, dotted)] == []
+
+
+def test_numbers_have_the_decimal_sign_of_the_language() -> None:
+    assert Texts("en")("countdown", seconds=1.4) == "hardware follows in 1.4 s"
+    assert Texts("de")("countdown", seconds=1.4) == "Hardware folgt in 1,4 s"
+    assert Texts("de")("angle", degrees=-0.04) == "0,0°"
+
+
+def test_words_in_slots_keep_their_dots() -> None:
+    assert "tcp/127.0.0.1:7447" in Texts("de")("reason.no_router", endpoint="tcp/127.0.0.1:7447")
+
+
+def test_a_missing_text_is_an_error() -> None:
+    with pytest.raises(KeyError):
+        Texts("en")("no.such")
+    with pytest.raises(KeyError):
+        Texts("xx")

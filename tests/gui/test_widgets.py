@@ -1,0 +1,288 @@
+"""Each control shows its view and reports its intent, by mouse and by keyboard."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
+from PyQt5.QtGui import QGuiApplication, QMouseEvent
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton, QApplication, QSlider, QWidget
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink, ShownState
+from window_views import example
+
+from beatrix_zenoh._generated.messages import Command
+from gui.state.intents import (
+    Abort,
+    AimHead,
+    Change,
+    DeletePose,
+    DismissRefusal,
+    GoToPose,
+    Intent,
+    Jog,
+    PlayPoses,
+    Repeat,
+    RunCommand,
+    SavePose,
+    SendHead,
+    SendNow,
+    SetCameras,
+    SetDestination,
+    SetIncrement,
+    SetLead,
+    SetRelative,
+    SetSpeed,
+    StartSimulation,
+    TakeAlternative,
+    Theme,
+    ToggleRecording,
+    Undo,
+)
+from gui.state.views import Orientation
+from gui.widgets.head_pad import HeadPad
+from gui.window import Window
+
+Taken = Callable[[], list[Intent]]
+LEFT, NO_BUTTON = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton
+BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
+    **{
+        f"{sign:+d} {arm}": (lambda window, arm=arm, sign=sign: jog(window, arm, sign), Jog(arm, sign))  # type: ignore[misc]
+        for arm in ("short", "middle", "long", "all")
+        for sign in (-1, 1)
+    },
+    "send": (lambda window: window.panels.head.send, SendHead()),
+    "relative": (lambda window: window.panels.arms.relative, SetRelative(relative=True)),
+    "absolute": (lambda window: window.panels.arms.absolute, SetRelative(relative=False)),
+    "simulation": (lambda window: window.panels.sending.sim, SetDestination("sim", checked=False)),
+    "hardware": (lambda window: window.panels.sending.hw, SetDestination("hw", checked=False)),
+    "cameras": (lambda window: window.panels.sending.cameras, SetCameras(on=False)),
+    "send now": (lambda window: window.panels.sending.send_now, SendNow()),
+    "change": (lambda window: window.panels.sending.change, Change()),
+    "abort": (lambda window: window.panels.sending.abort, Abort()),
+    "enable": (lambda window: window.panels.commands.buttons["enable"], RunCommand(Command.ENABLE)),
+    "calibrate": (lambda window: window.panels.commands.buttons["calibrate"], RunCommand(Command.CALIBRATE)),
+    "home": (lambda window: window.panels.commands.buttons["home"], RunCommand(Command.HOME)),
+    "reset": (lambda window: window.panels.commands.buttons["reset"], RunCommand(Command.RESET)),
+    "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
+    "record": (lambda window: window.panels.header.record.toggle, ToggleRecording()),
+    "go": (lambda window: window.panels.poses.go, GoToPose("nod")),
+    "delete": (lambda window: window.panels.poses.delete, DeletePose("nod")),
+    "play": (lambda window: window.panels.poses.play, PlayPoses()),
+}
+
+
+def jog(window: Window, arm: str, sign: int) -> QAbstractButton:
+    row = window.panels.arms.rows[arm]
+    return row.plus if sign > 0 else row.minus
+
+
+@pytest.fixture
+def shown() -> ShownState:
+    """A window with a motion that waits for its lead, so that every button is on."""
+    return ShownState(example("preview", Theme.LIGHT, "en"))
+
+
+@pytest.fixture
+def window(qtbot: QtBot, shown: ShownState) -> Window:
+    window = Window(RecordingLink(), shown)
+    qtbot.addWidget(window)
+    window.resize(1366, 768)
+    window.show()
+    qtbot.waitActive(window)
+    return window
+
+
+@pytest.fixture
+def intents(window: Window, shown: ShownState) -> Taken:
+    def taken() -> list[Intent]:
+        given = shown.intents.copy()
+        shown.intents.clear()
+        return given
+
+    return taken
+
+
+@pytest.mark.parametrize("name", BUTTONS)
+def test_each_button_reports_its_intent(qtbot: QtBot, window: Window, intents: Taken, name: str) -> None:
+    find, intent = BUTTONS[name]
+    button = find(window)
+    if window.panels.poses.isAncestorOf(button):
+        window.panels.side.setCurrentWidget(window.panels.poses)
+    assert button.isEnabled()
+    assert button.toolTip()
+    assert button.accessibleName()
+    QTest.mouseClick(button, LEFT, pos=button.rect().center())
+    assert intents() == [intent]
+    button.setFocus()
+    qtbot.waitUntil(button.hasFocus)
+    QTest.keyClick(button, Qt.Key.Key_Return)
+    assert intents() == [intent]
+
+
+def test_every_control_has_a_tooltip_and_a_name(window: Window) -> None:
+    """Tooltip and accessible name, also of those that are switched off."""
+    kinds = (QAbstractButton, QSlider)
+    controls = [widget for widget in window.findChildren(QWidget) if isinstance(widget, kinds)]
+    controls = [
+        widget for widget in controls if not type(widget).__module__.startswith("PyQt5.QtWidgets.QTab")
+    ]
+    mute = [
+        (type(widget).__name__, widget.objectName(), widget.accessibleName())
+        for widget in controls
+        if not (widget.toolTip() and widget.accessibleName())
+        and not (isinstance(widget, QAbstractButton) and not widget.text())
+    ]
+    assert len(controls) > 30
+    assert mute == []
+
+
+@pytest.mark.parametrize("name", ["increment", "speed"])
+def test_a_slider_and_its_box_report_the_same(window: Window, intents: Taken, name: str) -> None:
+    intent = {"increment": SetIncrement, "speed": SetSpeed}[name]
+    control = getattr(window.panels.arms, name)
+    before = control.box.value()
+    control.slider.setFocus()
+    QTest.keyClick(control.slider, Qt.Key.Key_Right)
+    assert intents() == [intent(before + 1)]
+    control.box.setFocus()
+    control.box.selectAll()
+    QTest.keyClicks(control.box, "12.5")
+    assert intents() == []
+    QTest.keyClick(control.box, Qt.Key.Key_Return)
+    assert intents() == [intent(12.5)]
+
+
+def test_the_lead_is_reported_at_enter(window: Window, intents: Taken) -> None:
+    lead = window.panels.sending.lead
+    lead.setFocus()
+    lead.selectAll()
+    QTest.keyClicks(lead, "0.5")
+    QTest.keyClick(lead, Qt.Key.Key_Return)
+    assert intents() == [SetLead(0.5)]
+
+
+def test_a_pose_is_saved_under_the_name_that_is_typed(window: Window, intents: Taken) -> None:
+    poses = window.panels.poses
+    window.panels.side.setCurrentWidget(poses)
+    assert "STOP" in poses.name.toolTip()
+    poses.name.setFocus()
+    QTest.keyClicks(poses.name, "look-up")
+    QTest.mouseClick(poses.save, LEFT)
+    assert intents() == [SavePose("look-up")]
+
+
+def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: Taken) -> None:
+    history = window.panels.history
+    assert not history.repeat.isEnabled()
+    history.list.setFocus()
+    history.list.setCurrentRow(1)
+    row = example("preview", Theme.LIGHT, "en").history[1]
+    QTest.mouseClick(history.repeat, LEFT)
+    assert intents() == [Repeat(row.row)]
+    clipboard = QGuiApplication.clipboard()
+    assert clipboard is not None
+    for button, text in ((history.python, row.python), (history.command_line, row.command_line)):
+        assert text
+        QTest.mouseClick(button, LEFT)
+        assert clipboard.text() == text
+
+
+def test_a_refusal_is_shown_at_the_pad_with_its_alternative(
+    window: Window, shown: ShownState, intents: Taken
+) -> None:
+    shown.shown = example("refusal", Theme.LIGHT, "en")
+    window.refresh()
+    panels = window.panels
+    assert panels.refusal.isVisible()
+    assert "40.0°" in panels.refusal.text.text()
+    gap = (
+        panels.refusal.mapToGlobal(QPoint(0, 0)).x()
+        - panels.head.mapToGlobal(QPoint(panels.head.width(), 0)).x()
+    )
+    assert 0 <= gap < 10
+    QTest.mouseClick(panels.refusal.alternative, LEFT)
+    QTest.mouseClick(panels.refusal.dismiss, LEFT)
+    assert intents() == [TakeAlternative(), DismissRefusal()]
+    shown.shown = example("well", Theme.LIGHT, "en")
+    window.refresh()
+    assert not panels.refusal.isVisible()
+
+
+def test_pills_and_banner_have_the_button_for_the_next_step(
+    window: Window, shown: ShownState, intents: Taken
+) -> None:
+    shown.shown = example("fault", Theme.LIGHT, "en")
+    window.refresh()
+    pill = window.panels.header.pills["hw"]
+    assert "emergency stop" in pill.state.text()
+    assert pill.toolTip()
+    QTest.mouseClick(pill.next_step, LEFT)
+    assert intents() == [RunCommand(Command.RESET, twin="hw")]
+    assert not window.panels.header.pills["sim"].next_step.isVisible()
+    shown.shown = example("no-router", Theme.LIGHT, "en")
+    window.refresh()
+    QTest.mouseClick(window.panels.banner.buttons[0], LEFT)
+    assert intents() == [StartSimulation()]
+
+
+def pad_of(window: Window) -> HeadPad:
+    return window.panels.head.pad
+
+
+def drag(pad: HeadPad, start: QPointF, end: QPointF) -> None:
+    QTest.mousePress(pad, LEFT, pos=start.toPoint())
+    held = QMouseEvent(QEvent.Type.MouseMove, end, NO_BUTTON, LEFT, Qt.KeyboardModifier.NoModifier)
+    QApplication.sendEvent(pad, held)  # QTest moves the mouse without its button
+    QTest.mouseRelease(pad, LEFT, pos=end.toPoint())
+
+
+DRAGS: dict[str, tuple[QPointF, Callable[[AimHead], bool]]] = {
+    "down is nose down": (QPointF(0, 40), lambda aim: aim.pitch > 5 and abs(aim.roll) < 1),
+    "up is nose up": (QPointF(0, -40), lambda aim: aim.pitch < -5 and abs(aim.roll) < 1),
+    "right is right ear down": (QPointF(40, 0), lambda aim: aim.roll > 5 and abs(aim.pitch) < 1),
+    "left is left ear down": (QPointF(-40, 0), lambda aim: aim.roll < -5 and abs(aim.pitch) < 1),
+}
+
+
+@pytest.mark.parametrize("name", DRAGS)
+def test_the_disc_is_dragged_for_pitch_and_roll(window: Window, intents: Taken, name: str) -> None:
+    offset, right = DRAGS[name]
+    pad = pad_of(window)
+    middle = QPointF(pad.width() / 2, pad.height() / 2)
+    drag(pad, middle, middle + offset)
+    aims = [intent for intent in intents() if isinstance(intent, AimHead)]
+    assert right(aims[-1])
+    assert aims[-1].yaw == 20.0, "the ring stays where it was"
+
+
+@pytest.mark.parametrize("yaw", [-170.0, -90.0, 0.0, 45.0, 120.0])
+def test_the_ring_is_dragged_for_yaw(window: Window, intents: Taken, yaw: float) -> None:
+    pad = pad_of(window)
+    drag(pad, pad.yaw_point(10.0), pad.yaw_point(yaw))
+    aims = [intent for intent in intents() if isinstance(intent, AimHead)]
+    assert aims[-1].yaw == pytest.approx(yaw, abs=1.5)
+    assert (aims[-1].pitch, aims[-1].roll) == (14.0, 12.0), "the disc stays where it was"
+
+
+def test_left_on_the_ring_is_left_on_the_screen(window: Window) -> None:
+    pad = pad_of(window)
+    assert pad.yaw_point(90.0).x() < pad.width() / 2 < pad.yaw_point(-90.0).x()
+    assert pad.yaw_point(0.0).y() < pad.height() / 2
+
+
+def test_a_target_beyond_the_limit_is_possible(window: Window, intents: Taken) -> None:
+    pad = pad_of(window)
+    edge = pad.tilt_point(Orientation(0.0, 35.0, 0.0), 35.0)
+    drag(pad, QPointF(pad.width() / 2, pad.height() / 2), edge + QPointF(0, 12))
+    aim = intents()[-1]
+    assert isinstance(aim, AimHead)
+    assert 36.0 < math.hypot(aim.pitch, aim.roll) <= 42.0
+
+
+def test_a_press_beside_the_ring_is_ignored(window: Window, intents: Taken) -> None:
+    QTest.mouseClick(pad_of(window), LEFT, pos=QPoint(2, 2))
+    assert intents() == []

@@ -1,0 +1,283 @@
+"""The window with link, state and widgets."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PyQt5.QtCore import QSize, Qt, QTimer
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink, WatchedState
+from window_views import posed
+from worlds import absent
+
+from beatrix_zenoh._generated.messages import Command
+from beatrix_zenoh.client.readings import HeadAngles
+from gui.bridge import Bridge
+from gui.run import begin_size, errors_shown
+from gui.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.state.intents import (
+    ChooseRobot,
+    Intent,
+    Jog,
+    PlayFile,
+    RunCommand,
+    SaveChoreography,
+    SavePose,
+    SetDestination,
+    SetLanguage,
+    SetTheme,
+    ShowTab,
+    Stop,
+    Tab,
+    Theme,
+)
+from gui.theme import style_of
+from gui.window import Window
+
+Taken = Callable[[], list[Intent]]
+LEFT = Qt.MouseButton.LeftButton
+
+
+def test_the_window_shows_the_world_of_the_link_periodically(
+    qtbot: QtBot, window: Window, link: RecordingLink
+) -> None:
+    link.known = replace(link.known, sim=posed("sim", (33.3, 0.0, 0.0), HeadAngles(44.0, 0.0, 0.0)))
+    row = window.panels.arms.rows["short"]
+    qtbot.waitUntil(lambda: row.sim.text() == "33.3°")
+    assert window.panels.head.numbers["sim", "yaw"].text() == "44.0°"
+
+
+def test_an_intent_becomes_an_action_and_is_shown(window: Window, link: RecordingLink, qtbot: QtBot) -> None:
+    QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
+    (action,) = link.done
+    assert isinstance(action, Send)
+    assert action.twins == ("sim",)
+    qtbot.waitUntil(lambda: window.panels.history.list.count() == 1)
+
+
+def test_an_outcome_is_shown(window: Window, link: RecordingLink) -> None:
+    QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
+    (action,) = link.done
+    assert isinstance(action, Send)
+    window.report(Outcome(action.row, "sim", accepted=True, done=True, duration_s=1.2))
+    item = window.panels.history.list.item(0)
+    assert item is not None
+    assert "done" in item.text()
+    assert "done" in window.panels.stop_bar.last.text()
+
+
+def test_a_check_box_changes_only_if_the_state_agrees(
+    window: Window, state: WatchedState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    box = window.panels.sending.hw
+    QTest.mouseClick(box, LEFT)
+    assert box.isChecked()
+    monkeypatch.setattr(WatchedState, "handle", lambda *_: [])
+    QTest.mouseClick(box, LEFT)
+    assert box.isChecked()
+
+
+def test_disable_asks_beside_its_button_before_the_head_sinks(window: Window, intents: Taken) -> None:
+    window.handle(SetDestination("hw", checked=True))
+    intents()
+    panels = window.panels
+    button = panels.commands.buttons["disable"]
+    QTest.mouseClick(button, LEFT)
+    assert intents() == []
+    assert button.text() == "Disable?"
+    assert "sinks" in panels.refusal.text.text()
+    assert panels.refusal.isVisible()
+    QTest.mouseClick(button, LEFT)
+    assert intents() == [RunCommand(Command.ENABLE, value=False)]
+    assert button.text() == "Disable"
+    assert not panels.refusal.isVisible()
+
+
+def test_the_question_disappears_when_another_control_is_used(
+    qtbot: QtBot, window: Window, intents: Taken
+) -> None:
+    window.handle(SetDestination("hw", checked=True))
+    panels = window.panels
+    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)
+    panels.head.pad.setFocus()
+    qtbot.waitUntil(lambda: panels.commands.buttons["disable"].text() == "Disable")
+    assert not panels.refusal.isVisible()
+    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)
+    assert not any(isinstance(intent, RunCommand) for intent in intents())
+
+
+def test_a_question_follows_its_button(window: Window) -> None:
+    window.handle(SetDestination("hw", checked=True))
+    window.handle(SetLanguage("de"))
+    panels = window.panels
+    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)  # before the new widgets have their places
+    window.resize(1024, 600)
+    QApplication.processEvents()
+    window.refresh()
+    assert panels.refusal.isVisible()
+    assert panels.body.rect().contains(panels.refusal.geometry())
+    assert panels.refusal.geometry().right() < panels.commands.x()
+
+
+def test_disable_without_a_question_acts_at_once(window: Window, link: RecordingLink) -> None:
+    QTest.mouseClick(window.panels.commands.buttons["disable"], LEFT)
+    (action,) = link.done
+    assert isinstance(action, SendCommand)
+    assert not action.value
+
+
+def test_a_theme_applies_to_all_widgets_at_once(window: Window) -> None:
+    for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
+        window.handle(SetTheme(theme))
+        colours = style_of(theme)
+        centre = window.grab().toImage().pixelColor(2, 100)
+        assert centre.name() == colours.ground
+        stop = window.panels.stop_bar
+        assert window.grab().toImage().pixelColor(stop.width() // 2, stop.y() + 8).name() == colours.stop
+
+
+def test_the_language_changes_while_the_window_runs(
+    qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken
+) -> None:
+    old = window.panels
+    old.header.choices["de"].trigger()
+    assert intents() == [SetLanguage("de")]
+    assert window.panels is not old
+    assert window.panels.head.send.text() == "Senden"
+    assert window.panels.arms.increment.box.text() == "5,0 °"
+    QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
+    assert intents() == [Jog("short", 1)]
+    QTest.keyClick(window, Qt.Key.Key_Space)
+    assert intents() == [Stop()]
+    qtbot.waitUntil(window.panels.isVisible)
+
+
+def test_the_menu_chooses_the_theme(window: Window, intents: Taken) -> None:
+    window.panels.header.choices["projector"].trigger()
+    assert intents() == [SetTheme(Theme.PROJECTOR)]
+    assert window.panels.header.choices["projector"].isChecked()
+
+
+def test_tabs_are_reported_for_the_pictures(window: Window, intents: Taken) -> None:
+    for number, name in enumerate(Tab):
+        window.panels.tabs.setCurrentIndex(number)
+        assert window.panels.tabs.currentIndex() == number, name
+    assert intents() == [ShowTab(Tab.EYES), ShowTab(Tab.PLOTS)]
+
+
+def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    robots = window.panels.header.robots
+    robots.setFocus()
+    qtbot.waitUntil(robots.hasFocus)
+    QTest.keyClick(robots, Qt.Key.Key_Down)
+    assert intents() == [ChooseRobot("bea2")]
+
+
+@pytest.mark.qt_log_ignore("This plugin does not support")
+def test_a_file_is_chosen_without_blocking_the_window(
+    qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken, tmp_path: Path
+) -> None:
+    window.handle(SavePose("nod"))
+    poses = window.panels.poses
+    for button, intent, action in (
+        (poses.save_file, SaveChoreography, WriteFile),
+        (poses.play_file, PlayFile, Play),
+    ):
+        intents()
+        button.click()
+        dialog = poses.dialog
+        assert dialog is not None
+        dialog.setDirectory(str(tmp_path))
+        dialog.fileSelected.emit(str(tmp_path / "dance.csv"))
+        assert intents() == [intent(tmp_path / "dance.csv")]
+        assert isinstance(link.done[-1], action)
+        dialog.close()
+        qtbot.waitUntil(lambda: poses.dialog is None)
+
+
+def test_the_banner_says_what_to_do_first(window: Window, link: RecordingLink) -> None:
+    assert not window.panels.banner.isVisible()
+    link.known = replace(link.known, sim=absent("sim"), hw=absent("hw"), names=())
+    window.refresh()
+    banner = window.panels.banner
+    assert banner.isVisible()
+    assert banner.text.text()
+    assert any(button.isVisible() for button in banner.buttons)
+
+
+@pytest.mark.qt_no_exception_capture
+def test_an_error_in_a_slot_is_shown_and_the_window_continues(
+    qtbot: QtBot, window: Window, intents: Taken, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> None:
+        raise ValueError("a bug of the window")
+
+    hooks = sys.excepthook, threading.excepthook
+    with errors_shown(window.show_error):
+        QTimer.singleShot(0, fail)
+        qtbot.waitUntil(window.panels.trouble.isVisible)
+        assert "a bug of the window" in window.panels.trouble.text.text()
+        assert "a bug of the window" in caplog.text
+        QTest.keyClick(window, Qt.Key.Key_Space)
+        assert intents() == [Stop()]
+        QTest.mouseClick(window.panels.trouble.close_button, LEFT)
+        assert not window.panels.trouble.isVisible()
+    assert (sys.excepthook, threading.excepthook) == hooks
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_an_error_of_another_thread_is_shown(
+    qtbot: QtBot, window: Window, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> None:
+        raise ValueError("a bug of a thread")
+
+    bridge = Bridge()
+    with errors_shown(lambda text: bridge.post(lambda: window.show_error(text))):
+        thread = threading.Thread(target=fail)
+        thread.start()
+        thread.join()
+        qtbot.waitUntil(window.panels.trouble.isVisible)
+    assert "a bug of a thread" in window.panels.trouble.text.text()
+    bridge.close()
+
+
+def test_nothing_is_drawn_while_nothing_changes(qtbot: QtBot, window: Window) -> None:
+    """A window at rest leaves the computer to the simulation."""
+    painted: list[str] = []
+    pad = window.panels.head.pad
+    window.panels.tabs.setCurrentWidget(window.panels.eyes)
+    for _ in range(3):
+        window.refresh()
+        QApplication.processEvents()
+    original = type(pad).paintEvent
+
+    def counting(self: object, event: object) -> None:
+        painted.append("pad")
+        original(pad, event)  # type: ignore[arg-type]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(pad), "paintEvent", counting)
+        for _ in range(10):
+            window.refresh()
+            QApplication.processEvents()
+        assert painted == []
+        pad.update()
+        qtbot.waitUntil(lambda: painted == ["pad"])
+
+
+@pytest.mark.parametrize(
+    ("room", "size"), [((1920, 1080), (1366, 768)), ((1024, 560), (1024, 560)), ((1366, 728), (1366, 728))]
+)
+def test_the_initial_window_is_not_larger_than_the_screen(
+    window: Window, room: tuple[int, int], size: tuple[int, int]
+) -> None:
+    window.resize(begin_size(QSize(*room)))
+    assert (window.width(), window.height()) == size

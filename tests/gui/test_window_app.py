@@ -1,0 +1,77 @@
+"""The window's process: its ready line, its end, and the refusals at the start."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh.errors import Refused
+from gui.app import PLUGINS, check_display, main
+
+PROGRAM = "import sys; from gui.app import main; sys.exit(main(sys.argv[1:]))"
+NOWHERE = "tcp/127.0.0.1:1"
+START_S, END_S = 30.0, 3.0
+
+
+def start(folder: Path, *words: str, **environment: str) -> subprocess.Popen[str]:
+    """Start the window; its choices are kept in the folder."""
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, "--connect", NOWHERE, *words],
+        env={**os.environ, "XDG_CONFIG_HOME": str(folder), **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.timeout(START_S + END_S + 10)
+def test_a_signal_closes_the_window_in_order(tmp_path: Path, number: signal.Signals) -> None:
+    with start(tmp_path, "--language", "de", "--theme", "projector") as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready window\n"
+        begin_s = time.monotonic()
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=END_S + 5)
+        assert time.monotonic() - begin_s < END_S
+    assert (process.returncode, errors) == (0, "")
+    assert not (tmp_path / "beatrix").exists(), "options are for one window"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere there is always a display")
+def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
+    environment = {"QT_QPA_PLATFORM": "", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+    with start(tmp_path, **environment) as process:
+        output, errors = process.communicate(timeout=START_S)
+    assert (process.returncode, output) == (1, "")
+    assert errors.startswith("No window can be opened because there is no display.")
+    assert errors.count("\n") == 1
+
+
+def test_an_unknown_language_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--language", "xx"]) == 2
+    assert "Choose one of en, de" in capsys.readouterr().err
+
+
+def test_plugins_of_opencv_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(PLUGINS, "/somewhere/cv2/qt/plugins")
+    check_display()
+    assert PLUGINS not in os.environ
+    monkeypatch.setenv(PLUGINS, "/somewhere/else")
+    check_display()
+    assert os.environ[PLUGINS] == "/somewhere/else"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere there is always a display")
+def test_a_display_that_does_not_answer_counts_as_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
+    monkeypatch.setenv("DISPLAY", ":4711")
+    with pytest.raises(Refused, match="no display"):
+        check_display()

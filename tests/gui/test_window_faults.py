@@ -1,0 +1,180 @@
+"""Faults around the window are shown, end by themselves, and never block the window."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import pytest
+import simplejpeg
+from PyQt5.QtCore import Qt
+from stage import Stage, free_endpoint
+from windowed import Windowed, windowed
+
+from gui.state.saved import Saved
+from gui.window import PERIOD_MS
+
+SOON_S = 0.5
+"""After it can be known."""
+SILENCE_S = 0.4
+"""Without positions: a robot that misses fewer may be on a busy network."""
+GAP_S = 1.0
+"""Longest time between two ticks of the window's timer, of 50 ms, on a computer that is not busy."""
+pytestmark = pytest.mark.usefixtures("qtbot")
+
+
+class Gaps:
+    """The longest time between ticks: of the window's timer, and of a thread that does nothing else.
+
+    The thread tells how long this computer keeps any program waiting.
+    """
+
+    def __init__(self, user: Windowed) -> None:
+        self._ticks: list[float] = []
+        self._beats: list[float] = []
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._beat)
+        user.window._timer.timeout.connect(lambda: self._ticks.append(time.monotonic()))
+
+    def _beat(self) -> None:
+        while not self._end.wait(PERIOD_MS / 1e3):
+            self._beats.append(time.monotonic())
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._end.set()
+        self._thread.join()
+
+    @property
+    def busy_s(self) -> float:
+        """How much longer than its pause the thread was kept waiting."""
+        return longest(self._beats) - PERIOD_MS / 1e3
+
+    def check(self) -> None:
+        """The window's timer went on."""
+        assert len(self._ticks) > 5
+        assert longest(self._ticks) < GAP_S + 2 * self.busy_s, f"this computer: {self.busy_s:.3f} s"
+
+
+def longest(times: list[float]) -> float:
+    return max((later - earlier for earlier, later in pairwise(times)), default=0.0)
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        yield made
+
+
+def shows(user: Windowed, twin: str, words: str) -> Callable[[], bool]:
+    """A function that returns whether the state of a robot holds these words."""
+    return lambda: words in user.window.panels.header.pills[twin].state.text()
+
+
+def within(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps, limit_s: float) -> None:
+    """Until it is so; in this time, and what this computer takes for itself."""
+    began_s = time.monotonic()
+    user.until(holds, what)
+    took_s = time.monotonic() - began_s
+    assert took_s < limit_s + 2 * gaps.busy_s, f"{what} after {took_s:.2f} s; computer: {gaps.busy_s:.3f} s"
+
+
+def test_a_robot_that_is_killed_and_started_again(stage: Stage) -> None:
+    hw = stage.hardware("bea")
+    with windowed(stage.endpoint) as user, Gaps(user) as gaps:
+        user.until(shows(user, "hw", "motors off"), "it is there")
+        hw.send(signal.SIGKILL)
+        within(user, shows(user, "hw", "not on line"), "it has gone", gaps, SOON_S)
+        assert user.window.panels.arms.rows["short"].hw.text() == "–", "an old angle is not shown"
+        user.send_to("hw")
+        user.press(user.window.panels.arms.rows["short"].plus)
+        assert "not on line" in user.window.panels.refusal.text.text()
+        stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
+        user.until(shows(user, "hw", "motors off"), "it is back")
+        user.press(user.window.panels.commands.buttons["enable"])
+        user.until_last("enable done")
+        gaps.check()
+
+
+def test_a_frozen_hardware_slows_neither_window_nor_simulation(stage: Stage) -> None:
+    stage.simulation("bea", "--ready")
+    hw = stage.hardware("bea")
+    sim = stage.robot("bea", "sim")
+    with windowed(stage.endpoint, saved=Saved(speed=80.0, lead_s=0.0)) as user, Gaps(user) as gaps:
+        panels = user.window.panels
+        user.until_ready("sim")
+        user.until(shows(user, "hw", "motors off"), "it is there")
+        hw.send(signal.SIGSTOP)
+        within(user, shows(user, "hw", "silent"), "it is frozen", gaps, SILENCE_S + SOON_S)
+        user.send_to("sim", "hw")
+        user.press(panels.commands.buttons["enable"])  # the hardware will not answer
+        user.send_to("sim")
+        user.press(panels.arms.rows["all"].plus)
+        user.until_at(sim, 5, 5, 5)
+        user.until_last("move", "done")
+        user.press(panels.arms.rows["all"].plus)
+        user.until(lambda: sim.status().moving, "it moves")
+        user.key(Qt.Key.Key_Space)
+        user.until(lambda: not sim.status().moving, "STOP reaches the simulation", 1.0)
+        gaps.check()
+        hw.send(signal.SIGCONT)
+        user.until(lambda: not shows(user, "hw", "silent")(), "it is back")
+        user.send_to("hw")
+        user.until(lambda: bool(panels.header.pills["hw"].latency.text()), "it answers again")
+        user.press(panels.commands.buttons["enable"])
+        user.until_last("enable done")
+
+
+def test_a_router_that_is_started_again(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+    router.expect("ready")
+    hw = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+    hw.expect("ready")
+    with windowed(endpoint) as user, Gaps(user) as gaps:
+        panels = user.window.panels
+        user.until(shows(user, "hw", "motors off"), "it is there")
+        assert not says_router(user, endpoint)
+        router.send(signal.SIGKILL)
+        within(user, lambda: says_router(user, endpoint), "there is no router", gaps, SOON_S)
+        user.key(Qt.Key.Key_Space)
+        user.until_last("stop", "router")
+        stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+        user.until(shows(user, "hw", "motors off"), "all is back")
+        user.until(lambda: not says_router(user, endpoint), "the banner has gone")
+        user.press(panels.header.pills["hw"].next_step)
+        user.until(shows(user, "hw", "not calibrated"), "it does as it is told")
+        gaps.check()
+
+
+def says_router(user: Windowed, endpoint: str) -> bool:
+    """Whether the banner is about the router."""
+    banner = user.window.panels.banner
+    return banner.isVisible() and endpoint in banner.text.text()
+
+
+def test_a_camera_that_is_unplugged_and_plugged_in(stage: Stage, tmp_path: Path) -> None:
+    picture, away = tmp_path / "eye.jpg", tmp_path / "away"
+    picture.write_bytes(simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8)))
+    words = ("--port", "virtual:", "--camera", f"left=file:{picture}")
+    stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *words).expect("ready")
+    with windowed(stage.endpoint) as user, Gaps(user) as gaps:
+        panels = user.window.panels
+        panels.tabs.setCurrentWidget(panels.eyes)
+        user.check(panels.sending.cameras)
+        left = panels.eyes.pictures["hw", "left"]
+        user.until(lambda: left.note.endswith("/s"), "pictures come")
+        picture.rename(away)
+        within(user, lambda: str(picture) in left.accessibleDescription(), "it has gone", gaps, SOON_S)
+        away.rename(picture)
+        user.until(lambda: not left.accessibleDescription() and left.note.endswith("/s"), "it is back")
+        gaps.check()

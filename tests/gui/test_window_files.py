@@ -1,0 +1,163 @@
+"""The file dialog of choreographies never blocks clicks on STOP."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PyQt5.QtCore import Qt, QTimer
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
+from pytestqt.qtbot import QtBot
+
+from gui.state.intents import Intent, PlayFile, SaveChoreography, SavePose, SetLanguage, Stop
+from gui.widgets.controls import IntentButton
+from gui.widgets.file_dialog import FileDialog, begin_folder
+from gui.window import Window
+
+pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # dialogs without a display
+Taken = Callable[[], list[Intent]]
+
+
+@pytest.fixture(autouse=True)
+def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pose that can be saved; the working folder holds a file and a folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "dance.csv").write_text("mine")
+    (tmp_path / "inner").mkdir()
+    window.handle(SavePose("nod"))
+
+
+def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:
+    button.click()
+    dialog = window.panels.poses.dialog
+    assert dialog is not None
+    qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)  # keys go to the active window
+    return dialog
+
+
+def enter(dialog: FileDialog, name: str) -> None:
+    """Type a name and Enter; a modal box would be left open after a second, and is found then."""
+    boxes: list[object] = []
+
+    def close_boxes() -> None:
+        box = QApplication.activeModalWidget()
+        if box is not None:
+            boxes.append(box)
+            box.close()
+
+    watch = QTimer()
+    watch.setSingleShot(True)
+    watch.timeout.connect(close_boxes)
+    watch.start(1000)
+    field = dialog.findChild(QLineEdit, "fileNameEdit")
+    assert field is not None
+    field.selectAll()
+    QTest.keyClicks(field, name)
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    watch.stop()
+    assert boxes == []
+    assert QApplication.activeModalWidget() is None
+
+
+def test_an_existing_file_is_overwritten_only_at_the_second_press(
+    qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
+) -> None:
+    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    intents()
+    enter(dialog, "dance")
+    assert dialog.labelText(QFileDialog.DialogLabel.Accept) == "Overwrite"
+    enter(dialog, "dance2")
+    assert intents() == [SaveChoreography(tmp_path / "dance2.csv")]
+    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    enter(dialog, "dance")
+    assert intents() == []
+    field = dialog.findChild(QLineEdit, "fileNameEdit")
+    assert field is not None
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    assert intents() == [SaveChoreography(tmp_path / "dance.csv")]
+
+
+def test_a_file_that_exists_is_not_written_at_the_first_press(
+    qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
+) -> None:
+    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    intents()
+    enter(dialog, "dance")
+    assert dialog.isVisible()
+    assert dialog.notice.isVisible()
+    assert "dance.csv" in dialog.notice.text()
+    QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    assert intents() == [Stop()]
+    assert (tmp_path / "dance.csv").read_text() == "mine"
+    enter(dialog, "inner")
+    assert dialog.directory().dirName() == "inner"
+    assert not dialog.notice.isVisible()
+    enter(dialog, "dance")
+    assert intents() == [SaveChoreography(tmp_path / "inner" / "dance.csv")]
+
+
+def test_a_file_that_is_missing_is_not_played(
+    qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
+) -> None:
+    dialog = opened(qtbot, window, window.panels.poses.play_file)
+    intents()
+    enter(dialog, "none.csv")  # Open is off
+    dialog.accept()  # as if the file had been there until now
+    assert dialog.isVisible()
+    assert "none.csv" in dialog.notice.text()
+    QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    assert intents() == [Stop()]
+    enter(dialog, str(tmp_path / "dance.csv"))
+    assert intents() == [PlayFile(tmp_path / "dance.csv")]
+
+
+def test_message_boxes_of_the_dialog_are_closed_at_once(qtbot: QtBot, window: Window) -> None:
+    dialog = opened(qtbot, window, window.panels.poses.play_file)
+    box = QMessageBox(dialog)
+    late = QTimer(dialog)
+    late.timeout.connect(lambda: box.done(QMessageBox.StandardButton.Cancel))
+    late.start(2000)
+    box.setText("There is no such folder.")
+    with qtbot.assertNotEmitted(dialog.finished):
+        box.exec()
+    late.stop()
+    assert box.result() == QMessageBox.DialogCode.Rejected
+    assert dialog.notice.text() == "There is no such folder."
+    assert QApplication.activeModalWidget() is None
+
+
+def test_the_dialog_closes_when_the_language_changes(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    gone: list[bool] = []
+    opened(qtbot, window, window.panels.poses.play_file).destroyed.connect(lambda: gone.append(True))
+    window.handle(SetLanguage("de"))
+    qtbot.waitUntil(lambda: bool(gone))
+    dialog = opened(qtbot, window, window.panels.poses.play_file)
+    intents()
+    enter(dialog, "hello.csv")
+    (intent,) = intents()
+    assert isinstance(intent, PlayFile)
+
+
+def test_a_second_dialog_replaces_the_first(qtbot: QtBot, window: Window) -> None:
+    poses = window.panels.poses
+    gone: list[bool] = []
+    opened(qtbot, window, poses.save_file).destroyed.connect(lambda: gone.append(True))
+    second = opened(qtbot, window, poses.play_file)
+    qtbot.waitUntil(lambda: bool(gone))
+    assert poses.dialog is second
+    second.close()
+    qtbot.waitUntil(lambda: poses.dialog is None)
+
+
+def test_files_are_read_from_the_shipped_ones_and_written_where_the_user_works(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert (begin_folder(QFileDialog.AcceptMode.AcceptOpen) / "hello.csv").is_file()
+    assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == tmp_path
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == Path.home()

@@ -1,0 +1,283 @@
+"""STOP and the other keys, with any focus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from PyQt5.QtCore import QEvent, QPoint, Qt
+from PyQt5.QtGui import QKeyEvent
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QWidget
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink
+
+from gui.state.actions import BeginRecording, Send, StopBoth
+from gui.state.intents import (
+    AimHead,
+    Intent,
+    Jog,
+    SavePose,
+    SendHead,
+    SetIncrement,
+    Stop,
+    ToggleRecording,
+    Undo,
+)
+from gui.window import Window
+
+Taken = Callable[[], list[Intent]]
+pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # popups and dialogs without a display
+STOP_KEYS = [Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause]
+
+
+def a_list(window: Window) -> QWidget:
+    """The history, which is shown when it has a row."""
+    window.handle(Jog("short", 1))
+    return window.panels.history.list
+
+
+FOCUS: dict[str, Callable[[Window], QWidget]] = {
+    "pad": lambda window: window.panels.head.pad,
+    "button": lambda window: window.panels.arms.rows["short"].plus,
+    "STOP": lambda window: window.panels.stop_bar,
+    "number": lambda window: window.panels.arms.increment.box,
+    "slider": lambda window: window.panels.arms.speed.slider,
+    "check box": lambda window: window.panels.sending.hw,
+    "choice": lambda window: window.panels.arms.absolute,
+    "list": a_list,
+    "robots": lambda window: window.panels.header.robots,
+    "tabs": lambda window: window.panels.tabs.tabBar() or window,
+}
+
+
+def focus(qtbot: QtBot, widget: QWidget) -> None:
+    widget.setFocus()
+    qtbot.waitUntil(widget.hasFocus)
+
+
+def press(key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+    """Press a key as the platform does: in the popup, or in the focused widget."""
+    QTest.keyClick(under_keys(), key, modifiers)
+
+
+def under_keys() -> QWidget:
+    """What the platform sends keys to."""
+    found: tuple[QWidget | None, ...] = (
+        QApplication.activePopupWidget(),
+        QApplication.focusWidget(),
+        QApplication.activeWindow(),
+    )
+    return next(widget for widget in found if widget is not None)
+
+
+@pytest.mark.parametrize("place", FOCUS)
+def test_stop_works_with_any_focus(
+    qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken, place: str
+) -> None:
+    focus(qtbot, FOCUS[place](window))
+    intents()
+    for count, key in enumerate(STOP_KEYS, start=1):
+        press(key)
+        assert intents() == [Stop()]
+        assert sum(isinstance(action, StopBoth) for action in link.done) == count
+
+
+@pytest.mark.parametrize("key", STOP_KEYS)
+def test_stop_works_while_a_name_is_typed(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
+    panels = window.panels
+    panels.side.setCurrentWidget(panels.poses)
+    focus(qtbot, panels.poses.name)
+    QTest.keyClicks(panels.poses.name, "nod")
+    intents()
+    press(key)
+    assert intents() == [Stop()]
+    assert panels.poses.name.text() == "nod", "the key is no part of the name"
+    press(Qt.Key.Key_Return)
+    assert intents() == [SavePose("nod")]
+
+
+@pytest.mark.parametrize("key", STOP_KEYS)
+def test_stop_works_while_a_list_of_robots_is_open(window: Window, intents: Taken, key: Qt.Key) -> None:
+    window.panels.header.robots.showPopup()
+    assert QApplication.activePopupWidget() is not None
+    press(key)
+    assert intents() == [Stop()]
+    assert QApplication.activePopupWidget() is None
+
+
+@pytest.mark.parametrize("key", STOP_KEYS)
+def test_stop_works_while_the_menu_is_open(window: Window, intents: Taken, key: Qt.Key) -> None:
+    window.panels.header.menu_button.click()
+    assert window.panels.header.menu.isVisible()
+    press(key)
+    assert intents() == [Stop()]
+    assert not window.panels.header.menu.isVisible()
+
+
+@pytest.mark.parametrize("key", STOP_KEYS)
+def test_stop_works_while_a_file_is_chosen(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
+    poses = window.panels.poses
+    poses.play_file.click()
+    dialog = poses.dialog
+    assert dialog is not None
+    assert not dialog.isModal()
+    qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)
+    press(key)
+    assert intents() == [Stop()]
+    assert dialog.isVisible()
+    dialog.close()
+
+
+def test_stop_acts_when_the_mouse_is_pressed(window: Window, intents: Taken) -> None:
+    QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    assert intents() == [Stop()]
+    QTest.mouseRelease(window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    assert intents() == []
+
+
+def test_stop_acts_at_the_first_press_beside_an_open_menu(window: Window, intents: Taken) -> None:
+    header, bar = window.panels.header, window.panels.stop_bar
+    header.menu_button.click()
+    at = header.menu.mapFromGlobal(bar.mapToGlobal(QPoint(40, 30)))
+    QTest.mousePress(header.menu, Qt.MouseButton.LeftButton, pos=at)
+    assert intents() == [Stop()]
+    assert not header.menu.isVisible()
+
+
+@pytest.mark.parametrize("key", [*STOP_KEYS, Qt.Key.Key_Return, Qt.Key.Key_F1])
+def test_a_key_that_is_held_acts_once(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
+    plus = window.panels.arms.rows["short"].plus
+    focus(qtbot, plus)
+    press(key)
+    first = intents()
+    shown = window.panels.key_sheet.isVisible()
+    for _ in range(5):
+        again = QKeyEvent(QEvent.Type.KeyPress, key, Qt.KeyboardModifier.NoModifier, "", autorep=True)
+        QApplication.sendEvent(under_keys(), again)
+    assert len(first) == (key != Qt.Key.Key_F1)
+    assert intents() == []
+    assert window.panels.key_sheet.isVisible() == shown
+
+
+@pytest.mark.parametrize(
+    ("key", "intent"), [(Qt.Key.Key_Z, Undo()), (Qt.Key.Key_R, ToggleRecording())], ids=["undo", "record"]
+)
+@pytest.mark.parametrize("place", ["pad", "number", "list"])
+def test_control_keys(
+    qtbot: QtBot, window: Window, intents: Taken, place: str, key: Qt.Key, intent: Intent
+) -> None:
+    focus(qtbot, FOCUS[place](window))
+    intents()
+    press(key, Qt.KeyboardModifier.ControlModifier)
+    assert intents() == [intent]
+
+
+def test_ctrl_r_asks_the_link_for_a_recording(window: Window, link: RecordingLink) -> None:
+    link.done.clear()
+    press(Qt.Key.Key_R, Qt.KeyboardModifier.ControlModifier)
+    assert link.done == [BeginRecording()]
+
+
+def test_ctrl_z_in_a_text_field_undoes_typing(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    panels = window.panels
+    panels.side.setCurrentWidget(panels.poses)
+    focus(qtbot, panels.poses.name)
+    QTest.keyClicks(panels.poses.name, "nod")
+    press(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert intents() == []
+    assert panels.poses.name.text() == ""
+
+
+STEPS = [
+    (Qt.Key.Key_Left, 0, (0.0, 0.0, -1.0)),
+    (Qt.Key.Key_Right, 0, (0.0, 0.0, 1.0)),
+    (Qt.Key.Key_Up, 0, (0.0, -1.0, 0.0)),
+    (Qt.Key.Key_Down, 0, (0.0, 1.0, 0.0)),
+    (Qt.Key.Key_PageUp, 0, (1.0, 0.0, 0.0)),
+    (Qt.Key.Key_PageDown, 0, (-1.0, 0.0, 0.0)),
+    (Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier, (0.0, 5.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize(("key", "modifiers", "step"), STEPS)
+def test_arrow_keys_move_the_target(
+    qtbot: QtBot,
+    window: Window,
+    intents: Taken,
+    key: Qt.Key,
+    modifiers: Qt.KeyboardModifier,
+    step: tuple[float, float, float],
+) -> None:
+    focus(qtbot, window.panels.head.pad)
+    window.handle(AimHead(0.0, 0.0, 0.0))
+    intents()
+    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
+    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
+    assert intents() == [AimHead(*step), AimHead(*(2 * angle for angle in step))]
+
+
+def test_enter_sends_the_target(qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken) -> None:
+    focus(qtbot, window.panels.head.pad)
+    press(Qt.Key.Key_Right)
+    intents()
+    press(Qt.Key.Key_Return)
+    assert intents() == [SendHead()]
+    assert isinstance(link.done[-1], Send)
+
+
+def test_enter_presses_the_button_that_has_the_focus(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    focus(qtbot, window.panels.arms.rows["long"].minus)
+    intents()
+    press(Qt.Key.Key_Enter)
+    assert intents() == [Jog("long", -1)]
+
+
+def test_enter_takes_the_number_that_is_typed(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    box = window.panels.arms.increment.box
+    focus(qtbot, box)
+    box.selectAll()
+    QTest.keyClicks(box, "12.5")
+    assert intents() == []
+    window.refresh()
+    assert box.text() == "12.5 °", "what is typed stays while the window is shown anew"
+    press(Qt.Key.Key_Return)
+    assert intents() == [SetIncrement(12.5)]
+
+
+def test_tab_reaches_every_control_and_comes_back(qtbot: QtBot, window: Window) -> None:
+    """In the order in which the window is read: header, left, middle, right, STOP."""
+    start = window.panels.header.robots
+    focus(qtbot, start)
+    seen: list[QWidget] = []
+    while not seen or seen[-1] is not start:
+        press(Qt.Key.Key_Tab)
+        now = QApplication.focusWidget()
+        assert now is not None
+        assert now not in seen
+        seen.append(now)
+    panels = window.panels
+    order = [
+        panels.header.menu_button,
+        panels.head.pad,
+        panels.head.send,
+        panels.arms.relative,
+        panels.arms.rows["short"].minus,
+        panels.arms.rows["all"].plus,
+        panels.arms.increment.slider,
+        panels.arms.speed.box,
+        panels.sending.sim,
+        panels.sending.lead,
+        panels.commands.buttons["enable"],
+        panels.stop_bar,
+    ]
+    places = [seen.index(widget) for widget in order]
+    assert places == sorted(places)
+    assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
+
+
+def test_f1_shows_the_keys_and_hides_them(window: Window) -> None:
+    press(Qt.Key.Key_F1)
+    assert window.panels.key_sheet.isVisible()
+    press(Qt.Key.Key_F1)
+    assert not window.panels.key_sheet.isVisible()

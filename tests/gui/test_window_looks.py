@@ -1,0 +1,213 @@
+"""At the sizes of school laptops nothing is cut off, and every text has enough contrast, in each theme and language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from PyQt5.QtCore import QRect, Qt
+from PyQt5.QtGui import QFontMetrics, QTextDocumentFragment
+from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink, ShownState
+from window_views import STATES, example
+
+from gui.state.intents import Theme
+from gui.state.views import Condition
+from gui.texts import LANGUAGES
+from gui.theme import Style, style_of
+from gui.widgets.controls import ElidedLabel, OptionalLabel
+from gui.widgets.eyes import BAR_PX
+from gui.window import LEAST_HEIGHT, LEAST_WIDTH, Window
+
+SIZES = [(1366, 768), (1024, 600), (LEAST_WIDTH, LEAST_HEIGHT)]
+READABLE, LEGIBLE = 4.5, 3.0
+"""Least contrast of text, and of disabled text and large symbols."""
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of `#rrggbb`, as WCAG 2 defines it."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    """1 to 21."""
+    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:
+    """Every colour that is written with on every ground that it is written on, and the contrast it needs."""
+    for ground in ("ground", "panel", "field"):
+        for text in ("text", "dim", "good", "warn", "bad"):
+            yield text, getattr(colours, text), getattr(colours, ground), READABLE
+        for sign in ("edge", "disabled"):
+            yield sign, getattr(colours, sign), getattr(colours, ground), LEGIBLE
+    for twin in ("sim", "hw"):
+        for ground in ("panel", "field"):
+            yield twin, colours.twin(twin), getattr(colours, ground), READABLE
+    for condition in Condition:
+        yield condition, colours.condition(condition), colours.panel, READABLE
+    yield "refusal", colours.text, colours.notice, READABLE
+    yield "border of a refusal", colours.warn, colours.notice, LEGIBLE
+    yield "button", colours.text, colours.raised, READABLE
+    yield "button with focus", colours.accent, colours.raised, LEGIBLE
+    yield "button to press next", colours.accent_text, colours.accent, READABLE
+    yield "STOP", colours.stop_text, colours.stop, READABLE
+    yield "STOP, pressed", colours.stop_text, colours.stop_pressed, READABLE
+    yield "STOP in the window", colours.stop, colours.ground, 2.5
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_every_text_has_enough_contrast(theme: Theme) -> None:
+    found = {
+        name: round(contrast(*colours), 2)
+        for name, *colours, least in pairs(style_of(theme))
+        if contrast(*colours) < least
+    }
+    assert found == {}
+
+
+def test_contrast_follows_the_standard() -> None:
+    assert contrast("#000000", "#ffffff") == pytest.approx(21)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
+    """Blue and orange lie apart on the axis that red-green blindness leaves: one has more blue than red."""
+    colours = style_of(theme)
+    red_sim, blue_sim = int(colours.sim[1:3], 16), int(colours.sim[5:7], 16)
+    red_hw, blue_hw = int(colours.hw[1:3], 16), int(colours.hw[5:7], 16)
+    assert blue_sim - red_sim > 100
+    assert red_hw - blue_hw > 100
+
+
+def cut(widget: QWidget) -> str:
+    """What of a widget's text has no room; empty: nothing."""
+    if isinstance(widget, QLabel) and widget.text() and not isinstance(widget, ElidedLabel | OptionalLabel):
+        inside = widget.contentsRect()
+        flags = int(widget.alignment()) | (int(Qt.TextFlag.TextWordWrap) if widget.wordWrap() else 0)
+        room = QRect(0, 0, inside.width(), 10_000)
+        plain = QTextDocumentFragment.fromHtml(widget.text()).toPlainText()
+        text = plain if "</" in widget.text() else widget.text()
+        needed = widget.fontMetrics().boundingRect(room, flags, text)
+        if needed.width() > inside.width() or needed.height() > inside.height() + 1:
+            return f"{widget.text()!r} needs {needed.width()}x{needed.height()}, has {inside.width()}x{inside.height()}"
+    elif isinstance(widget, ElidedLabel):
+        needed_px = widget.fontMetrics().horizontalAdvance(widget.text())
+        if needed_px > widget.width():
+            return f"{widget.text()!r} needs {needed_px}, has {widget.width()}"
+    elif isinstance(widget, QAbstractButton) and widget.text() and widget.objectName() != "stop":
+        needed_px = widget.fontMetrics().horizontalAdvance(widget.text().replace("&&", "&"))
+        if needed_px > widget.width() - 4:
+            return f"button {widget.text()!r} needs {needed_px}, has {widget.width()}"
+    return ""
+
+
+def outside(window: Window) -> Iterator[str]:
+    """Visible widgets that reach beyond the widget they are in."""
+    for widget in window.findChildren(QWidget):
+        parent = widget.parentWidget()
+        inner = widget.window() is window and widget.isVisible() and parent is not None
+        if (
+            inner
+            and not parent.rect().contains(widget.geometry())
+            and not widget.inherits("QWidgetLineControl")
+        ):
+            name = type(widget).__name__
+            if name not in INNER:
+                yield f"{name} {widget.accessibleName()} {widget.geometry()} in {type(parent).__name__} {parent.rect()}"
+
+
+INNER = {"QListWidget", "QScrollBar", "QWidget"}
+"""Parts that Qt moves inside of lists and scrolls."""
+
+
+def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
+    """What is wrong with a window of this size."""
+    QApplication.processEvents()
+    assert (window.width(), window.height()) == size
+    hint = window.minimumSizeHint()
+    if hint.width() > size[0] or hint.height() > size[1]:
+        yield f"{size} {name}: needs {hint.width()}x{hint.height()}"
+    for widget in window.findChildren(QWidget):
+        if widget.isVisible() and widget.window() is window and (text := cut(widget)):
+            yield f"{size} {name}: {text}"
+    for text in outside(window):
+        yield f"{size} {name}: {text}"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("theme", Theme)
+def test_nothing_is_cut(qtbot: QtBot, theme: Theme, language: str) -> None:
+    state = ShownState(example("well", theme, language))
+    window = Window(RecordingLink(), state)
+    window.show()
+    found: list[str] = []
+    for size in SIZES:
+        window.resize(*size)
+        for name in STATES:
+            state.shown = example(name, theme, language)
+            window.refresh()
+            found += faults(window, size, name)
+        for tab in range(1, window.panels.tabs.count()):
+            window.panels.tabs.setCurrentIndex(tab)
+            found += faults(window, size, f"tab {tab}")
+        window.panels.side.setCurrentIndex(1)
+        found += faults(window, size, "poses")
+        window.panels.tabs.setCurrentIndex(0)
+    window.close()
+    window.deleteLater()
+    assert not found, "\n".join(sorted(set(found)))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("theme", Theme)
+def test_the_title_of_the_outside_picture_is_whole(qtbot: QtBot, theme: Theme, language: str) -> None:
+    """Its end says on which side the robot's left is."""
+    window = Window(RecordingLink(), ShownState(example("well", theme, language)))
+    qtbot.addWidget(window)
+    window.show()
+    for size in SIZES:
+        window.resize(*size)
+        QApplication.processEvents()
+        picture = window.panels.heads.picture
+        rate_px = picture.fontMetrics().horizontalAdvance("15/s  ")
+        font = picture.font()
+        font.setBold(True)
+        title_px = QFontMetrics(font).horizontalAdvance(picture.accessibleName())
+        room_px = picture.width() - BAR_PX - 2 * style_of(theme).px(6) - rate_px
+        assert title_px <= room_px, f"{picture.accessibleName()} {size}"
+
+
+def test_stop_keeps_its_height_and_spans_the_window(qtbot: QtBot, window: Window) -> None:
+    for size in SIZES:
+        window.resize(*size)
+        QApplication.processEvents()
+        bar = window.panels.stop_bar
+        assert bar.height() == 72
+        assert bar.width() == size[0]
+        assert bar.mapTo(window, bar.rect().bottomLeft()).y() == size[1] - 1
+
+
+def test_the_window_has_a_least_size(window: Window) -> None:
+    window.resize(400, 300)
+    assert (window.width(), window.height()) == (1024, 560)
+
+
+def test_a_low_window_keeps_history_and_poses_in_the_middle(qtbot: QtBot, window: Window) -> None:
+    panels = window.panels
+    assert panels.side.isVisible()
+    window.resize(1024, 600)
+    QApplication.processEvents()
+    assert not panels.side.isVisible()
+    assert [panels.tabs.tabText(i) for i in range(5)] == ["Heads", "Eyes", "Plots", "History", "Poses"]
+    window.resize(1366, 768)
+    QApplication.processEvents()
+    assert panels.side.isVisible()
+    assert panels.tabs.count() == 3

@@ -1,0 +1,83 @@
+"""The window as a child of `beatrix up`, its end, and the refusal without its extra."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from stage import START_S, Process, free_endpoint
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli.processes import Supervisor
+from beatrix_zenoh.cli.up import watch
+from beatrix_zenoh.errors import Refused
+
+CLI = ("-m", "beatrix_zenoh.cli")
+
+
+@pytest.fixture(autouse=True)
+def folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where processes put their choices and temporary files."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+
+
+def window_of(process: Process) -> int:
+    """Number of the child that is the window."""
+    for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
+        for number in listing.read_text().split():
+            if "gui" in Path(f"/proc/{number}/cmdline").read_text().split("\0"):
+                return int(number)
+    raise AssertionError("no window")
+
+
+def test_the_robots_of_up_go_on_when_its_window_is_closed() -> None:
+    endpoint = free_endpoint()
+    up = Process(*CLI, "up", "--gui", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
+    try:
+        up.expect("window")
+        up.expect("The output of all processes")
+        os.kill(window_of(up), signal.SIGTERM)
+        line = up.expect("The window is closed.")
+        assert "`beatrix gui --name bea` opens it again" in line
+        with Robot("bea", "hw", connect=endpoint) as robot:
+            robot.make_ready()
+        assert up.end(signal.SIGINT) == 0
+    finally:
+        up.end(signal.SIGKILL)
+
+
+def test_a_demo_ends_with_its_window(capfd: pytest.CaptureFixture[str]) -> None:
+    endpoint = free_endpoint()
+    with Supervisor() as supervisor:
+        window = supervisor.start("window", "router", "--listen", endpoint, may_end=True)
+        supervisor.wait_ready()
+        window.end()
+        watch(supervisor, "", last=window)
+        assert not zbus.is_listening(endpoint)
+
+
+def test_a_window_that_does_not_start_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
+    monkeypatch.setenv("DISPLAY", ":4711")
+    with Supervisor() as supervisor:
+        supervisor.start("window", "gui", "--connect", free_endpoint(), may_end=True)
+        with pytest.raises(Refused, match=r"exit code 1(.|\n)*there is no display"):
+            supervisor.wait_ready()
+
+
+@pytest.mark.parametrize("package", ["PyQt5", "pyqtgraph"])
+def test_without_the_extra_the_refusal_names_it(package: str) -> None:
+    code = f"import sys; sys.modules[{package!r}] = None; from beatrix_zenoh.cli.app import run; sys.exit(run(['gui']))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=START_S, check=False
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"`beatrix gui` needs {package}")
+    assert 'pip install ".[gui]"' in done.stderr
+    assert done.stderr.count("\n") == 1

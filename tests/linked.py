@@ -1,0 +1,137 @@
+"""The link of a window without the window, with waits for its reports."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Self
+
+from stage import until
+
+from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.queries import motion_query, pose_query
+from beatrix_zenoh.settings import Settings
+from gui.link import Link
+from gui.state.actions import Action, Outcome, Ready, SendCommand, StopBoth
+from gui.state.world import World
+
+PATIENCE_S = 40.0
+
+
+def look(yaw: float, speed: float = 60.0) -> PoseQuery:
+    """A turn of the head, deg and deg/s."""
+    return pose_query(yaw, 0.0, 0.0, relative=False, speed=speed)
+
+
+def arms(short: float, middle: float, long: float, speed: float = 60.0) -> MotionQuery:
+    """A turn of the arms, deg and deg/s."""
+    return motion_query(short, middle, long, relative=False, speed=speed)
+
+
+class Linked:
+    """A link that was started, closed at the end of a `with` block."""
+
+    def __init__(
+        self, endpoint: str, robot: str = "bea", who: str = "ana", *, name_given: bool = True
+    ) -> None:
+        self.outcomes: list[Outcome] = []
+        self.pictures: list[tuple[str, str]] = []
+        self.link = Link(
+            Settings(robot, endpoint, who),
+            self.outcomes.append,
+            lambda twin, image: self.pictures.append((twin, image.eye)),
+            name_given=name_given,
+        )
+        self.link.start()
+
+    @property
+    def world(self) -> World:
+        """What is known now."""
+        return self.link.world()
+
+    def do(self, action: Action) -> None:
+        """Carry out an action and assert that the call returns at once."""
+        began_s = time.monotonic()
+        self.link.do(action)
+        assert time.monotonic() - began_s < 1.0, "it waited"
+
+    def until(self, holds: Callable[[World], bool], what: str, timeout_s: float = PATIENCE_S) -> World:
+        """The first world that fulfils `holds`."""
+        seen: list[World] = []
+
+        def look() -> bool:
+            seen[:] = [self.world]
+            return holds(seen[0])
+
+        try:
+            until(look, what, timeout_s)
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{seen[0]}\n{self.outcomes}") from None
+        return seen[0]
+
+    def on_line(self, *twins: str) -> World:
+        """The world once the robots of these twins publish."""
+        return self.until(
+            lambda world: (
+                all(world.twin(twin).presence is Presence.ON_LINE for twin in twins)
+                and all(world.twin(twin).status is not None for twin in twins)
+            ),
+            f"{twins} on line",
+        )
+
+    def of(self, row: int, twin: str | None = None) -> list[Outcome]:
+        """The outcomes of a row, of one twin or of all."""
+        return [found for found in list(self.outcomes) if found.row == row and twin in (None, found.twin)]
+
+    def end_of(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
+        """The last outcome of a row and twin."""
+        until(lambda: any(found.done for found in self.of(row, twin)), f"row {row} {twin} ends", timeout_s)
+        (last,) = [found for found in self.of(row, twin) if found.done]
+        return last
+
+    def accepted(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
+        """The first outcome of a row and twin, which must be good."""
+        until(lambda: bool(self.of(row, twin)), f"row {row} {twin} is accepted", timeout_s)
+        first = self.of(row, twin)[0]
+        assert first.accepted, first
+        return first
+
+    def close(self) -> None:
+        """End the link, in the time that it is allowed."""
+        began_s = time.monotonic()
+        self.link.close()
+        assert time.monotonic() - began_s < 3.0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def short(world: World, twin: str) -> float:
+    """Commanded angle of the short arm, deg."""
+    reading = world.twin(twin).reading
+    assert reading is not None
+    return reading.commanded.short
+
+
+def at_home(linked: Linked) -> None:
+    """Stop both robots, and make them ready where they rest."""
+    linked.outcomes.clear()
+    linked.on_line("sim", "hw")
+    linked.do(StopBoth(-1))
+    for twin in ("sim", "hw"):
+        linked.end_of(-1, twin)
+        linked.do(SendCommand(-2, Command.ENABLE, value=False, twins=(twin,)))
+        linked.do(Ready(-3, twin))
+    for twin in ("sim", "hw"):
+        assert linked.end_of(-3, twin).accepted
+        linked.until(lambda world, twin=twin: is_home(world.twin(twin)), f"{twin} at home")  # type: ignore[misc]
+
+
+def is_home(state: RobotState) -> bool:
+    """Whether a robot is ready to move and all its angles are 0."""
+    known = state.status is not None and state.status.calibrated and state.reading is not None
+    return known and state.reading is not None and state.reading.commanded == (0, 0, 0)

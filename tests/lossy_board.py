@@ -1,0 +1,99 @@
+"""A virtual board on a wire that loses, delays and forges frames, and a Board that speaks to it."""
+
+from __future__ import annotations
+
+import threading
+
+from stage import until
+
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+
+
+class LossyPort:
+    """A virtual board whose wire can lose, delay or forge frames to the host."""
+
+    name = "lossy:"
+    boot_s = 0.0
+
+    def __init__(self, board: VirtualBoard) -> None:
+        self.board = board
+        self.lose: list[int] = []
+        self.gone = self.mute = False
+        self.free = threading.Event()
+        self.free.set()
+        self.forged = b""
+        self.instead = b""
+        """Comes in the place of every frame that is lost."""
+        self._decoder = Decoder()
+
+    def write(self, data: bytes) -> bytes:
+        if self.gone:
+            raise OSError("gone")
+        self.board.write(data)
+        return b""  # it comes over the wire
+
+    def wake(self) -> None:
+        self.board.wake()
+
+    def read(self, timeout_s: float) -> bytes:
+        self.free.wait(10)
+        if self.gone:
+            raise OSError("gone")
+        out, self.forged = self.forged, b""
+        for frame in self._decoder.feed(self.board.read(timeout_s)):
+            if self.mute:
+                continue
+            if frame.type in self.lose:
+                self.lose.remove(frame.type)
+                out += self.instead
+            else:
+                out += encode(frame.type, frame.seq, frame.payload)
+        return out
+
+    def close(self) -> None:
+        """The board behind stays."""
+
+
+class Rig:
+    """A board on a lossy wire, and what it reported."""
+
+    def __init__(self) -> None:
+        self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))
+        self.ticker = RealTimeTicker(self.virtual)
+        self.port = LossyPort(self.virtual)
+        self.heard: list[Telemetry] = []
+        self.link_changes = 0
+        self.board = Board(lambda: self.port, self.heard.append, self._changed)
+        self.board.start()
+        assert self.board.wait_for(lambda _: True, 2.0)
+
+    def _changed(self) -> None:
+        self.link_changes += 1
+
+    def steps(self) -> tuple[int, int, int]:
+        """Where the firmware has the arms."""
+        with self.virtual.lock:
+            return self.virtual.firmware.steps()
+
+    def rest(self) -> tuple[int, int, int]:
+        """Wait until no arm has stepped for 0.2 s; where they are then."""
+        seen: list[tuple[int, int, int]] = []
+
+        def at_rest() -> bool:
+            seen.append(self.steps())
+            return len(seen) > 20 and seen[-1] == seen[-21]
+
+        until(at_rest, "at rest")
+        return seen[-1]
+
+    def lost(self) -> None:
+        """Wait until the board counts as lost."""
+        until(lambda: not self.board.connected, "lost")
+
+    def close(self) -> None:
+        self.board.close()
+        self.ticker.close()
+        self.virtual.close()

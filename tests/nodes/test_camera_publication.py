@@ -1,0 +1,234 @@
+"""Pictures over a router: taken only while subscribed, with their header, and no subscriber disturbs another."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+from signal import SIGKILL, SIGSTOP
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import NoAnswer, Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import EventKind, Reason
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, Node, StatusFields
+from hw_node.body import VirtualHardware
+
+PERIOD_S = 0.02
+PICTURE = b"\xff\xd8" + bytes(40_000) + b"\xff\xd9"
+READER = """
+import sys, time
+from beatrix_zenoh import Robot
+with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.camera("left") as images:
+    images.next(10.0)
+    print("ready", flush=True)
+    time.sleep(60)
+"""
+
+
+class Eyes(Component):
+    """Two eyes on one thread, as of a renderer; counts its pictures, so that tests can see idle cameras."""
+
+    def __init__(self, context: Context) -> None:
+        self._wake = threading.Event()
+        self.eyes = {eye: CameraPublisher(context, eye, "test", self._wake.set) for eye in ("left", "right")}
+        self.taken = {"left": 0, "right": 0}
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def start(self, sessions: Sessions) -> None:
+        for eye in self.eyes.values():
+            eye.start(sessions)
+            eye.report("")
+        self._thread.start()
+
+    def contribute(self, status: StatusFields) -> None:
+        for eye in self.eyes.values():
+            eye.contribute(status)
+
+    def _run(self) -> None:
+        while not self._closed:
+            subscribed = [name for name, eye in self.eyes.items() if eye.subscribed]
+            for name in subscribed:
+                self.taken[name] += 1
+                self.eyes[name].publish(Frame(PICTURE, 640, 480, time.monotonic_ns(), "test"))
+            self._wake.wait(PERIOD_S if subscribed else 10.0)
+            self._wake.clear()
+
+    def close(self) -> None:
+        self._closed = True
+        self._wake.set()
+        self._thread.join(timeout=5.0)
+
+
+class HardwareWithEyes(VirtualHardware):
+    """A virtual board with eyes."""
+
+    eyes: Eyes
+
+    def components(self, context: Context) -> list[Component]:
+        self.eyes = Eyes(context)
+        return [self.eyes]
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as stage:
+        yield stage
+
+
+@pytest.fixture(scope="module")
+def eyes(stage: Stage) -> Iterator[Eyes]:
+    body = HardwareWithEyes("bea")
+    node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "bea", body).start()
+    yield body.eyes
+    node.close()
+
+
+@pytest.fixture
+def robot(stage: Stage, eyes: Eyes) -> Iterator[Robot]:
+    robot = stage.robot("bea", "hw")
+    yield robot
+    robot.client.close()
+
+
+def idle(eyes: Eyes) -> Callable[[], bool]:
+    return lambda: not any(eye.subscribed for eye in eyes.eyes.values())
+
+
+def test_pictures_are_taken_only_while_a_client_subscribes(eyes: Eyes, robot: Robot) -> None:
+    until(idle(eyes), "no subscriber is left from the test before")
+    before = dict(eyes.taken)
+    with robot.camera("left") as first, robot.camera("left") as second:
+        first.next(5.0)
+        second.next(5.0)
+        first.close()
+        for _ in range(5):
+            second.next(5.0)
+    until(idle(eyes), "the last subscriber has gone")
+    assert eyes.taken["right"] == before["right"], "no picture of the right eye"
+    eyes._wake.set()  # a wake-up without a subscriber takes no picture
+    taken = eyes.taken["left"]
+    robot.status()
+    robot.status()
+    assert eyes.taken["left"] <= taken + 1, "one may have been under way"
+
+
+def test_an_image_has_its_header(eyes: Eyes, robot: Robot) -> None:
+    with robot.camera("right") as images:
+        one, two = images.next(5.0), images.next(5.0)
+    assert one.jpeg == PICTURE
+    assert (one.eye, one.width, one.height, one.source) == ("right", 640, 480, "test")
+    assert two.seq == one.seq + 1
+    assert one.t_mono_ns < two.t_mono_ns
+    assert 0 <= one.arrived_mono_ns - one.t_mono_ns < 5e9, "one computer, one clock"
+    assert 0 <= one.arrived_wall_ns - one.t_wall_ns < 5e9
+
+
+def test_a_slow_reader_sees_new_pictures(eyes: Eyes, robot: Robot) -> None:
+    with robot.camera("left") as images:
+        first = images.next(5.0)
+        until(lambda: images.dropped > 10, "the reader is behind")
+        oldest_waiting = images.next(5.0)
+    assert oldest_waiting.seq > first.seq + 10
+
+
+def test_a_frozen_subscriber_delays_no_other(eyes: Eyes, stage: Stage, robot: Robot, tmp_path: Path) -> None:
+    with robot.camera("left") as images:
+        images.next(5.0)
+        program = tmp_path / "reader.py"
+        program.write_text(READER)
+        reader = stage.script(program, stage.endpoint)
+        reader.expect("ready")
+        reader.send(SIGSTOP)
+        try:
+            images.take()
+            first, dropped = images.next(5.0).seq, images.dropped
+            seqs = [images.next(1.0).seq for _ in range(100)]
+            lost = seqs[-1] - first - len(seqs)
+            # On a busy machine this reader itself may be late and drop the oldest.
+            assert lost - (images.dropped - dropped) <= 5, "lost by one that reads"
+        finally:
+            reader.end(SIGKILL)  # the exit code of the frozen subscriber does not matter
+
+
+def test_status_shows_eyes_and_publishes_only_what_matters(eyes: Eyes, robot: Robot) -> None:
+    until(idle(eyes), "no subscriber is left from the test before")
+    left, right = robot.status().cameras
+    assert (left.eye, right.eye) == ("left", "right")
+    assert (left.connected, left.streaming, left.hz, left.trouble) == (True, False, 0.0, "")
+    with robot.camera("left") as images, robot.status_stream() as statuses:
+        images.next(5.0)
+        streaming = next(status for status in statuses if status.cameras[0].streaming)
+        assert not streaming.cameras[1].streaming
+        measured = next(status for status in statuses if status.cameras[0].hz > 0)
+        assert measured.cameras[0].hz < 1.5 / PERIOD_S
+        assert (measured.cameras[0].width, measured.cameras[0].height) == (640, 480)
+
+
+def test_a_lost_camera_is_an_event_and_a_warning(eyes: Eyes, robot: Robot) -> None:
+    trouble = "The cable is out: plug it in."
+    with robot.events(timeout_s=10.0) as events:
+        until(lambda: robot.stop().result and bool(events.take(0.2)), "events arrive here")
+        eyes.eyes["right"].report(trouble)
+        eyes.eyes["right"].report(trouble)
+        status = robot.status()
+        assert (status.cameras[1].connected, status.cameras[1].trouble) == (False, trouble)
+        assert f"right eye: {trouble}" in status.warnings
+        eyes.eyes["right"].report("")
+        lost, found = islice((event for event in events if event.kind is EventKind.CAMERA), 2)
+    assert (lost.kind, lost.action, lost.reason) == (EventKind.CAMERA, "right", Reason.FAULT)
+    assert (found.reason, found.message) == (Reason.OK, "right eye: The camera is there again.")
+
+
+def test_undecodable_pictures_are_skipped_and_reported_once(
+    eyes: Eyes, robot: Robot, caplog: pytest.LogCaptureFixture
+) -> None:
+    key = keys.camera("bea", "hw", "left")
+    with robot.camera("left") as images:
+        images.next(5.0)
+        for _ in range(3):
+            robot.client.media.put(key, b"<html>", "image/jpeg")
+        until(
+            lambda: bool(images.take()) and "it is no JPEG picture" in caplog.text,
+            "the foreigner is reported",
+        )
+        assert all(image.jpeg == PICTURE for _ in range(5) for image in images.take(0.1))
+    (said,) = [record.getMessage() for record in caplog.records if "no JPEG" in record.getMessage()]
+    assert key in said
+
+
+def test_there_is_no_third_eye(robot: Robot) -> None:
+    with pytest.raises(WrongUsage, match="choose 'left' or 'right'"):
+        robot.camera("third")
+
+
+def test_the_error_for_a_missing_picture_names_the_status(stage: Stage) -> None:
+    with (
+        stage.robot("blind", "hw").camera("left", timeout_s=0.05) as images,
+        pytest.raises(NoAnswer, match="no picture from the left eye") as caught,
+    ):
+        images.next()
+    assert caught.value.reason is Reason.TIMED_OUT
+
+
+def test_pictures_return_with_the_router() -> None:
+    with Stage() as own:
+        body = HardwareWithEyes("bea")
+        node = Node(Sessions(lambda: zbus.connect(own.endpoint)), "bea", body).start()
+        try:
+            with own.robot("bea", "hw").camera("left") as images:
+                images.next(5.0)
+                own._router.close()
+                own._router = zbus.open_router(own.endpoint)
+                images.take()
+                until(lambda: bool(images.take()), "pictures through the new router", 10.0)
+        finally:
+            node.close()

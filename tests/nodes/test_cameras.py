@@ -1,0 +1,160 @@
+"""Camera faults inside a node: the robot continues and reports them."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Iterator
+from itertools import islice
+
+import pytest
+from stage import Stage, ready, until, wait_status
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.node import Component, Context, Frame, Node
+from hw_node.body import VirtualHardware
+from hw_node.cameras import Camera, camera
+
+PICTURE = b"\xff\xd8 picture"
+
+
+class FakeSource:
+    """A camera source that the test controls."""
+
+    name = "test"
+
+    def __init__(self) -> None:
+        self.missing = ""
+        self.opened = self.closed = 0
+        self.feed: queue.SimpleQueue[Exception | None] = queue.SimpleQueue()
+
+    def trouble(self) -> str:
+        return self.missing
+
+    def open(self) -> None:
+        self.opened += 1
+
+    def next(self, timeout_s: float) -> Frame | None:
+        try:
+            error = self.feed.get(timeout=timeout_s)
+        except queue.Empty:
+            return None
+        if error is not None:
+            raise error
+        return Frame(PICTURE, 4, 3, time.monotonic_ns(), self.name)
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+class HardwareWithOneEye(VirtualHardware):
+    """A virtual board with one scripted eye."""
+
+    def __init__(self, name: str, source: FakeSource) -> None:
+        super().__init__(name, cameras=())
+        self._source = source
+
+    def components(self, context: Context) -> list[Component]:
+        return [Camera(context, "left", self._source)]
+
+
+@pytest.fixture
+def source(monkeypatch: pytest.MonkeyPatch) -> FakeSource:
+    monkeypatch.setattr(camera, "CHECK_S", 0.05)
+    return FakeSource()
+
+
+@pytest.fixture
+def robot(source: FakeSource) -> Iterator[Robot]:
+    with Stage() as stage:
+        node = Node(
+            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
+        ).start()
+        robot = stage.robot("bea", "hw")
+        yield robot
+        robot.client.close()
+        node.close()
+
+
+def trouble(robot: Robot) -> str:
+    return robot.status().cameras[0].trouble
+
+
+def test_a_camera_is_open_only_while_a_client_subscribes(source: FakeSource, robot: Robot) -> None:
+    with robot.camera("left") as images:
+        source.feed.put(None)
+        assert images.next(5.0).jpeg == PICTURE
+        assert (source.opened, source.closed) == (1, 0)
+    until(lambda: source.closed == 1, "the camera is closed with its last subscriber")
+    with robot.camera("left"):
+        until(lambda: source.opened == 2, "it opens again")
+
+
+def test_closing_the_node_closes_a_camera_in_use(source: FakeSource) -> None:
+    with Stage() as stage:
+        node = Node(
+            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
+        ).start()
+        with stage.robot("bea", "hw").camera("left") as images:
+            source.feed.put(None)
+            images.next(5.0)
+            node.close()
+            assert source.opened == source.closed == 1
+
+
+def test_an_exception_in_a_camera_is_reported_and_does_not_end_the_node(
+    source: FakeSource, robot: Robot
+) -> None:
+    ready(robot)
+    with robot.camera("left") as images:
+        source.feed.put(KeyError("a mistake"))
+        wait_status(
+            robot, lambda _: "The camera failed: 'a mistake'" in trouble(robot), "the mistake is shown"
+        )
+        robot.look(yaw=5)
+        source.feed.put(None)
+        images.next(5.0)
+        assert trouble(robot) == ""
+
+
+def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robot: Robot) -> None:
+    """The fault must not disappear with each attempt to open the camera."""
+    with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
+        for _ in range(3):
+            source.feed.put(NoAnswer(Reason.FAULT, "It is used by another program."))
+        until(lambda: source.opened >= 3, "it is tried again")
+        assert trouble(robot) == "It is used by another program."
+        source.feed.put(None)
+        images.next(5.0)
+        until(lambda: trouble(robot) == "", "the trouble is over")
+        said = [event.message for event in islice((one for one in events if one.kind == "camera"), 2)]
+    assert said == ["left eye: It is used by another program.", "left eye: The camera is there again."]
+
+
+def test_a_camera_without_pictures_has_a_fault(
+    source: FakeSource, robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(camera, "SILENT_S", 0.1)
+    monkeypatch.setattr(camera, "WAIT_S", 0.02)
+    with robot.camera("left"):
+        wait_status(robot, lambda _: "no picture for 0.1 s" in trouble(robot), "silence is noticed")
+
+
+def test_a_camera_that_is_plugged_in_later_is_used(source: FakeSource) -> None:
+    source.missing = "It is not there."
+    with Stage() as stage:
+        node = Node(
+            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
+        ).start()
+        robot = stage.robot("bea", "hw")
+        with robot.camera("left") as images:
+            until(lambda: trouble(robot) == "It is not there.", "its absence is shown")
+            assert source.opened == 0
+            source.missing = ""
+            source.feed.put(None)
+            images.next(5.0)
+        node.close()

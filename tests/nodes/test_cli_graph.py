@@ -1,0 +1,44 @@
+"""`beatrix graph`: what the router knows, as text, JSON and a drawing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+from shell import NAME, Shell
+from stage import until
+
+from beatrix_zenoh.client.network import matches
+
+NODES = {f"{NAME} (sim)", f"{NAME} (hw)"}
+
+
+def test_nodes_seats_and_what_they_subscribe_to_are_shown(shell: Shell, tmp_path: Path) -> None:
+    with shell.robot("hw") as robot, robot.stream() as readings:
+        readings.next()
+        rows = {row["title"]: row for row in shell.json("graph", "--who", "teacher")["programs"]}
+        assert rows.keys() >= {*NODES, "seat ana"}
+        assert f"beatrix/{NAME}/hw/stop" in rows[f"{NAME} (hw)"]["serves"]
+        assert rows["seat ana"]["subscribes"] == [f"beatrix/{NAME}/hw/state/positions"]
+        assert f"{NAME} (hw): state/positions" in shell.good("graph")
+        shell.good("graph", "--svg", str(tmp_path / "graph.svg"))
+        drawn = ET.parse(tmp_path / "graph.svg").getroot()  # written by this test
+        texts = {element.text for element in drawn.iter("{http://www.w3.org/2000/svg}text")}
+        assert texts >= {*NODES, "seat ana", "state/positions"}
+    until(lambda: "seat ana" not in shell.good("graph", "--who", "teacher"), "ana has left")
+
+
+@pytest.mark.parametrize(
+    ("expression", "key", "wanted"),
+    [
+        ("beatrix/*/*/state/status", "beatrix/bea/hw/state/status", True),
+        ("beatrix/*/sim/state/status", "beatrix/bea/hw/state/status", False),
+        ("beatrix/**", "beatrix/bea/hw/state/status", True),
+        ("**/status", "beatrix/bea/hw/state/status", True),
+        ("beatrix/*", "beatrix/bea/hw", False),
+        ("beatrix/bea/**", "beatrix/bea", True),
+    ],
+)
+def test_key_expressions_match_as_in_zenoh(expression: str, key: str, wanted: bool) -> None:
+    assert matches(expression, key) is wanted

@@ -1,0 +1,54 @@
+"""`beatrix lease`, `freeze`, `unfreeze` and `limit`, as real processes."""
+
+from __future__ import annotations
+
+import signal
+
+from shell import NAME, Shell
+from stage import until
+
+
+def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
+    holder = free.start("lease", "take", "--on", "hw", "--who", "cleo")
+    with free.robot("hw") as robot:
+        until(lambda: robot.status().lease != 0, "cleo has taken it")
+        refused = free.run("look", "--yaw", "5", "--on", "hw", "--who", "dora")
+        assert (refused.returncode, "cleo has taken this robot" in refused.stderr) == (1, True)
+        assert "cleo has taken it." in free.good("ls")
+        free.good("look", "--yaw", "2", "--on", "hw", "--who", "cleo")
+        holder.send_signal(signal.SIGINT)
+        output, _ = holder.communicate(timeout=10)
+        assert "held by cleo" in output
+        until(lambda: not robot.status().lease, "given back")
+
+
+def test_a_seat_that_waits_gets_the_robot(free: Shell) -> None:
+    with free.robot("sim") as robot, robot.lease():
+        waiting = free.start("lease", "take", "--on", "sim", "--who", "dora", "--wait", "20")
+        until(lambda: robot.status().waiting == ["dora"], "dora waits")
+    with free.robot("sim") as robot:
+        until(lambda: robot.status().holder == "dora", "handed over")
+        given = free.good("lease", "give-back", "--on", "sim", "--who", "dora")
+        assert "Given back" in given
+        waiting.send_signal(signal.SIGINT)
+        waiting.communicate(timeout=10)
+
+
+def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> None:
+    refused = free.run("freeze")
+    assert (refused.returncode, "ana is not the teacher's seat" in refused.stderr) == (1, True)
+    rows = free.json("freeze", "--who", "teacher")["robots"]
+    assert {(row["robot"], row["on"], row["result"]) for row in rows} == {
+        (NAME, "sim", True),
+        (NAME, "hw", True),
+    }
+    assert {row["state"] for row in free.json("ls")["robots"]} == {"frozen"}
+    refused = free.run("look", "--yaw", "5", "--on", "sim")
+    assert (refused.returncode, "frozen" in refused.stderr) == (1, True)
+    free.good("unfreeze", "--who", "teacher")
+    assert "at most 20°/s" in free.good("limit", "20", "--who", "teacher")
+    refused = free.run("look", "--yaw", "5", "--speed", "60", "--on", "sim")
+    assert (refused.returncode, "20.0°/s" in refused.stderr) == (1, True)
+    free.good("limit", "off", "--who", "teacher")
+    assert {row["speed_limit_deg_s"] for row in free.json("ls")["robots"]} == {0.0}
+    assert free.run("limit", "slow", "--who", "teacher").returncode == 2

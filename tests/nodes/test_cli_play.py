@@ -1,0 +1,170 @@
+"""The lead and choreographies on the command line."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+from pathlib import Path
+
+import pytest
+from shell import Shell
+from stage import END_S, free_endpoint, until
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Positions, Steps
+
+MINE = """t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure
+0.0,0,8,0,,,,60,yes
+0.5,0,0,0,,,,,
+1.0,,,,6,6,6,,turn
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> str:
+    path = tmp_path / "mine.csv"
+    path.write_text(MINE, encoding="utf-8")
+    return str(path)
+
+
+def steps(robot: Robot) -> Steps:
+    key = keys.positions(robot.name, robot.twin)
+    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+
+
+# A seat stopped by Ctrl-C must pause, so each of these tests has its own seat.
+
+# -- lead ---------------------------------------------------------------------------------------
+
+
+def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
+    done = free.run("look", "--yaw", "8", "--speed", "60", "--on", "both", "--lead", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stderr.splitlines() if "moves in" in line]
+    assert [line.split(";")[0] for line in said] == [
+        "The hardware moves in 2.0 s",
+        "The hardware moves in 1.0 s",
+    ]
+    lag = re.search(r"The hardware began (\S+) s after the simulation", done.stderr)
+    assert lag is not None
+    assert float(lag[1]) == pytest.approx(2.0, abs=0.15)
+    yaws = [row["head_deg"]["yaw"] for row in json.loads(done.stdout)["robots"]]
+    assert yaws == pytest.approx([8, 8], abs=0.5)
+
+
+def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_says_so(free: Shell) -> None:
+    free.good("home", "--on", "both", "--who", "ben")
+    with free.robot("hw") as hardware, free.robot("sim") as simulation:
+        before = steps(hardware)
+        look = free.start(
+            "look", "--yaw", "60", "--speed", "30", "--on", "both", "--who", "ben", "--lead", "20"
+        )
+        until(lambda: simulation.positions().commanded.short > 2, "the simulation moves", 10.0)
+        look.send_signal(signal.SIGINT)
+        output, _ = look.communicate(timeout=END_S)
+        assert look.returncode == 130
+        assert "(sim): Stopped;" in output
+        assert "(hw): not moved." in output
+        assert steps(hardware) == before
+        assert not simulation.status().moving
+
+
+def test_ctrl_c_after_the_lead_stops_both(free: Shell) -> None:
+    free.good("home", "--on", "both", "--who", "cleo")
+    with free.robot("hw") as hardware, free.robot("sim") as simulation:
+        look = free.start(
+            "look", "--yaw", "100", "--speed", "20", "--on", "both", "--who", "cleo", "--lead", "0.5"
+        )
+        until(lambda: hardware.positions().commanded.short > 2, "the hardware moves", 10.0)
+        look.send_signal(signal.SIGINT)
+        output, _ = look.communicate(timeout=END_S)
+        assert look.returncode == 130
+        assert "(sim): Stopped;" in output
+        assert "(hw): Stopped;" in output
+        assert [robot.status().moving for robot in (hardware, simulation)] == [False, False]
+
+
+# -- speed --------------------------------------------------------------------------------------
+
+
+def test_move_takes_a_speed_for_each_arm(free: Shell) -> None:
+    free.good("home", "--on", "hw")
+    with free.robot("hw") as robot, robot.stream() as readings:
+        free.good("move", "24", "24", "0", "--speed", "60,20,30", "--on", "hw")
+        velocities = [reading.velocity for reading in readings.take()]
+    assert max(velocity.short for velocity in velocities) == pytest.approx(60, rel=0.1)
+    assert max(velocity.middle for velocity in velocities) == pytest.approx(20, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("move", "1", "2", "3", "--speed", "10,20"),
+        ("move", "1", "2", "3", "--speed", "fast"),
+        ("look", "--lead", "2"),
+        ("look", "--lead", "2", "--on", "sim"),
+        ("look", "--lead", "-1", "--on", "both"),
+        ("look", "--lead", "nan", "--on", "both"),
+        ("play", "hello", "--lockstep"),
+        ("play", "hello", "--lockstep", "--lead", "1", "--on", "both"),
+        ("play", "hello", "--speed", "0"),
+        ("play", "no-such-file.csv"),
+    ],
+)
+def test_contradictory_options_are_wrong_usage(words: tuple[str, ...]) -> None:
+    assert Shell(free_endpoint()).run(*words).returncode == 2
+
+
+# -- play ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", [("--on", "sim"), ("--on", "both"), ("--on", "both", "--lockstep")])
+def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, how: tuple[str, ...]) -> None:
+    free.good("home", "--on", "both")
+    done = free.run("play", mine, *how, "--json")
+    assert done.returncode == 0, done.stderr
+    shown = [line for line in done.stderr.splitlines() if re.match(r"\d/3 ", line)]
+    assert shown == [
+        "1/3 yes: yaw +0°, pitch +8°, roll +0°",
+        "2/3 yes: yaw +0°, pitch +0°, roll +0°",
+        "3/3 turn: arms short +6°, middle +6°, long +6°",
+    ]
+    rows = json.loads(done.stdout)["robots"]
+    assert [row["arms_deg"]["short"] for row in rows] == pytest.approx([6.0] * len(rows), abs=0.5)
+    assert len(rows) == 1 + ("both" in how)
+
+
+def test_play_of_a_bad_file_names_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(MINE.replace("6,6,6", "6,6,"), encoding="utf-8")
+    done = Shell(free_endpoint()).run("play", str(path))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{path}, line 4: long_deg is empty: give a number" in done.stderr
+
+
+def test_ctrl_c_stops_a_choreography_on_both(free: Shell, tmp_path: Path) -> None:
+    free.good("home", "--on", "both", "--who", "dana")
+    path = tmp_path / "long.csv"
+    path.write_text(MINE.replace("0,8,0", "100,0,0").replace("60", "20"), encoding="utf-8")
+    with free.robot("hw") as hardware, free.robot("sim") as simulation:
+        play = free.start("play", str(path), "--on", "both", "--who", "dana")
+        until(lambda: hardware.positions().commanded.short > 2, "the hardware moves", 10.0)
+        play.send_signal(signal.SIGINT)
+        output, _ = play.communicate(timeout=END_S)
+        assert play.returncode == 130
+        assert "(sim): Stopped;" in output
+        assert "(hw): Stopped;" in output
+        assert [robot.status().moving for robot in (hardware, simulation)] == [False, False]
+
+
+def test_a_pose_out_of_reach_is_refused_before_anything_moves(free: Shell, tmp_path: Path) -> None:
+    path = tmp_path / "far.csv"
+    path.write_text(MINE + "2.0,0,60,0,,,,,\n", encoding="utf-8")
+    with free.robot("sim") as simulation:
+        before = steps(simulation)
+        done = free.run("play", str(path), "--on", "sim", "--who", "finn")
+        assert done.returncode == 1
+        assert "far.csv, line 5 (t = 2.00 s): The head would tilt" in done.stderr
+        assert steps(simulation) == before

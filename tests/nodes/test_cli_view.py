@@ -1,0 +1,120 @@
+"""`beatrix view`: in a browser of this computer, or an error without a screen."""
+
+from __future__ import annotations
+
+import http.client
+import re
+import signal
+import sys
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from stage import Stage
+
+from beatrix_zenoh import Refused
+from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.viewer import answers, program
+
+
+@pytest.fixture
+def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_live_robots_are_shown_in_a_browser(free_port: Callable[[], int]) -> None:
+    port, page = free_port(), free_port()
+    with Stage() as stage:
+        words = ("view", "--web", "--connect", stage.endpoint, "--port", str(port), "--web-port", str(page))
+        process = stage.process("beatrix_zenoh.cli", *words)
+        url = process.expect("ready ").removeprefix("ready ")
+        assert re.fullmatch(
+            rf"http://127\.0\.0\.1:{page}\?url=rerun%2Bhttp%3A%2F%2F127\.0\.0\.1%3A{port}%2Fproxy", url
+        )
+        with urllib.request.urlopen(url, timeout=5.0) as answer:
+            assert b"<html" in answer.read().lower()
+        if sys.platform == "linux":
+            assert listening(port) == listening(page) == {"0100007F"}, "no other computer reaches it"
+        assert allowed_origin(port, f"http://127.0.0.1:{page}") == f"http://127.0.0.1:{page}"
+        assert allowed_origin(port, "https://elsewhere.example") is None, "browsers give it nothing to read"
+        assert process.end(signal.SIGTERM) == 0
+    assert not answers(port)
+    assert not answers(page)
+
+
+def listening(port: int) -> set[str]:
+    """The addresses on which the port is open, as the kernel of Linux writes them."""
+    rows = [
+        row.split()
+        for table in ("tcp", "tcp6")
+        for row in Path("/proc/net", table).read_text(encoding="ascii").splitlines()[1:]
+    ]
+    ends = [row[1].split(":") for row in rows if row[3] == "0A"]
+    return {address for address, number in ends if int(number, 16) == port}
+
+
+def allowed_origin(port: int, origin: str) -> str | None:
+    """The page that may read what the viewer's server holds, as it answers a browser that asks for this one."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
+    asked = {"Origin": origin, "Access-Control-Request-Method": "POST"}
+    connection.request("OPTIONS", "/rerun.sdk_comms.v1alpha1.MessageProxyService/ReadMessages", headers=asked)
+    answer = connection.getresponse().getheader("access-control-allow-origin")
+    connection.close()
+    return answer
+
+
+@pytest.mark.usefixtures("no_screen")
+def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path, free_port: Callable[[], int]) -> None:
+    recording = tmp_path / "lesson.rrd"
+    write_recording(recording)
+    with Stage() as stage:
+        process = stage.process("beatrix_zenoh.cli", "view", str(recording), "--port", str(free_port()))
+        assert process.wait(30.0) == 1
+    # Its server may answer a moment before it needs a screen.
+    assert [line for line in process.lines if not line.startswith("ready ")] == process.lines[-1:]
+    assert "beatrix view --web" in process.lines[-1]
+    assert ".rs" not in process.lines[-1]
+
+
+def write_recording(path: Path) -> None:
+    stream = Stream("one", "lesson")
+    stream.to_file(path)
+    stream.close()
+
+
+def test_a_file_that_is_no_recording_is_refused(tmp_path: Path) -> None:
+    recording = tmp_path / "lesson.rrd"
+    recording.write_bytes(b"")
+    with Stage() as stage:
+        process = stage.process("beatrix_zenoh.cli", "view", str(recording))
+        assert process.wait(30.0) == 1
+    assert process.lines == [f"{recording} is empty. `beatrix record FILE.rrd` writes recordings."]
+
+
+def test_an_incomplete_recording_is_shown_with_a_note(tmp_path: Path, free_port: Callable[[], int]) -> None:
+    recording = tmp_path / "lesson.rrd"
+    write_recording(recording)
+    whole = recording.read_bytes()
+    recording.write_bytes(whole[: whole.rindex(b"RRF2FOOT")])
+    words = ("view", str(recording), "--web", "--port", str(free_port()), "--web-port", str(free_port()))
+    with Stage() as stage:
+        process = stage.process("beatrix_zenoh.cli", *words)
+        assert f"`beatrix record --repair {recording}`" in process.expect(
+            f"The end of {recording} is missing"
+        )
+        process.end(signal.SIGTERM)
+
+
+def test_a_file_that_is_missing_is_named(tmp_path: Path) -> None:
+    with Stage() as stage:
+        process = stage.process("beatrix_zenoh.cli", "view", str(tmp_path / "none.rrd"))
+        assert process.wait(30.0) == 1
+    assert process.lines == [f"{tmp_path / 'none.rrd'}: there is no such file."]
+
+
+def test_without_the_extra_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    with pytest.raises(Refused, match=r'pip install "\.\[rerun\]"'):
+        program()

@@ -1,0 +1,386 @@
+"""The client layer with a node on the virtual board, and with fake nodes."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+from stage import Stage, free_endpoint, ready, until
+from statuses import READY
+
+from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot, codec
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import (
+    Alternative,
+    Command,
+    CommandQuery,
+    CommandReply,
+    Detail,
+    Event,
+    EventKind,
+    Events,
+    Fault,
+    Limit,
+    Reason,
+    Status,
+    Vector3,
+)
+from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
+
+PATIENCE_S = 10.0
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.node("bea")
+        yield made
+
+
+@pytest.fixture
+def robot(stage: Stage) -> Iterator[Robot]:
+    """The robot at home and ready."""
+    robot = stage.robot("bea", "hw")
+    robot.stop()
+    robot.disable()
+    yield ready(robot)
+    robot.stop()
+    robot.client.close()
+
+
+class FakeNode:
+    """A node with fixed replies that records the commands it gets."""
+
+    def __init__(
+        self, endpoint: str, name: str, status: Status, replies: dict[Command, CommandReply]
+    ) -> None:
+        self.commands: list[CommandQuery] = []
+        self._name, self._replies = name, replies
+        self.bus = zbus.connect(endpoint)
+        self.bus.serve(keys.status(name, "hw"), lambda incoming: self._answer(incoming, status))
+        self.bus.serve(keys.command(name, "hw", "*"), self._command)
+        self.bus.declare_token(keys.alive(name, "hw"))
+
+    @staticmethod
+    def _answer(incoming: Incoming, message: msgspec.Struct) -> None:
+        incoming.reply(incoming.key, codec.encode(message), codec.MSGPACK)
+        incoming.finish()
+
+    def _command(self, incoming: Incoming) -> None:
+        query = codec.decode(incoming.raw.payload, CommandQuery)
+        self.commands.append(query)
+        self._answer(incoming, self._replies.get(Command(query.command), command_reply(Reason.OK)))
+
+
+def command_reply(reason: Reason, detail: Detail | None = None) -> CommandReply:
+    origin = Vector3(0.0, 0.0, 0.0)
+    return CommandReply(
+        result=reason is Reason.OK, reason=reason, message=f"It is {reason}.", position=origin, detail=detail
+    )
+
+
+def fake_node(stage: Stage, status: Status, **replies: CommandReply) -> tuple[Robot, FakeNode]:
+    node = FakeNode(stage.endpoint, "toy", status, {Command[name]: reply for name, reply in replies.items()})
+    return stage.robot("toy", "hw"), node
+
+
+# -- motions ------------------------------------------------------------------------------------
+
+
+def test_a_motion_is_a_future(robot: Robot) -> None:
+    motion = robot.look(yaw=4, wait=False)
+    called: queue.SimpleQueue[Motion] = queue.SimpleQueue()
+    motion.add_done_callback(called.put)
+    assert motion.running()
+    with pytest.raises(TimeoutError):
+        motion.result(0.001)
+    assert motion.result().result
+    assert called.get(timeout=PATIENCE_S) is motion
+    assert (motion.done(), motion.exception(), motion.cancel()) == (True, None, False)
+
+
+def test_cancel_stops_the_robot(robot: Robot) -> None:
+    motion = robot.look(yaw=100, speed=20, wait=False)
+    ends: queue.SimpleQueue[object] = queue.SimpleQueue()
+    motion.add_done_callback(lambda ended: ends.put(ended.exception()))
+    assert motion.cancel()
+    end = ends.get(timeout=PATIENCE_S)
+    assert isinstance(end, Interrupted)
+    assert end.reason is Reason.STOPPED
+    assert not robot.status().moving
+
+
+def test_the_session_that_sent_stop_may_move_at_once(robot: Robot) -> None:
+    """STOP is sent as publication and as query: the robot knows the session of both."""
+    for yaw in (5, -5, 5):
+        robot.look(yaw=yaw, speed=20, wait=False)
+        robot.stop()
+        robot.look(yaw=0)
+
+
+def test_each_arm_turns_with_its_own_speed(robot: Robot) -> None:
+    motion = robot.move(6, 3, 3, speed=(10, 20, 20), wait=False)
+    assert motion.duration == pytest.approx(0.6, abs=0.1)
+    motion.wait()
+    assert robot.positions().commanded == pytest.approx((6, 3, 3), abs=0.05)
+    with pytest.raises(Refused) as caught:
+        robot.move(3, 3, 3, speed=(10, 20, 2000))
+    assert caught.value.reason is Reason.SPEED_LIMIT
+
+
+def test_a_query_lives_no_longer_than_its_motion_can_last(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[str, float] = {}
+    query = robot.client.bus.query
+
+    def record(key: str, payload: bytes | None, encoding: str, *, timeout_s: float) -> zbus.Query:
+        asked[key.rpartition("/")[2]] = timeout_s
+        return query(key, payload, encoding, timeout_s=timeout_s)
+
+    monkeypatch.setattr(robot.client.bus, "query", record)
+    robot.look(yaw=1)
+    robot.move(1, 1, 1, speed=(80, 80, 40))
+    assert 144 < asked["pose"] < 160  # 720 deg at 5 deg/s, the lowest speed limit of a teacher
+    assert 18 < asked["motion"] < 30
+    robot.look(yaw=1.2, speed=0.5)
+    assert 1440 < asked["pose"] < 1500
+    robot.status()
+    assert asked["status"] < 20
+
+
+def resident_kb() -> int:
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * 4
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
+@pytest.mark.no_cover
+def test_queries_free_their_memory(stage: Stage) -> None:
+    """Zenoh keeps 0.8 kB for each query until its time-out: 24 hours were a leak."""
+    robot = Robot("bea", "hw", client=stage.client(), timeout_s=0.5)
+
+    def ask(count: int) -> int:
+        before = resident_kb()
+        for _ in range(count):
+            robot.status()
+        return resident_kb() - before
+
+    deadline = time.monotonic() + 3.5  # time-out and 2 s: from then on as many queries are freed as are sent
+    while time.monotonic() < deadline:
+        ask(200)
+    assert any(ask(1500) < 600 for _ in range(2)), "0.8 kB each were 1200 kB"
+
+
+# -- getting ready ------------------------------------------------------------------------------
+
+
+def test_make_ready_enables_and_calibrates_as_far_as_needed(robot: Robot) -> None:
+    robot.disable()
+    robot.make_ready()
+    status = robot.status()
+    assert (status.enabled, status.calibrated) == (True, True)
+    robot.make_ready()
+    assert robot.status().calibrations == status.calibrations
+    robot.look(yaw=2)
+
+
+@pytest.mark.parametrize(
+    ("enabled", "calibrated", "commands"),
+    [
+        (False, False, [Command.ENABLE, Command.CALIBRATE]),
+        (True, False, [Command.CALIBRATE]),
+        (True, True, []),
+    ],
+)
+def test_make_ready_sends_only_the_needed_commands(
+    stage: Stage, enabled: bool, calibrated: bool, commands: list[Command]
+) -> None:
+    robot, node = fake_node(stage, msgspec.structs.replace(READY, enabled=enabled, calibrated=calibrated))
+    with node.bus:
+        robot.make_ready()
+    assert [query.command for query in node.commands] == commands
+
+
+def test_make_ready_never_clears_an_emergency(stage: Stage) -> None:
+    latched = msgspec.structs.replace(READY, enabled=False, calibrated=False, fault=Fault.EMERGENCY)
+    robot, node = fake_node(stage, latched)
+    with node.bus:
+        with pytest.raises(Refused, match=r"latched.*beatrix reset") as caught:
+            robot.make_ready()
+        assert (caught.value.reason, node.commands) == (Reason.EMERGENCY, [])
+        robot.reset()
+        assert [query.command for query in node.commands] == [Command.RESET]
+
+
+def test_a_refusal_carries_its_detail(stage: Stage) -> None:
+    detail = Detail(limit=Limit.HOME, value=1.5, high=0.5, alternative=Alternative())
+    robot, node = fake_node(stage, READY, CALIBRATE=command_reply(Reason.HOME_KNOWN, detail))
+    with node.bus:
+        with pytest.raises(Refused) as caught:
+            robot.calibrate()
+        assert caught.value.detail == detail
+
+
+# -- wrong arguments, closed clients ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("timeout_s", [-1, 0, "2"])
+def test_an_invalid_time_out_is_refused(robot: Robot, timeout_s: float) -> None:
+    with pytest.raises(WrongUsage, match="timeout_s is"):
+        robot.command(Command.STOP, timeout_s=timeout_s)
+
+
+def test_a_closed_robot_raises_shutdown(stage: Stage) -> None:
+    robot = stage.robot("bea", "hw")
+    stream, status, events = robot.stream(), robot.status_stream(), robot.events()
+    robot.client.close()
+    uses: list[Callable[[], object]] = [robot.status, robot.stop, robot.stream, robot.events]
+    uses += [robot.client.bus.robots, lambda: Monitor(robot.client), lambda: robot.look(yaw=1)]
+    uses += [lambda: robot.client.put_stop("bea", "hw")]
+    for use in uses:
+        with pytest.raises(WrongUsage, match="closed by this program"):
+            use()
+    assert (list(stream), list(status), list(events)) == ([], [], [])
+    robot.client.close()
+
+
+def test_the_error_of_a_motion_of_a_closed_client_is_shutdown(stage: Stage) -> None:
+    robot = stage.robot("bea", "hw")
+    robot.stop()  # the session that sends STOP need not pause
+    motion = ready(robot).look(yaw=90, speed=20, wait=False)
+    robot.client.close()
+    with pytest.raises(NoAnswer, match="This program closed its connection") as caught:
+        motion.wait()
+    assert caught.value.reason is Reason.SHUTDOWN
+    watcher = stage.robot("bea", "hw")
+    until(lambda: not watcher.status().holder, "free again")
+
+
+# -- subscriptions ------------------------------------------------------------------------------
+
+
+def test_a_stream_is_in_degrees_and_can_be_iterated_and_closed(robot: Robot) -> None:
+    robot.look(yaw=12)
+    with robot.stream() as stream:
+        for reading in stream:
+            if reading.head.yaw == pytest.approx(12, abs=0.3):
+                break
+        latest = stream.latest
+        assert latest is not None
+        assert latest.t >= reading.t
+        arrival = stream.next_arrival()
+        assert (arrival.robot, arrival.twin) == ("bea", "hw")
+    with pytest.raises(NoAnswer, match="closed"):
+        stream.next()
+
+
+def test_a_closed_stream_receives_nothing(robot: Robot) -> None:
+    streams = [robot.stream() for _ in range(50)]
+    for stream in streams:
+        stream.next(PATIENCE_S)
+        stream.close()
+    assert not any("declare_subscriber" in repr(made) for made in robot.client.bus._declarations)
+    counted = robot.status_stream()
+    assert counted.next(PATIENCE_S).robot == "bea"
+
+
+def test_status_comes_on_change(robot: Robot) -> None:
+    with robot.status_stream() as stream:
+        robot.disable()
+        until(lambda: not stream.next(PATIENCE_S).enabled, "the motors are off")
+
+
+def test_events_are_read_in_order(stage: Stage) -> None:
+    robot = stage.robot("bea", "hw")
+    with robot.events(timeout_s=PATIENCE_S) as events, zbus.connect(stage.endpoint) as bus:
+        for seq in (1, 2):
+            event = Event(seq=seq, t_mono_ns=1, t_wall_ns=2, kind=EventKind.STOP, seat="ben")
+            bus.put(keys.events("bea", "hw"), codec.encode(event), codec.MSGPACK)
+        assert [(event.seq, event.seat) for event in (events.next(), events.next())] == [
+            (1, "ben"),
+            (2, "ben"),
+        ]
+
+
+# -- monitor and clocks -------------------------------------------------------------------------
+
+
+def test_a_monitor_shows_every_robot(stage: Stage, robot: Robot) -> None:
+    with Monitor(stage.client()) as monitor:
+        monitor.settle()
+        state = monitor.robot("bea", "hw")
+        assert state.status is not None
+        assert (state.presence is not Presence.ABSENT, state.status.calibrated) == (True, True)
+        robot.look(yaw=8)
+        until(lambda: monitor.robot("bea", "hw").hz > 30, "positions come")
+        state = monitor.robot("bea", "hw")
+        reading = state.reading
+        assert reading is not None
+        assert state.presence is Presence.ON_LINE
+        assert reading.head.yaw == pytest.approx(8, abs=0.3)
+        assert state.positions_age_s is not None
+        assert state.positions_age_s < 0.5
+        assert monitor.robot("none", "sim").presence is Presence.ABSENT
+        assert [(one.robot, one.twin) for one in monitor.robots()] == [("bea", "hw")]
+
+
+def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(
+    stage: Stage, robot: Robot
+) -> None:
+    with Monitor(stage.client(), "toy", events=5) as monitor, zbus.connect(stage.endpoint) as bus:
+        assert monitor.robots() == []
+        bus.declare_token(keys.alive("toy", "hw"))
+        assert monitor.wait(PATIENCE_S)
+        assert monitor.present() == [("toy", "hw")]
+        assert monitor.robot("toy", "hw").presence is Presence.SILENT
+        bus.put(keys.status("toy", "hw"), codec.encode(READY), codec.MSGPACK)
+        assert monitor.wait(PATIENCE_S)
+        assert monitor.robot("toy", "hw").status == READY
+        event = Event(seq=3, t_mono_ns=1, t_wall_ns=2, kind=EventKind.LEASE)
+        bus.put(keys.events("toy", "hw"), codec.encode(event), codec.MSGPACK)
+        assert monitor.wait(PATIENCE_S)
+        assert monitor.robot("toy", "hw").events == (event,)
+        assert not monitor.wait(0.0)
+        bus.undeclare_token(keys.alive("toy", "hw"))
+        assert monitor.wait(PATIENCE_S)
+        assert monitor.robot("toy", "hw").presence is Presence.ABSENT
+        assert monitor.present() == []
+
+
+def test_a_monitor_reads_earlier_events(stage: Stage) -> None:
+    events = [Event(seq=seq, t_mono_ns=seq, t_wall_ns=0, kind=EventKind.STOP) for seq in range(3)]
+    with zbus.connect(stage.endpoint) as bus:
+
+        def answer(incoming: Incoming) -> None:
+            incoming.reply(keys.events("toy", "sim"), codec.encode(Events(events=events)), codec.MSGPACK)
+            incoming.finish()
+
+        bus.serve(keys.events("toy", "sim"), answer)
+        with Monitor(stage.client(), events=2) as monitor:
+            until(lambda: bool(monitor.robot("toy", "sim").events), "events from before")
+            assert [event.seq for event in monitor.robot("toy", "sim").events] == [1, 2]
+
+
+def test_clock_offsets_on_the_same_computer_are_zero(stage: Stage, robot: Robot) -> None:
+    wall, mono = clock_offsets(robot.client, "bea", "hw")
+    for offset in (wall, mono, clock_offset(robot.client, "bea", "hw", tries=3)):
+        assert abs(offset.offset) <= offset.bound + 1e-4
+        assert offset.bound_ns == pytest.approx(offset.bound * 1e9, abs=1)
+    with Monitor(robot.client) as monitor:
+        assert monitor.robot("bea", "hw").offsets is None
+        measured = monitor.measure_clocks("bea", "hw")
+        assert monitor.robot("bea", "hw").offsets == measured
+
+
+def test_the_error_names_a_missing_router() -> None:
+    endpoint = free_endpoint()
+    with pytest.raises(NoAnswer, match="No router at"):
+        Robot("bea", "hw", connect=endpoint)

@@ -1,0 +1,355 @@
+"""The eyes of a simulation over a router: drawn while subscribed, correct, and without effect on the robot."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import simplejpeg
+from drawn import FIRST_S, fresh
+from stage import Process, Stage, ask_raw, until
+
+from beatrix_zenoh import Robot, codec
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason, TargetReply
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.node import Node
+from sim_node import eyes, gl
+from sim_node import renderer as drawing
+from sim_node.body import Simulation
+from sim_node.person import HOME
+from sim_node.renderer import HEIGHT, WIDTH, Renderer
+
+OPENGL = gl.backend()
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as stage:
+        yield stage
+
+
+@pytest.fixture(scope="module")
+def sim(stage: Stage) -> Process:
+    return stage.simulation("bea", "--ready")
+
+
+@pytest.fixture
+def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
+    robot = stage.robot("bea", "sim")
+    yield robot
+    robot.look(speed=80)
+    robot.move_target(*HOME)
+    robot.client.close()
+
+
+@pytest.fixture
+def without_opengl(tmp_path: Path) -> Path:
+    """A folder for PYTHONPATH that hides the libraries of OpenGL."""
+    (tmp_path / "OpenGL").mkdir()
+    (tmp_path / "OpenGL" / "__init__.py").write_text("raise AttributeError('no library of this name')")
+    return tmp_path
+
+
+def children(process: int) -> dict[int, str]:
+    """Living children of a process: numbers and command lines."""
+    listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
+    numbers = [int(number) for listing in listings for number in listing.split()]
+    return {number: Path(f"/proc/{number}/cmdline").read_bytes().decode() for number in numbers}
+
+
+def renderers(process: int) -> list[int]:
+    return [number for number, command in children(process).items() if "sim_node.renderer" in command]
+
+
+def person(picture: npt.NDArray[np.uint8]) -> tuple[float, float]:
+    """Column and row (px) of the middle of the person's cap and collar."""
+    red, green, blue = (picture[..., colour].astype(int) for colour in range(3))
+    rows, columns = np.nonzero((red > 100) & (green < 60) & (blue > 60))
+    assert len(rows) > 200, "the person is not in the picture"
+    return float(columns.mean()), float(rows.mean())
+
+
+def test_nothing_is_drawn_before_a_client_subscribes(sim: Process, robot: Robot) -> None:
+    left, right = robot.status().cameras
+    assert (left.eye, left.connected, left.streaming) == ("left", True, False)
+    assert (right.eye, right.connected, right.streaming) == ("right", True, False)
+    assert renderers(sim.pid) == []
+
+
+def test_each_eye_is_published_with_the_state_it_was_drawn_from(robot: Robot) -> None:
+    with robot.camera("left") as left, robot.camera("right") as right:
+        one, two = left.next(FIRST_S), left.next(FIRST_S)
+        other = right.next(FIRST_S)
+        assert one.source == other.source == (OPENGL or "rays")
+        assert one.t_mono_ns < two.t_mono_ns
+        assert 0 < one.arrived_mono_ns - one.t_mono_ns < 5e9, "one computer, one clock"
+        assert simplejpeg.decode_jpeg(one.jpeg).shape == (HEIGHT, WIDTH, 3)
+        assert person(fresh(left))[0] > person(fresh(right))[0] + 10, "parallax"
+    until(lambda: not any(eye.streaming for eye in robot.status().cameras), "no subscriber is left")
+
+
+def test_the_picture_turns_with_the_head(robot: Robot) -> None:
+    with robot.camera("left") as images:
+        ahead = fresh(images)
+        robot.look(yaw=10)
+        column, _ = person(fresh(images))
+        assert column > person(ahead)[0] + 50, "the head turned left, so the world moves right"
+        robot.look(yaw=90, speed=80)
+        aside = fresh(images)
+    wall = (slice(0, HEIGHT // 4), slice(0, WIDTH // 4))
+    red, _, blue = aside[wall].reshape(-1, 3).mean(axis=0)
+    assert blue > red + 20, "the left wall is blue"
+    red, _, blue = ahead[wall].reshape(-1, 3).mean(axis=0)
+    assert abs(blue - red) < 20, "the front wall is not"
+
+
+def test_the_picture_follows_the_person(robot: Robot) -> None:
+    with robot.camera("right") as images:
+        before = person(fresh(images))
+        reply = robot.move_target(1.1, 0.3, 0.25)
+        assert (reply.x, reply.y, reply.z) == pytest.approx((1.1, 0.3, 0.25))
+        column, row = person(fresh(images))
+    assert column < before[0] - 80
+    assert row < before[1] - 20
+    assert robot.target() == reply
+
+
+def test_a_position_outside_the_room_is_refused(robot: Robot) -> None:
+    with pytest.raises(Refused, match=r"x = 5\.00 m; the room allows -1\.9 to 2\.3 m") as caught:
+        robot.move_target(5, 0, 0)
+    assert caught.value.reason is Reason.BAD_VALUE
+    assert robot.target().x == pytest.approx(HOME[0])
+
+
+def test_a_foreign_client_moves_the_person_with_a_line_of_text(robot: Robot) -> None:
+    (answer,) = ask_raw(robot.client, f"{keys.target('bea')}?x=1.0;y=-0.25;z=0.125")
+    assert codec.decode_json(answer.payload, TargetReply).y == -0.25
+    assert robot.target().y == -0.25
+
+
+def test_stop_is_effective_while_the_eyes_draw(stage: Stage) -> None:
+    sim = stage.simulation("halted", "--ready")
+    robot = stage.robot("halted", "sim")
+    with robot.camera("left") as left, robot.camera("right") as right:
+        left.next(FIRST_S)
+        right.next(FIRST_S)
+        motion = robot.look(yaw=90, wait=False)
+        until(lambda: robot.positions().head.yaw > 2, "the head moves")
+        robot.stop()
+        ended = motion.exception(FIRST_S)
+        assert ended is not None
+        assert ended.reason is Reason.STOPPED
+        at = robot.positions().head.yaw
+        assert 2 < at < 60
+        left.take()
+        left.next(FIRST_S)
+        assert robot.positions().head.yaw == pytest.approx(at, abs=0.2)
+    robot.client.close()
+    assert sim.end() == 0
+
+
+def test_motions_and_real_time_are_kept_while_the_eyes_draw(robot: Robot) -> None:
+    with robot.camera("left") as left, robot.camera("right") as right:
+        left.next(FIRST_S)
+        for yaw in (20, -20):
+            robot.look(yaw=yaw, pitch=10, speed=60)
+            reading = robot.positions()
+            assert reading.head.yaw == pytest.approx(yaw, abs=0.5)
+            assert reading.head.pitch == pytest.approx(10, abs=0.5)
+        assert right.next(FIRST_S).seq > 0
+        plant = robot.status().plant
+    assert plant is not None
+    assert plant.re_placed == plant.slipped_steps == 0
+    assert plant.real_time_factor > 0.5, "1.000 on an idle machine: see tools/bench_eyes.py"
+
+
+def test_a_crash_of_the_renderer_costs_pictures_only(stage: Stage) -> None:
+    sim = stage.simulation("hurt", "--ready")
+    robot = stage.robot("hurt", "sim")
+    with robot.camera("left") as images:
+        source = images.next(FIRST_S).source
+        motion = robot.look(yaw=40, wait=False)
+        (renderer,) = renderers(sim.pid)
+        os.kill(renderer, signal.SIGKILL)
+        fresh(images)
+        assert images.next(FIRST_S).source == source, "as before"
+        assert motion.result(10.0).result
+        assert robot.positions().head.yaw == pytest.approx(40, abs=0.5)
+        (renderer,) = renderers(sim.pid)
+        os.kill(renderer, signal.SIGSTOP)  # hangs
+        robot.look(yaw=30)
+    robot.client.close()
+    assert sim.end() == 0
+
+
+def test_without_opengl_the_eyes_use_ray_casting(stage: Stage, without_opengl: Path) -> None:
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("PYTHONPATH", str(without_opengl))
+        environment.setenv("MUJOCO_GL", "egl")  # with it `import mujoco` itself fails
+        sim = stage.simulation("coarse", "--ready", "--target", "sway")
+    robot = stage.robot("coarse", "sim")
+    with robot.camera("left") as images:
+        assert images.next(FIRST_S).source == "rays"
+        status = robot.status()
+        start = robot.target()
+        until(lambda: robot.target().y != start.y, "the person sways")
+        robot.move_target(*HOME)  # the moving person sometimes leaves the picture
+        picture = fresh(images)
+    person(picture)
+    yellow = picture[-27:-20, 0:6].reshape(-1, 3).mean(axis=0)
+    assert yellow[:2].min() > 180, "the badge in the lower left corner"
+    assert yellow[2] < 90
+    assert any("no OpenGL" in warning for warning in status.warnings)
+    robot.client.close()
+    assert sim.end() == 0
+
+
+@pytest.fixture
+def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
+    """A simulation in this process with ray casting and short retries."""
+    monkeypatch.setattr(gl, "backend", lambda: None)
+    monkeypatch.setattr(eyes, "IDLE_S", 0.1)
+    monkeypatch.setattr(eyes, "RETRY_S", 0.1)
+    node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "inside", Simulation("inside")).start()
+    robot = stage.robot("inside", "sim")
+    yield robot
+    robot.client.close()
+    node.close()
+
+
+def test_the_renderer_ends_soon_after_the_last_subscriber(inside: Robot) -> None:
+    with inside.camera("left") as images:
+        images.next(FIRST_S)
+        assert len(renderers(os.getpid())) == 1
+    until(lambda: renderers(os.getpid()) == [], "the process has ended")
+    with inside.camera("right") as images:
+        assert images.next(FIRST_S).seq == 1
+
+
+def test_a_renderer_that_hangs_is_reported_and_restarted(
+    inside: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawing, "PICTURE_S", 2.0)
+    monkeypatch.setattr(eyes, "RETRY_S", 1.0)
+    with inside.camera("left") as images:
+        images.next(FIRST_S)
+        (renderer,) = renderers(os.getpid())
+        os.kill(renderer, signal.SIGSTOP)
+        until(lambda: inside.status().cameras[0].trouble == eyes.NO_RENDERER, "the trouble is shown", FIRST_S)
+        fresh(images)
+        until(lambda: not any(eye.trouble for eye in inside.status().cameras), "the trouble is over")
+        assert renderer not in renderers(os.getpid())
+
+
+def test_ray_casting_replaces_opengl_after_repeated_failures(
+    inside: Robot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(gl, "backend", lambda: "nonsense")
+    with inside.camera("left") as images:
+        assert images.next(FIRST_S).source == "rays"
+        assert eyes.UNSTEADY in inside.status().warnings
+        assert eyes.COARSE not in inside.status().warnings
+    said = [line for line in caplog.messages if line.startswith("Drawing with OpenGL has failed")]
+    assert ["restarted" in line for line in said] == [True, True, False]
+    assert "by ray casting from now on" in said[-1]
+
+
+def test_a_renderer_that_always_fails_is_reported_and_tried_again(
+    inside: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise OSError("no memory")
+
+    monkeypatch.setattr(eyes, "Renderer", broken)
+    with inside.camera("left") as images:
+        until(lambda: inside.status().cameras[0].trouble == eyes.NO_RENDERER, "the trouble is shown")
+        assert not inside.status().cameras[0].connected
+        monkeypatch.setattr(eyes, "Renderer", Renderer)
+        images.next(FIRST_S)
+    assert inside.status().cameras[0].trouble == ""
+
+
+def test_a_simulation_can_run_without_eyes(stage: Stage) -> None:
+    sim = stage.simulation("blind", "--eyes-hz", "0")
+    robot = stage.robot("blind", "sim")
+    assert robot.status().cameras == []
+    robot.client.close()
+    assert sim.end() == 0
+
+
+def test_a_rate_out_of_range_is_wrong_usage(stage: Stage) -> None:
+    process = stage.process("sim_node", "--eyes-hz", "60")
+    assert process.wait() == 2
+    assert any("30" in line for line in process.lines)
+
+
+def test_a_window_without_a_display_is_one_sentence_and_exit_code_1(stage: Stage) -> None:
+    with pytest.MonkeyPatch.context() as environment:
+        environment.delenv("DISPLAY", raising=False)
+        environment.delenv("WAYLAND_DISPLAY", raising=False)
+        process = stage.process("sim_node", "--name", "seen", "--connect", stage.endpoint, "--view")
+    assert process.wait(30) == 1
+    (line,) = process.lines
+    assert "no window can be opened" in line
+    assert "Omit --view" in line
+
+
+@pytest.fixture
+def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A virtual screen."""
+    read, write = os.pipe()
+    try:
+        screen = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp"],
+            pass_fds=(write,),
+            stderr=subprocess.DEVNULL,
+        )
+    except FileNotFoundError:
+        os.close(read)
+        os.close(write)
+        pytest.skip("no virtual screen on this machine")
+    os.close(write)
+    with os.fdopen(read) as said:
+        monkeypatch.setenv("DISPLAY", f":{said.readline().strip()}")
+    yield
+    screen.terminate()
+    screen.wait(10)
+
+
+@pytest.fixture(scope="module")
+def counted() -> Iterator[Stage]:
+    """Nothing else runs the code of the window."""
+    with Stage(traced=True) as stage:
+        yield stage
+
+
+@pytest.mark.usefixtures("display")
+def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
+    sim = counted.simulation("shown", "--ready", "--view")
+    robot = counted.robot("shown", "sim")
+    ((window, command),) = children(sim.pid).items()
+    assert "sim_node.viewer_process" in command
+    motion = robot.look(yaw=10, speed=60, wait=False)
+    os.kill(window, signal.SIGKILL)
+    assert motion.result(10.0).result
+    assert robot.positions().head.yaw == pytest.approx(10, abs=0.5)
+    robot.client.close()
+    assert sim.end() == 0
+
+
+@pytest.mark.usefixtures("display")
+def test_the_window_ends_with_its_robot(counted: Stage) -> None:
+    sim = counted.simulation("gone", "--view")
+    (window,) = children(sim.pid)
+    sim.send(signal.SIGKILL)
+    sim.wait()
+    until(lambda: not Path(f"/proc/{window}").exists(), "the window has gone", 10.0)

@@ -1,0 +1,122 @@
+"""A faulty board that drops or does not acknowledge motions: the client gets a correct error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pytest
+from stage import Stage, ready, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.node import Node
+from hw_node.body import VirtualHardware
+
+MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
+
+
+class FaultyPort:
+    """The port of a faulty board.
+
+    `drops_moves`: it acknowledges MOVE and does not make it. `no_acks`: it makes MOVE and does not acknowledge it.
+    `always_moving`: its telemetry always reports MOVING.
+    """
+
+    name = "faulty:"
+    boot_s = 0.0
+
+    def __init__(self, port: Port) -> None:
+        self._port = port
+        self._decoder = Decoder()
+        self._sent = b""
+        self.drops_moves, self.no_acks, self.always_moving = True, False, False
+        self._answers = Decoder()
+
+    def write(self, data: bytes) -> bytes:
+        for frame in self._decoder.feed(data):
+            if self.drops_moves and frame.type in MOVES:
+                self._sent += encode(frame.type | FrameType.ACK, frame.seq, b"\0")
+            else:
+                self._port.write(encode(frame.type, frame.seq, frame.payload))
+        return b""
+
+    def wake(self) -> None:
+        self._port.wake()
+
+    def read(self, timeout_s: float) -> bytes:
+        sent, self._sent = self._sent, b""
+        for frame in self._answers.feed(self._port.read(timeout_s)):
+            payload = frame.payload
+            if self.always_moving and frame.type == FrameType.TELEMETRY:
+                telemetry = Telemetry.unpack(payload)
+                payload = telemetry._replace(state=telemetry.state | State.MOVING).pack()
+            if not self.no_acks or frame.type & ~FrameType.ACK not in MOVES:
+                sent += encode(frame.type, frame.seq, payload)
+        return sent
+
+    def close(self) -> None:
+        """Keep the board."""
+
+
+class FaultyHardware(VirtualHardware):
+    def open_port(self) -> Port:
+        self.port = FaultyPort(super().open_port())
+        return self.port
+
+
+class FaultyBoard(NamedTuple):
+    body: FaultyHardware
+    robot: Robot
+
+
+@pytest.fixture
+def faulty() -> Iterator[FaultyBoard]:
+    """A robot with its motors on and calibrated, on a faulty board."""
+    with Stage() as stage:
+        body = FaultyHardware("bea")
+        node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "bea", body).start()
+        try:
+            yield FaultyBoard(body, ready(stage.robot("bea", "hw")))
+        finally:
+            node.close()
+
+
+def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(faulty: FaultyBoard) -> None:
+    body, robot = faulty
+    with pytest.raises(Interrupted, match="does not carry it out") as ended:
+        robot.look(yaw=5, speed=60)
+    assert ended.value.reason is Reason.BOARD_LOST
+    assert robot.stop().result
+    body.port.drops_moves = False
+    robot.look(yaw=5, speed=60)
+    assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
+
+
+def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: FaultyBoard) -> None:
+    body, robot = faulty
+    body.port.drops_moves, body.port.no_acks = False, True
+    with pytest.raises(Refused, match="does not answer") as refused:
+        robot.look(yaw=90)
+    assert refused.value.reason is Reason.BOARD_LOST
+    until(lambda: not robot.status().moving, "at rest", 1.5)
+    assert robot.positions().commanded.short < 45
+
+
+def test_stop_fails_if_the_board_never_comes_to_rest(faulty: FaultyBoard) -> None:
+    body, robot = faulty
+    body.port.drops_moves, body.port.always_moving = False, True
+    until(lambda: robot.status().moving, "moving, by its status")
+    with pytest.raises(
+        Refused, match=r"^NOT stopped\. .*reports that the arms still move.*motor power off"
+    ) as refused:
+        robot.stop()
+    assert refused.value.reason is Reason.FAULT
+    body.port.always_moving = False
+    until(lambda: not robot.status().moving, "at rest")
+    assert robot.stop().result

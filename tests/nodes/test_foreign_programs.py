@@ -1,0 +1,176 @@
+"""Foreign queryables and publishers, and robots of another version: they do not block access to robots."""
+
+from __future__ import annotations
+
+import json
+import queue
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import msgspec
+import pytest
+import zenoh
+from shell import Shell, is_free
+from stage import Stage, ready, until
+from statuses import READY
+from zenoh.handlers import Callback
+
+from beatrix_zenoh import Interrupted, NoAnswer, Robot
+from beatrix_zenoh._generated.messages import Reason
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.node("bea")
+        yield made
+
+
+@pytest.fixture
+def robot(stage: Stage) -> Iterator[Robot]:
+    """The robot, ready, without a holder."""
+    robot = stage.robot("bea", "hw")
+    robot.stop()
+    robot.disable()  # then `ready` calibrates wherever an earlier test has stopped
+    yield ready(robot)
+    robot.stop()
+    robot.client.close()
+
+
+@contextmanager
+def foreign(stage: Stage) -> Iterator[zenoh.Session]:
+    """A plain Zenoh session."""
+    config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect/endpoints", json.dumps([stage.endpoint]))
+    with zenoh.open(config) as session:
+        yield session
+
+
+def answer_all(session: zenoh.Session, key: str, reply_key: str, payload: bytes) -> zenoh.Queryable[None]:
+    """A complete queryable, as `z_storage --complete` declares it; `reply_key` empty: on the key of the query."""
+
+    def answer(query: zenoh.Query) -> None:
+        with query:
+            query.reply(reply_key or query.key_expr, payload)
+
+    return session.declare_queryable(key, Callback(answer, indirect=False), complete=True)
+
+
+FOREIGN = [
+    ("beatrix/**", b"hello"),
+    ("", b""),
+    ("", b"hello"),
+    ("", b"\x81\xa4mood\xa3sad"),
+]
+
+
+@pytest.mark.parametrize(("reply_key", "payload"), FOREIGN)
+def test_a_foreign_queryable_on_all_keys_blocks_no_query_to_the_robot(
+    stage: Stage, robot: Robot, reply_key: str, payload: bytes, caplog: pytest.LogCaptureFixture
+) -> None:
+    with foreign(stage) as session:
+        queryable = answer_all(session, "beatrix/**", reply_key, payload)
+        ready(robot)
+        motion = robot.look(yaw=90, speed=20, wait=False)
+        until(lambda: robot.status().moving, "moving")
+        for _ in range(3):
+            assert robot.stop().result
+        end = motion.exception(5.0)
+        assert isinstance(end, Interrupted)
+        assert end.reason is Reason.STOPPED
+        warnings = [record for record in caplog.records if "ignored: " in record.getMessage()]
+        assert [record.name for record in warnings] == ["beatrix_zenoh.client"]
+        assert str(session.zid()) in warnings[0].getMessage()
+        queryable.undeclare()
+
+
+def test_the_command_line_reaches_robots_past_a_foreign_queryable(stage: Stage, robot: Robot) -> None:
+    shell = Shell(stage.endpoint)
+    with foreign(stage) as session:
+        queryable = answer_all(session, "beatrix/**", "", b"hello")
+        motion = robot.look(yaw=90, speed=20, wait=False)
+        rows = shell.json("stop")["robots"]
+        assert [(row["robot"], row["result"]) for row in rows] == [("bea", True)]
+        assert isinstance(motion.exception(5.0), Interrupted)
+        until(lambda: is_free(robot), "free", 10.0)
+        assert "yaw 5.0" in shell.good("look", "--yaw", "5", "--name", "bea")
+        queryable.undeclare()
+
+
+@contextmanager
+def robot_of_another_version(stage: Stage) -> Iterator[zenoh.Session]:
+    """A robot `odd` on line, with unknown fields and undecodable replies."""
+    status = msgspec.to_builtins(READY) | {"robot": "odd", "fault": "OVERHEATED", "mood": "sad"}
+    del status["calibrations"]
+    odd = "beatrix/odd/hw"
+    with foreign(stage) as session:
+        token = session.liveliness().declare_token(f"{odd}/@alive")
+        answer_all(session, f"{odd}/state/status", f"{odd}/state/status", msgspec.msgpack.encode(status))
+        answer_all(
+            session, f"{odd}/info", f"{odd}/info", msgspec.msgpack.encode({"robot": "odd", "version": "9.0"})
+        )
+        answer_all(session, f"{odd}/stop", f"{odd}/stop", b"what?")
+        over = threading.Event()
+
+        def publish() -> None:
+            while not over.wait(0.02):
+                session.put(f"{odd}/state/positions", b"here and there")
+                session.put(f"{odd}/state/status", msgspec.msgpack.encode(status))
+                session.put("beatrix/bea/hw/state/elsewhere", b"?")
+
+        publisher = threading.Thread(target=publish)
+        publisher.start()
+        try:
+            yield session
+        finally:
+            over.set()
+            publisher.join()
+            token.undeclare()
+
+
+def test_a_robot_of_another_version_is_listed_and_hides_no_other(stage: Stage, robot: Robot) -> None:
+    shell = Shell(stage.endpoint)
+    assert robot.status().calibrated
+    with robot_of_another_version(stage):
+        done = shell.run("ls", "--json")
+        rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
+        assert (rows["bea"]["state"], rows["odd"]["state"]) == ("ready", "fault OVERHEATED")
+        assert rows["odd"]["version"] == "9.0"
+        assert done.stderr.count("beatrix/odd/hw/state/status") == 1
+        assert "which this version does not know" in shell.good("ls")
+        done = shell.run("top", "--once", "--json")
+        rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
+        assert (rows["bea"]["state"], rows["bea"]["hz"] > 30) == ("ready", True)
+        assert (rows["odd"]["state"], rows["odd"]["head_deg"]) == ("fault OVERHEATED", None)
+        assert done.stderr.count("beatrix/odd/hw/state/positions: ignored") == 1
+
+
+def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Robot) -> None:
+    shell = Shell(stage.endpoint)
+    motion = robot.look(yaw=90, speed=20, wait=False)
+    with robot_of_another_version(stage):
+        done = shell.run("stop", "--json")
+        rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
+        assert rows["bea"]["result"]
+        assert (rows["odd"]["result"], rows["odd"]["reason"]) == (False, "TIMED_OUT")
+        assert "beatrix/odd/hw/stop" in done.stderr
+        assert isinstance(motion.exception(5.0), Interrupted)
+        odd = stage.robot("odd", "hw")
+        with pytest.raises(NoAnswer, match=r"odd \(hw\) is on line but did not answer"):
+            odd.stop()
+        with odd.status_stream() as stream:
+            assert str(stream.next().fault) == "OVERHEATED"
+
+
+def test_stop_is_also_published(stage: Stage, robot: Robot) -> None:
+    stop_keys: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def receive(sample: zenoh.Sample) -> None:
+        stop_keys.put(str(sample.key_expr))
+
+    with foreign(stage) as session:
+        session.declare_subscriber("beatrix/*/*/stop", Callback(receive, indirect=False))
+        until(lambda: robot.stop().result and not stop_keys.empty(), "STOP is published")
+        assert stop_keys.get(timeout=1.0) == "beatrix/bea/hw/stop"

@@ -1,0 +1,119 @@
+"""Choreographies on both robots: by the clock, with a lead, and in lockstep."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, Robot, Twin
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.play import play
+
+
+@dataclass
+class Begun:
+    """A sent motion: robot, time (s), and position of the hardware at that time (deg, long arm)."""
+
+    twin: str
+    at_s: float
+    hardware_deg: float
+
+
+@pytest.fixture
+def begun(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> list[Begun]:
+    """All motions in the order in which they are sent."""
+    found: list[Begun] = []
+    begin = Robot.begin
+
+    def record(robot: Robot, query: MotionQuery | PoseQuery) -> Motion:
+        found.append(Begun(robot.twin, time.monotonic(), twin.hw.positions().commanded.long))
+        return begin(robot, query)
+
+    monkeypatch.setattr(Robot, "begin", record)
+    return found
+
+
+POSES = Choreography(
+    [("f", Pose(0.0, 4, 0, 0, 60)), ("f", Pose(0.8, 8, 0, 0, 60)), ("f", ArmPose(1.6, 10, 10, 10, 60))]
+)
+
+
+def test_by_the_clock_the_simulation_does_not_wait_for_slow_hardware(twin: Twin, begun: list[Begun]) -> None:
+    twin.hw.look(yaw=-100, speed=90)
+    begun.clear()
+    play(twin, POSES)
+    assert [one.twin for one in begun] == ["sim", "hw", "sim", "sim", "hw", "hw"]
+    second = begun[2]
+    assert second.at_s - begun[0].at_s == pytest.approx(0.8, abs=0.4)
+    assert second.hardware_deg < 3
+    assert (
+        twin.sim.positions().commanded == twin.hw.positions().commanded == pytest.approx((10,) * 3, abs=0.1)
+    )
+
+
+def test_in_lockstep_both_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
+    twin.hw.look(yaw=-100, speed=90)
+    begun.clear()
+    titles: list[str] = []
+    play(twin, POSES, lambda title, _: titles.append(title), lockstep=True)
+    assert [one.twin for one in begun] == ["sim", "hw"] * 3
+    assert begun[2].hardware_deg == pytest.approx(4, abs=0.1)
+    assert begun[4].hardware_deg == pytest.approx(8, abs=0.1)
+    assert titles == ["f"] * 3
+
+
+def test_with_a_lead_the_hardware_begins_each_pose_that_much_later(twin: Twin, begun: list[Begun]) -> None:
+    play(twin, POSES, lead_s=1.2)
+    assert [one.twin for one in begun] == ["sim", "sim", "hw", "sim", "hw", "hw"]
+    of_sim, of_hw = ([one.at_s for one in begun if one.twin == twin] for twin in ("sim", "hw"))
+    lags = [after - before for before, after in zip(of_sim, of_hw, strict=True)]
+    assert lags == pytest.approx([1.2] * 3, abs=0.2)
+
+
+def test_stop_at_one_robot_ends_it_on_both(stage: Stage, twin: Twin, begun: list[Begun]) -> None:
+    other = stage.robot("bea", "hw", "ben")
+    long = Choreography([("f", Pose(0.0, 90, 0, 0, 20)), ("f", Pose(6.0, 0, 0, 0, 20))])
+    with ThreadPoolExecutor(1) as pool:
+        played = pool.submit(play, twin, long)
+        until(lambda: other.positions().commanded.long > 3, "the hardware moves")
+        other.stop()
+        # Either the event of STOP or the end of the motion may arrive first.
+        how = r"(?s)bea \(hw\): (Ended by|ben pressed) STOP.*bea \(sim\): Stopped"
+        with pytest.raises(Interrupted, match=how):
+            played.result(5)
+    assert len(begun) == 2
+    assert not twin.sim.status().moving
+
+
+@pytest.mark.parametrize("side", ["sim", "both"])
+def test_an_exception_of_check_ends_the_play_and_stops_the_robots(
+    twin: Twin, begun: list[Begun], side: str
+) -> None:
+    long = Choreography([("f", Pose(0.0, 90, 0, 0, 20)), ("f", Pose(0.0, 0, 0, 0, 20))])
+
+    def check() -> None:
+        if begun:
+            raise Interrupted(Reason.STOPPED, "Enough.")
+
+    with pytest.raises(Interrupted, match=r"(?s)Enough\..*bea \(sim\): Stopped"):
+        play(twin if side == "both" else twin.sim, long, check=check)
+    assert not twin.sim.status().moving
+
+
+def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(
+    stage: Stage, twin: Twin, begun: list[Begun]
+) -> None:
+    other = stage.robot("bea", "hw", "ben")
+    with ThreadPoolExecutor(1) as pool:
+        played = pool.submit(play, twin, POSES, lead_s=8.0)
+        until(lambda: twin.sim.positions().commanded.long > 1, "the simulation moves")
+        other.stop()
+        with pytest.raises(Interrupted, match=r"bea \(hw\): ben pressed STOP"):
+            played.result(7)
+    assert {one.twin for one in begun} == {"sim"}

@@ -1,0 +1,263 @@
+"""A recorder, a simulation and a virtual robot as processes: the recording is read and checked."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+from stage import Process, Stage, ready, until
+
+from beatrix_zenoh import Interrupted, Refused
+from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.client import streams
+from beatrix_zenoh.recording.difference import GRID_NS
+from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples
+from beatrix_zenoh.recording.viewer import verify
+
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/record.md"
+NEAR_NS = 20_000_000
+"""Tolerance on one computer, because wall and monotonic clock are read one after the other."""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A recorded lesson."""
+
+    path: Path
+    recorded: Recorded
+    published: dict[tuple[str, str], list[Positions]]
+    """publications that another subscriber has received meanwhile"""
+    output: list[str]
+
+
+def recorder(stage: Stage, path: Path, *options: str) -> Process:
+    """`beatrix record`, after it has begun."""
+    words = ("record", str(path), "--connect", stage.endpoint, *options)
+    process = stage.process("beatrix_zenoh.cli", *words)
+    process.expect("ready")
+    return process
+
+
+@pytest.fixture(scope="module")
+def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
+    """Both robots turn; one motion is refused, one is stopped."""
+    path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
+    process = recorder(stage, path)
+    process.expect_all("Recording bea (hw).", "Recording bea (sim).")
+    with streams.positions(stage.client("witness")) as subscription:
+        robots = [ready(stage.robot("bea", twin)) for twin in ("sim", "hw")]
+        for motion in [robot.look(yaw=12, pitch=5, wait=False) for robot in robots]:
+            motion.wait()
+        with pytest.raises(Refused):
+            robots[0].look(pitch=60)
+        motion = robots[1].look(yaw=-60, wait=False)
+        until(lambda: robots[1].positions().head.yaw < 8, "it turns")
+        robots[1].stop()
+        with pytest.raises(Interrupted):
+            motion.wait()
+        arrivals = subscription.take_arrivals(0.5)
+        # The publications above are in the file as soon as a later sample of each robot is.
+        until(
+            lambda: {SIM, HW} <= {(a.robot, a.twin) for a in subscription.take_arrivals(0.5)},
+            "positions of both",
+        )
+    assert process.end(signal.SIGTERM) == 0
+    published: dict[tuple[str, str], list[Positions]] = {SIM: [], HW: []}
+    for arrival in arrivals:
+        published[arrival.robot, arrival.twin].append(arrival.value)
+    return Lesson(path, read(path), published, process.lines)
+
+
+def test_the_file_is_complete(lesson: Lesson) -> None:
+    assert verify(lesson.path) == ""
+    assert "nothing dropped" in lesson.output[-1]
+
+
+def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
+    for place, published in lesson.published.items():
+        samples = lesson.recorded.robots[place]
+        assert len(published) > 30
+        written = {stamp: row for row, stamp in enumerate(samples.robot_ns.tolist())}
+        assert {positions.t_wall_ns for positions in published} <= written.keys()
+        for positions in published:
+            row, arms = written[positions.t_wall_ns], positions.position
+            np.testing.assert_allclose(samples.arms[row], np.degrees([arms.x, arms.y, arms.z]), atol=1e-9)
+
+
+def test_both_robots_are_on_one_time_line(lesson: Lesson) -> None:
+    for samples in lesson.recorded.robots.values():
+        assert np.all(np.diff(samples.time_ns) >= 0)
+        assert np.max(np.abs(samples.time_ns - samples.robot_ns)) < NEAR_NS
+
+
+def test_only_the_simulation_measures_its_head(lesson: Lesson) -> None:
+    measured = lesson.recorded.robots[SIM].head_measured
+    assert lesson.recorded.robots[HW].head_measured is None
+    assert measured is not None
+    np.testing.assert_allclose(measured, lesson.recorded.robots[SIM].head, atol=0.2)
+
+
+def along(samples: Samples, times: Nanoseconds) -> Floats:
+    """Arms and head at these times, linearly between samples."""
+    angles = np.hstack((samples.arms, samples.head))
+    origin = samples.time_ns[0]
+    return np.column_stack(
+        [np.interp(times - origin, samples.time_ns - origin, column) for column in angles.T]
+    )
+
+
+def test_the_difference_matches_the_samples(lesson: Lesson) -> None:
+    times, angles = lesson.recorded.differences["bea"]
+    assert np.all(times % GRID_NS == 0)
+    assert len(times) > 50
+    robots = lesson.recorded.robots
+    np.testing.assert_allclose(angles, along(robots[HW], times) - along(robots[SIM], times), atol=1e-6)
+    assert np.max(np.abs(angles)) > 1.0  # the hardware began later and was stopped
+
+
+def test_requests_refusals_and_stops_are_text(lesson: Lesson) -> None:
+    sim, hw = (lesson.recorded.events[place].texts for place in (SIM, HW))
+    assert any("ana motion pose accepted" in text for text in sim)
+    assert any("refused OUT_OF_REACH: The head would tilt 60.0°" in text for text in sim)
+    assert any("stop" in text and "ana" in text for text in hw)
+    assert any("ended STOPPED" in text for text in hw)
+
+
+def test_states_are_bars(lesson: Lesson) -> None:
+    sim, hw = (lesson.recorded.states[place].texts for place in (SIM, HW))
+    assert "moving" in sim
+    assert "stopped" not in sim
+    assert hw[-1] == "stopped"
+    assert "moving" in hw[-3:-1]  # the status at rest may arrive before the event of STOP
+
+
+def test_the_code_of_the_page_reads_a_recording(
+    lesson: Lesson, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(lesson.path, "lesson.rrd")
+    (block,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    exec(block, {})
+    assert re.search(
+        r"^bea sim \d+ samples, the last with the head at \[", capsys.readouterr().out, re.MULTILINE
+    )
+
+
+def test_pictures_are_recorded_at_the_requested_rate(lesson: Lesson) -> None:
+    """The virtual robot's cameras publish 30 pictures a second; the recorder keeps 5."""
+    times, pictures = [], []
+    for chunk in RrdReader(lesson.path).stream().filter(content=["/bea/hw/camera/left"]):
+        batch = chunk.to_record_batch()
+        times += batch.column("time").cast("int64").to_pylist()
+        pictures += [bytes(value[0]) for value in batch.column("EncodedImage:blob").to_pylist()]
+    gaps_s = np.diff(sorted(times)) / 1e9
+    assert len(gaps_s) > 3
+    assert np.min(gaps_s) > 0.1
+    assert np.median(gaps_s) == pytest.approx(0.2, abs=0.05)
+    assert all(picture.startswith(b"\xff\xd8") for picture in pictures)
+
+
+def test_a_killed_recorder_loses_no_more_than_a_second(
+    stage: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "killed.rrd"
+    process = recorder(stage, path, "--name", "bea", "--cameras", "0")
+    process.expect_all("Recording bea (hw).", "Recording bea (sim).")
+    with streams.positions(stage.client("witness"), "bea", "hw") as subscription:
+        begun = subscription.next(1.0).t_wall_ns
+        until(
+            lambda: subscription.latest is not None and subscription.latest.t_wall_ns > begun + 1_500_000_000,
+            "1.5 s",
+        )
+        last = subscription.take()[-1]
+        process.end(signal.SIGKILL)
+    assert verify(path) != ""
+    assert app.run(["record", "--repair", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path} is repaired")
+    assert verify(path) == ""
+    assert path.with_name("killed.rrd.damaged").exists()
+    assert read(path).robots[HW].robot_ns[-1] > last.t_wall_ns - 1_000_000_000
+    assert app.run(["record", "--repair", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path} is complete: there is nothing to repair")
+
+
+def run(stage: Stage, *words: str, code: int = 0) -> str:
+    """Run a verb and return its output."""
+    process = stage.process("beatrix_zenoh.cli", *words)
+    assert process.wait(30.0) == code, process.lines
+    return "\n".join(process.lines)
+
+
+def test_a_truncated_file_is_repaired_and_another_file_is_not(
+    lesson: Lesson, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut, nonsense = tmp_path / "cut.rrd", tmp_path / "nonsense.rrd"
+    whole = lesson.path.read_bytes()
+    cut.write_bytes(whole[: len(whole) * 2 // 3])
+    nonsense.write_bytes(b"no recording")
+    with pytest.raises(Refused, match="--repair"):
+        read(cut)
+    assert app.run(["record", "--repair", str(cut)]) == 0
+    assert len(read(cut).robots[SIM].time_ns) > 20
+    assert app.run(["record", "--repair", str(nonsense)]) == 1
+    assert "cannot be repaired" in capsys.readouterr().err
+    assert nonsense.read_bytes() == b"no recording"
+    assert app.run(["record", "lesson.txt"]) == 2
+    assert "must end with .rrd" in capsys.readouterr().err
+
+
+def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "day.rrd"
+    output = run(
+        stage,
+        "record",
+        str(path),
+        "--connect",
+        stage.endpoint,
+        "--rotate",
+        "0.1",
+        "--seconds",
+        "8",
+        "--cameras",
+        "0",
+        "--json",
+    )
+    first, second = (tmp_path / name for name in ("day-001.rrd", "day-002.rrd"))
+    assert '"dropped":0' in output
+    assert verify(first) == verify(second) == ""
+    assert not path.exists()
+    one, two = (read(file).robots[SIM].time_ns for file in (first, second))
+    assert 0 < two[0] - one[-1] < 60_000_000  # no sample is lost between the files
+    assert read(second).states[SIM].texts  # and each has the state
+
+
+def test_a_robot_may_come_and_go(stage: Stage, tmp_path: Path) -> None:
+    path = tmp_path / "guest.rrd"
+    process = recorder(stage, path, "--name", "guest", "--cameras", "0")
+    for _ in range(2):
+        guest = stage.hardware("guest")
+        with streams.positions(stage.client("witness"), "guest") as subscription:
+            until(lambda subscription=subscription: len(subscription.take(0.5)) > 0, "positions")  # type: ignore[misc]
+            guest.end()
+            until(lambda subscription=subscription: not subscription.take(0.8), "silence")  # type: ignore[misc]
+    process.expect("Recording guest (hw).")
+    assert process.end(signal.SIGTERM) == 0
+    recorded = read(path)
+    assert list(recorded.robots) == [("guest", "hw")]
+    assert recorded.states["guest", "hw"].texts.count("lost") == 2
+    gaps = np.diff(recorded.robots["guest", "hw"].time_ns)
+    assert np.max(gaps) > 500_000_000
+
+
+def test_a_recording_without_robots_is_reported(stage: Stage, tmp_path: Path) -> None:
+    words = ("record", str(tmp_path / "none.rrd"), "--name", "absent", "--seconds", "0.2")
+    assert "No robot was on line" in run(stage, *words, "--connect", stage.endpoint, code=3)

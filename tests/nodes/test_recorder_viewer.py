@@ -1,0 +1,178 @@
+"""The live output with real viewers that start, freeze and end; rows never wait for them."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, ViewerState
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_robot
+from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.viewer import HOST, Viewer, answers
+
+SIM = ("bea", "sim")
+ROBOTS = RobotSet({SIM: Figure()})
+PICTURE = os.urandom(50_000)
+
+
+class Feed:
+    """An output that gets rows as from the recorder, with a clock as fast as possible."""
+
+    def __init__(self, port: int) -> None:
+        self.said: list[str] = []
+        self.output = LiveOutput(port, self.said.append)
+        self.output.show(ROBOTS)
+        self.now_s = 1000.0
+        self.count = 0
+
+    def feed(self) -> bool:
+        """Write the rows of one period; return whether the output has restarted."""
+        stamp = 1_763_000_000_000_000_000 + self.count * 20_000_000
+        self.count += 1
+        rows: list[Row] = [
+            Numbers(of_robot(SIM, what), stamp, stamp, (1.0, 2.0, 3.0))
+            for what in ("arms", "commanded", "head")
+        ]
+        rows += [Frame(of_robot(SIM, "camera", "left"), stamp, stamp, PICTURE)] * 4
+        self.output.write(rows)
+        self.now_s += PROBE_S + PERIOD_S
+        return self.output.update(self.now_s)
+
+    def until(self, state: ViewerState) -> int:
+        """Feed until the viewer has this state; return how often the output has restarted."""
+        begun = 0
+
+        def fed() -> bool:
+            nonlocal begun
+            begun += self.feed()
+            return self.output.state is state
+
+        until(fed, f"the viewer is {state}", 20.0)
+        return begun
+
+
+@contextmanager
+def server(port: int, *words: str) -> Iterator[Viewer]:
+    """A viewer's server, without its window."""
+    with Viewer(port, "--serve-grpc", *words) as viewer:
+        viewer.wait_ready()
+        yield viewer
+
+
+def resident_mb() -> float:
+    """Memory of this process, MB."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def test_a_missing_viewer_is_reported_once(free_port: Callable[[], int]) -> None:
+    feed = Feed(free_port())
+    for _ in range(5):
+        assert not feed.feed()
+    assert feed.output.state is ViewerState.MISSING
+    assert len(feed.said) == 1
+    assert "No viewer answers" in feed.said[0]
+    assert feed.output.left_out == 5 * 7
+    assert feed.output.close()
+
+
+def test_a_viewer_that_starts_later_gets_all_later_rows(free_port: Callable[[], int], tmp_path: Path) -> None:
+    port, kept = free_port(), tmp_path / "kept.rrd"
+    feed = Feed(port)
+    feed.feed()
+    with Viewer(port, "--save", str(kept)) as viewer:
+        viewer.wait_ready()
+        assert feed.until(ViewerState.CONNECTED) == 1
+        for _ in range(10):
+            assert not feed.feed()
+        assert feed.output.close()
+        until(lambda: samples_in(kept) == 10, "the server has written all of it", 10.0)
+    assert len(feed.said) == 2
+    assert "missed" in feed.said[1]
+
+
+def samples_in(path: Path) -> int:
+    """Positions in a file that is being written."""
+    try:
+        return len(read(path).robots[SIM].time_ns)
+    except Refused:
+        return 0
+
+
+def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again(free_port: Callable[[], int]) -> None:
+    with server(port := free_port()) as viewer:
+        feed = Feed(port)
+        feed.until(ViewerState.CONNECTED)
+        os.kill(viewer.pid, signal.SIGSTOP)
+        feed.until(ViewerState.FROZEN)
+        before = resident_mb()
+        for _ in range(100):  # 20 MB of pictures
+            feed.output.write([Frame("bea/sim/camera/left", 0, 0, PICTURE)] * 4)
+        feed.feed()
+        assert resident_mb() - before < 8
+        assert feed.output.left_out > 400
+        os.kill(viewer.pid, signal.SIGCONT)
+        assert feed.until(ViewerState.CONNECTED) == 1
+        assert len(feed.said) == 2
+        assert feed.output.close()
+
+
+def test_a_killed_viewer_is_found_again_when_it_is_restarted(free_port: Callable[[], int]) -> None:
+    port = free_port()
+    with server(port) as viewer:
+        feed = Feed(port)
+        feed.until(ViewerState.CONNECTED)
+        os.kill(viewer.pid, signal.SIGKILL)
+        feed.until(ViewerState.MISSING)
+    with server(port):
+        assert feed.until(ViewerState.CONNECTED) == 1
+        assert feed.output.close()
+    assert [sentence.split()[0] for sentence in feed.said] == ["No", "The"]
+
+
+def test_close_does_not_wait_for_a_frozen_viewer(free_port: Callable[[], int], tmp_path: Path) -> None:
+    port = free_port()
+    with Stage() as stage, server(port) as viewer:
+        node = stage.hardware("bea")
+        path = tmp_path / "lesson.rrd"
+        words = ("record", str(path), "--connect", stage.endpoint, "--view", "--port", str(port))
+        process = stage.process("beatrix_zenoh.cli", *words)
+        process.expect(f"Using the viewer that is open on port {port}.")
+        process.expect("Recording bea (hw).")
+        os.kill(viewer.pid, signal.SIGSTOP)
+        process.send(signal.SIGTERM)
+        assert process.wait(20.0) == 0
+        assert "nothing dropped" in process.lines[-1]
+        assert len(read(path).robots["bea", "hw"].time_ns) > 0
+        os.kill(viewer.pid, signal.SIGCONT)
+        node.end()
+
+
+def test_the_viewer_is_not_reachable_from_other_computers(free_port: Callable[[], int]) -> None:
+    with server(port := free_port()):
+        sockets = Path("/proc/net/tcp").read_text() + Path("/proc/net/tcp6").read_text()
+        local = [line.split()[1] for line in sockets.splitlines()[1:] if f":{port:04X}" in line.split()[1]]
+        assert local
+        assert {address.partition(":")[0] for address in local} == {"0100007F"}
+        assert answers(port)
+        assert HOST == "127.0.0.1"
+
+
+def test_the_error_of_a_killed_viewer_names_the_signal(free_port: Callable[[], int]) -> None:
+    with server(free_port()) as viewer:
+        os.kill(viewer.pid, signal.SIGKILL)
+        until(lambda: viewer.code is not None, "it has ended")
+        assert viewer.ending() == "The Rerun viewer was ended by signal 9."
+
+
+def test_a_port_in_use_is_named(free_port: Callable[[], int]) -> None:
+    with server(port := free_port()), pytest.raises(Refused, match=f"Port {port} of this computer is taken"):
+        Viewer(port)

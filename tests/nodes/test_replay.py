@@ -1,0 +1,173 @@
+"""Recorded motions on real robots: compared, recorded as motion files and replayed, refused, stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot, Twin
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Positions, Steps
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.recording.compare import Comparison, compare
+from beatrix_zenoh.recording.follow import Following, follow
+from beatrix_zenoh.recording.path import path_of
+from beatrix_zenoh.recording.record_motion import record_motion
+from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
+from beatrix_zenoh.recording.replay import replay
+from beatrix_zenoh.recording.series import Recording
+
+NOD = """t_s,yaw_deg,pitch_deg,roll_deg
+0.0,0,0,0
+0.6,0,10,0
+1.2,0,10,0
+2.0,15,-5,0
+3.0,0,0,0
+"""
+RMS_DEG = 1.0
+"""Tolerance of a replay on a busy machine; docs/how-to/motion-files.md has figures."""
+
+
+def following(text: str) -> Following:
+    """The targets for a motion file."""
+    return follow(path_of(motion_file.parse(text, "nod.csv"), Neck()), ROBOT)
+
+
+def steps(robot: Robot) -> Steps:
+    key = keys.positions(robot.name, robot.twin)
+    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+
+
+def recorded_during(
+    stage: Stage, seconds: float, do: Callable[[], object]
+) -> tuple[LiveRecording, LiveRecording]:
+    """Recordings of both robots during a call."""
+    robots = [stage.robot("bea", twin, "eve") for twin in ("sim", "hw")]
+    with ThreadPoolExecutor(1) as pool:
+        recording = pool.submit(record_robots, robots, seconds)
+        until(recording.running, "it listens")
+        do()
+        sim, hw = recording.result(seconds + 20)
+    return sim, hw
+
+
+def off_path(live: LiveRecording, played: Following) -> Comparison:
+    """Compare the set points of a robot with the path, aligned at their first movement."""
+    t = np.arange(-0.5, played.duration_s + 0.5, 0.01)
+    path = played.path.at(t)
+    arms = live.recording.arms
+    begin = int(np.argmax(np.max(np.abs(arms.angles - arms.angles[0]), axis=1) > 1.0))
+    reached = int(np.argmax(np.max(np.abs(path - path[0]), axis=1) > 1.0))
+    first = Recording(t - t[reached], np.hstack([path, path]))
+    return compare(first, Recording(arms.t - arms.t[begin], np.hstack([arms.angles, arms.angles])))
+
+
+def test_both_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
+    played = following(NOD)
+    sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))
+    for live in (sim, hw):
+        found = off_path(live, played)
+        assert max(axis.rms_after for axis in found.axes[:3]) < RMS_DEG
+        assert live.recording.arms.angles[-1] == pytest.approx(played.path.arms[-1], abs=0.2)
+        assert live.clock_s == 0.0, "both run on this computer"
+    assert (sim.slipped, hw.slipped) == (0, None)
+
+    before = compare(sim.recording, hw.recording)
+    assert 0.05 < before.lag_s < 0.5, "the lead, and what this machine adds"
+    off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
+    assert hw.recording.commanded is not None
+    after = compare(sim.recording, Recording(hw.recording.t + 0.2, off, hw.recording.commanded))
+    assert after.lag_s - before.lag_s == pytest.approx(0.2, abs=0.005)
+    assert after.axes[1].offset - before.axes[1].offset == pytest.approx(1.5, abs=0.05)
+    assert after.axes[1].lag_s - before.axes[1].lag_s == pytest.approx(0.2, abs=0.005)
+
+
+def test_a_recording_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> None:
+    path = tmp_path / "turn.csv"
+    other = stage.robot("bea", "hw", "eve")
+
+    def turn_and_return() -> None:
+        twin.hw.look(yaw=20, pitch=8, speed=60)
+        twin.hw.look(speed=60)
+
+    with ThreadPoolExecutor(1) as pool:
+        moved: list[Future[None]] = []
+
+        def going(points: int) -> bool:
+            """Move after the begin of the recording, and end it after the motion."""
+            if points and not moved:
+                moved.append(pool.submit(turn_and_return))
+            return not (moved and moved[0].done())
+
+        points = record_motion(other, path, going=going)
+    assert points == len(path.read_text(encoding="utf-8").splitlines()) - 3
+    recorded = motion_file.read(path)
+    assert max(point.place[0] for point in recorded.points) == pytest.approx(20, abs=0.2)
+    played = follow(path_of(recorded, Neck()), ROBOT)
+    sim, _ = recorded_during(stage, played.duration_s + 3.0, lambda: replay(twin.sim, played))
+    assert max(axis.rms_after for axis in off_path(sim, played).axes[:3]) < RMS_DEG
+
+
+def test_the_robots_first_move_to_the_begin_of_the_path(twin: Twin) -> None:
+    passed: list[float] = []
+    replay(twin.hw, following("t_s,yaw_deg,pitch_deg,roll_deg\n5,10,0,0\n5.5,12,0,0\n"), passed.append)
+    assert twin.hw.positions().commanded == pytest.approx((12,) * 3, abs=0.1)
+    assert passed == sorted(passed)
+    assert passed[-1] == 0.5
+
+
+def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
+    before = steps(twin.sim), steps(twin.hw)
+    with pytest.raises(Refused, match=r"nod\.csv, line 5 \(t = 2\.00 s\): The head would tilt 40"):
+        replay(twin, following(NOD.replace("15,-5,0", "15,-40,0")))
+    twin.hw.disable()
+    with pytest.raises(Refused, match="hw"):
+        replay(twin, following(NOD))
+    assert (steps(twin.sim), steps(twin.hw)) == before
+
+
+SLOW = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n20,60,0,0\n"
+
+
+def test_stop_by_another_seat_ends_it_on_both(stage: Stage, twin: Twin) -> None:
+    other = stage.robot("bea", "sim", "ben")
+    with ThreadPoolExecutor(1) as pool:
+        played = pool.submit(replay, twin, following(SLOW))
+        until(lambda: other.positions().commanded.short > 2, "the simulation moves", 10.0)
+        other.stop()
+        with pytest.raises((Interrupted, Refused), match=r"bea \(sim\)"):
+            played.result(10)
+    for robot in (twin.sim, twin.hw):
+        until(lambda robot=robot: not robot.status().moving, "it rests")  # type: ignore[misc]
+        assert robot.positions().commanded.short < 30
+
+
+def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(stage: Stage, twin: Twin) -> None:
+    other = stage.robot("bea", "hw", "ben")
+    before = steps(twin.hw)
+    with ThreadPoolExecutor(1) as pool:
+        played = pool.submit(replay, twin, following(SLOW), lead_s=8.0)
+        until(lambda: twin.sim.positions().commanded.short > 2, "the simulation moves", 10.0)
+        other.stop()
+        with pytest.raises(Interrupted, match=r"bea \(hw\): ben pressed STOP"):
+            played.result(7)
+    assert steps(twin.hw) == before
+    until(lambda: not twin.sim.status().moving, "the simulation rests, too")
+
+
+def test_another_seat_cannot_take_the_lease_during_a_replay(stage: Stage, twin: Twin) -> None:
+    other = stage.robot("bea", "hw", "ben")
+    with ThreadPoolExecutor(1) as pool:
+        played = pool.submit(replay, twin.hw, following(NOD))
+        until(lambda: other.status().moving, "it moves", 10.0)
+        with pytest.raises(Refused, match="ana"):
+            other.look(yaw=5)
+        played.result(20)
+    assert other.positions().commanded == pytest.approx((0,) * 3, abs=0.1)

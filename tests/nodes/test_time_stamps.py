@@ -1,0 +1,72 @@
+"""Time stamps of positions: exact enough to compare two robots."""
+
+from __future__ import annotations
+
+import statistics
+
+import numpy as np
+import pytest
+from stage import Stage, ready, until
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh.recording.compare import compare
+from beatrix_zenoh.recording.series import Recording, recording
+
+SPEED_DEG_S = 80.0
+LAG_S = 0.2
+CLOCK_SD_S = 0.001
+"""Largest standard deviation of the stamps against the true time."""
+
+
+def recorded(robot: Robot, *yaws: float) -> list[Positions]:
+    """Recording of a robot that looks to both sides."""
+    with robot.positions_stream() as stream:
+        stream.next(5.0)
+        for yaw in yaws:
+            robot.look(yaw=yaw, speed=SPEED_DEG_S)
+        until(lambda: not robot.status().moving, "at rest")
+        published = stream.take(0.2)
+    robot.home()
+    return published
+
+
+@pytest.mark.parametrize("twin", ["sim", "hw"])
+def test_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, twin: str) -> None:
+    turn = recorded(ready(stage.robot("bea", twin)), 90)
+    steady = [
+        at for at in turn if 25 < np.degrees(at.commanded.x) < 65
+    ]  # before and behind it the arms accelerate
+    assert len(steady) > 15
+    times = np.array([at.t_mono_ns / 1e9 for at in steady])
+    angles = np.degrees([at.commanded.x for at in steady])
+    rate, offset = np.polyfit(times - times[0], angles, 1)
+    assert rate == pytest.approx(SPEED_DEG_S, rel=0.01)
+    errors_s = (angles - offset) / rate - (times - times[0])
+    assert statistics.stdev(errors_s.tolist()) < CLOCK_SD_S, "0.3 ms of it are whole microsteps"
+
+
+def test_head_measured_matches_the_physics(stage: Stage) -> None:
+    simulated = recorded(ready(stage.robot("bea", "sim")))[-1]
+    robot = stage.robot("bea", "hw")
+    assert simulated.head_measured is not None
+    assert simulated.head_measured.yaw == pytest.approx(simulated.head.yaw, abs=0.005)
+    with robot.positions_stream() as stream:
+        assert stream.next(5.0).head_measured is None, "counted steps measure no head"
+
+
+def test_a_known_lag_is_found(stage: Stage) -> None:
+    first = recording(recorded(ready(stage.robot("bea", "sim")), 20, -20, 10, 0))
+    second = recording(recorded(ready(stage.robot("bea", "hw")), 20, -20, 10, 0))
+    # Align both at their first movement, because the robots moved one after the other.
+    first, second = from_first_movement(first), from_first_movement(second)
+    apart = compare(first, second).lag_s
+    late = Recording(second.t + LAG_S, second.angles)
+    assert compare(first, late).lag_s - apart == pytest.approx(LAG_S, abs=0.003)
+
+
+def from_first_movement(recorded_angles: Recording) -> Recording:
+    """Shift times to the moment at which the short arm has turned by a degree."""
+    short = recorded_angles.angles[:, 0]
+    begin = int(np.argmax(np.abs(short - short[0]) > 1.0))
+    return Recording(recorded_angles.t - recorded_angles.t[begin], recorded_angles.angles)

@@ -1,0 +1,348 @@
+"""The lead of the simulation: motions that reach the hardware later, and cancellations before."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from types import FrameType
+
+import pytest
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, Refused, Robot, Twin
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Positions, Reason, Steps
+from beatrix_zenoh.client.queries import pose_query
+from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.subscription import Subscription
+from beatrix_zenoh.client.twin_motion import TwinMotion
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
+
+
+def steps(robot: Robot) -> Steps:
+    """The step counters of the board."""
+    key = keys.positions(robot.name, robot.twin)
+    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+
+
+def number_of_a_motion(twin: Twin) -> int:
+    """Number of the hardware's last motion: a node starts with a random number and counts up."""
+    twin.look(yaw=1, speed=60)
+    return twin.hw.status().motion
+
+
+def moves(robot: Robot) -> None:
+    until(lambda: robot.positions().commanded.short > 1, f"{robot} moves")
+
+
+@pytest.mark.parametrize("act", [Robot.stop, Robot.emergency_stop, Robot.disable])
+def test_the_lead_ends_if_the_simulation_is_stopped_or_switched_off_though_it_has_arrived(
+    stage: Stage, twin: Twin, act: Callable[[Robot], object]
+) -> None:
+    before = steps(twin.hw)
+    motion = twin.preview(yaw=10, speed=60).commit(lead_s=2.5, wait=False)
+    until(lambda: twin.sim.positions().commanded.short == pytest.approx(10, abs=0.1), "there")
+    act(stage.robot("bea", "sim", "teacher"))
+    with pytest.raises((Interrupted, Refused)):
+        motion.result(10)
+    assert not motion.hardware_sent
+    assert steps(twin.hw) == before
+    twin.reset()
+
+
+def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmoved(twin: Twin) -> None:
+    before, number = steps(twin.hw), twin.hw.status().motion
+    plan = twin.preview(yaw=90)
+    motion = plan.commit(lead_s=5, wait=False)
+    moves(twin.sim)
+    assert motion.running()
+    assert not motion.hardware_sent
+    assert 3 < motion.countdown_s < 5
+    plan.abort()
+    assert (motion.done(), motion.hardware_sent, motion.countdown_s) == (True, False, 0.0)
+    with pytest.raises(
+        Interrupted, match=r"(?s)Cancelled.*bea \(sim\): Stopped.*bea \(hw\): not moved"
+    ) as end:
+        motion.result()
+    assert end.value.reason is Reason.STOPPED
+    assert not motion.cancel()
+    assert not twin.sim.status().moving
+    assert (steps(twin.hw), twin.hw.status().motion) == (before, number)
+    with pytest.raises(Refused, match="aborted already"):
+        plan.commit()
+
+
+def test_abort_in_another_thread_ends_a_commit_that_waits(twin: Twin) -> None:
+    before = steps(twin.hw)
+    plan = twin.preview(yaw=90)
+    with ThreadPoolExecutor(1) as pool:
+        committed = pool.submit(plan.commit, 5)
+        moves(twin.sim)
+        plan.abort()
+        with pytest.raises(Interrupted, match="not moved"):
+            committed.result(5)
+    assert steps(twin.hw) == before
+
+
+def test_abort_in_a_signal_handler_ends_the_commit_that_it_interrupts(twin: Twin) -> None:
+    before = steps(twin.hw)
+    plan = twin.preview(yaw=90)
+
+    def abort(_number: int, _frame: FrameType | None) -> None:
+        plan.abort()
+
+    previous = signal.signal(signal.SIGALRM, abort)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.5)
+        with pytest.raises(Interrupted, match="not moved"):
+            plan.commit(lead_s=5)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+    assert steps(twin.hw) == before
+    assert not twin.sim.status().moving
+
+
+def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved(twin: Twin) -> None:
+    before = steps(twin.hw)
+    plan = twin.preview(yaw=90)
+    interrupt = threading.Timer(0.5, signal.raise_signal, (signal.SIGINT,))
+    interrupt.start()
+    with pytest.raises(KeyboardInterrupt, match=r"(?s)bea \(sim\): Stopped;.*bea \(hw\): not moved"):
+        plan.commit(lead_s=5)
+    interrupt.join()
+    assert steps(twin.hw) == before
+
+
+def first_move_ns(positions: Subscription[Positions]) -> int:
+    """Time at which a robot had turned by half a degree, by the common clock of both nodes."""
+    for reading in positions:
+        if abs(reading.commanded.x) > 0.0087:
+            return reading.t_mono_ns
+    raise AssertionError
+
+
+def test_the_hardware_follows_after_the_lead_and_the_lag_is_measured(
+    twin: Twin, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, "beatrix_zenoh.client")
+    ended: list[TwinMotion] = []
+    with twin.sim.positions_stream(10.0) as of_sim, twin.hw.positions_stream(10.0) as of_hw:
+        motion = twin.preview(yaw=20, speed=60).commit(lead_s=1.0, wait=False)
+        motion.add_done_callback(ended.append)
+        replies = motion.result(10)
+        published_s = (first_move_ns(of_hw) - first_move_ns(of_sim)) / 1e9
+    assert published_s == pytest.approx(1.0, abs=0.2), "a busy machine; tools/bench_twin.py has the figure"
+    assert motion.lag_s == pytest.approx(published_s, abs=0.03)
+    assert (replies.sim.result, replies.hw.result, motion.hardware_sent) == (True, True, True)
+    assert twin.sim.positions().commanded == twin.hw.positions().commanded
+    until(lambda: ended == [motion], "the callback")
+    (text,) = [record.getMessage() for record in caplog.records if record.levelno == logging.INFO]
+    assert text.startswith("bea: the hardware began ")
+    assert text.endswith(" s after the simulation; lead 1.000 s.")
+
+
+def test_a_plan_committed_within_the_lead_replaces_the_one_before(twin: Twin) -> None:
+    number = number_of_a_motion(twin)
+    first = twin.preview(yaw=60, speed=30).commit(lead_s=5, wait=False)
+    moves(twin.sim)
+    twin.preview(yaw=-10, speed=60).commit(lead_s=0.3)
+    with pytest.raises(Interrupted) as end:
+        first.result(5)
+    assert (end.value.reason, first.hardware_sent) == (Reason.REPLACED, False)
+    assert twin.hw.status().motion == number + 1
+    assert twin.hw.positions().commanded == twin.sim.positions().commanded
+    assert twin.hw.positions().commanded.short == pytest.approx(-10, abs=0.1)
+
+
+@pytest.mark.parametrize("side", ["sim", "hw"])
+def test_stop_at_either_robot_within_the_lead_ends_it(stage: Stage, twin: Twin, side: str) -> None:
+    before = steps(twin.hw)
+    other = stage.robot("bea", side, "ben")
+    motion = twin.preview(yaw=90).commit(lead_s=5, wait=False)
+    moves(twin.sim)
+    other.stop()
+    with pytest.raises(Interrupted, match=r"(?s)STOP.*bea \(hw\): not moved") as end:
+        motion.result(4)
+    assert end.value.reason is Reason.STOPPED
+    assert steps(twin.hw) == before
+    assert not twin.sim.status().moving
+
+
+def disable(robot: Robot) -> None:
+    robot.disable()
+
+
+def turn(robot: Robot) -> None:
+    robot.look(yaw=-3, speed=60)
+
+
+@pytest.mark.parametrize(("change", "said"), [(disable, "motors are off"), (turn, "has moved")])
+def test_changed_hardware_is_not_moved_after_the_lead(
+    twin: Twin, change: Callable[[Robot], None], said: str
+) -> None:
+    number = number_of_a_motion(twin)
+    motion = twin.preview(yaw=90, speed=30).commit(lead_s=1.5, wait=False)
+    change(twin.hw)
+    with pytest.raises(Refused, match=rf"(?s)bea \(hw\).*{said}.*bea \(sim\): Stopped"):
+        motion.result(5)
+    assert twin.hw.status().motion == number + (change is turn)
+    assert not twin.sim.status().moving
+
+
+def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
+    motion = twin.preview(yaw=10, speed=30).commit(lead_s=30, wait=False)
+    assert motion.countdown_s > 29
+    assert motion.send_now()
+    until(lambda: motion.hardware_sent, "the hardware is sent it", 1.0)
+    assert not motion.send_now(), "it was sent"
+    assert motion.result(5).hw.result
+    assert twin.hw.positions().commanded == twin.sim.positions().commanded
+
+
+def test_send_now_makes_the_checks_of_the_end_of_the_lead(twin: Twin) -> None:
+    number = number_of_a_motion(twin)
+    motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
+    disable(twin.hw)
+    motion.send_now()
+    with pytest.raises(Refused, match=r"(?s)bea \(hw\).*motors are off.*bea \(sim\): Stopped"):
+        motion.result(5)
+    assert twin.hw.status().motion == number
+
+
+def test_send_now_returns_false_before_the_begin_and_after_a_cancel(twin: Twin) -> None:
+    assert not TwinMotion(twin.sim, twin.hw, pose_query(1, 0, 0, relative=False, speed=None), 2.0).send_now()
+    before = steps(twin.hw)
+    motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
+    motion.cancel()
+    assert not motion.send_now()
+    assert steps(twin.hw) == before
+
+
+def test_an_abort_while_commit_still_checks_the_robots_keeps_both_unmoved(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = steps(twin.sim), steps(twin.hw)
+    checking, aborted = threading.Event(), threading.Event()
+
+    def check_slowly() -> None:
+        checking.set()
+        assert aborted.wait(5)
+
+    monkeypatch.setattr(twin, "check_ready", check_slowly)
+    plan = twin.preview(yaw=10)
+    with ThreadPoolExecutor(1) as pool:
+        committed = pool.submit(plan.commit)
+        assert checking.wait(5)
+        assert plan.motion is not None
+        plan.abort()
+        aborted.set()
+        with pytest.raises(Interrupted, match="Cancelled"):
+            committed.result(5)
+    assert (steps(twin.sim), steps(twin.hw)) == before
+
+
+def test_twins_that_share_a_session_leave_it_open(stage: Stage, twin: Twin) -> None:
+    client = stage.client("eve")
+    with Twin("bea", client=client) as first:
+        assert first.name == "bea"
+        assert first.client is client
+    with Twin("bea", client=client) as second:
+        assert second.positions().sim.commanded == twin.positions().sim.commanded
+
+
+def test_closing_the_twin_during_the_lead_leaves_the_hardware_unmoved(stage: Stage, twin: Twin) -> None:
+    before = steps(twin.hw)
+    until(lambda: not (twin.sim.status().holder or twin.hw.status().holder), "both are free")
+    with Twin("bea", connect=stage.endpoint, who="eve") as closing:
+        motion = closing.preview(yaw=3, speed=60).commit(lead_s=0.5, wait=False)
+        until(lambda: not twin.sim.status().moving, "the simulation is there")
+    assert motion.done()
+    assert not motion.hardware_sent
+    assert steps(twin.hw) == before
+    until(lambda: not twin.sim.status().holder, "the simulation is free")
+
+
+def test_an_invalid_lead_is_wrong_usage(twin: Twin) -> None:
+    plan = twin.preview(yaw=3)
+    for lead_s in (-1, float("nan"), "2", True):
+        with pytest.raises(WrongUsage, match="lead_s"):
+            plan.commit(lead_s)  # type: ignore[arg-type]
+    plan.abort()
+
+
+# -- number of queries, and targets without a preview ---------------------------------------------
+
+
+def test_a_preview_and_a_commit_send_three_queries(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
+    twin.preview(yaw=2, speed=60).commit()  # opens the subscriptions and queries info
+    sent: list[str] = []
+    bus = type(twin.client.bus)
+    query = bus.query
+
+    def counted(self: object, key: str, *rest: object, **more: object) -> object:
+        sent.append(key)
+        return query(self, key, *rest, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(bus, "query", counted)
+
+    def three() -> bool:
+        sent.clear()
+        twin.preview(yaw=4, speed=60).commit()
+        twin.preview(yaw=0, speed=60).commit()
+        twin.positions()
+        return [key.rpartition("/")[2] for key in sent] == ["preview", "pose", "pose"] * 2
+
+    until(
+        three, "states are as new as they should be: on a busy machine some are not, and are asked for", 30.0
+    )
+
+
+def test_targets_at_20_hz_reach_both_and_the_last_one_wins(twin: Twin) -> None:
+    pause = threading.Event()
+    motions = []
+    for index in range(60):
+        motions.append(twin.look(yaw=20 * ((index // 10) % 2) + index / 10, speed=80, wait=False))
+        pause.wait(0.05)
+    assert all(motion.hardware_sent for motion in motions)
+    motions[-1].result(10)
+    reading: tuple[Reading, Reading] = twin.positions()
+    for where in reading:
+        assert where.commanded == pytest.approx((25.9, 25.9, 25.9), abs=0.1)
+    reasons = {end.reason for end in (motion.exception(5) for motion in motions[:-1]) if end is not None}  # type: ignore[attr-defined]
+    assert reasons == {Reason.REPLACED}
+
+
+def test_arms_follow_too_and_positions_are_those_of_both(twin: Twin) -> None:
+    assert not twin.move(5, 5, 5, speed=60, wait=False).done()
+    twin.move(10, 5, 0, speed=(60, 30, 10))
+    assert (
+        twin.positions().sim.commanded == twin.positions().hw.commanded == pytest.approx((10, 5, 0), abs=0.1)
+    )
+
+
+def test_a_target_that_one_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:
+    twin.look(yaw=60, wait=False)
+    stage.robot("bea", "hw", "ben").stop()
+    with pytest.raises((Refused, Interrupted)):
+        twin.look(yaw=70)
+    until(lambda: not twin.sim.status().moving, "the simulation rests")
+    assert twin.sim.positions().commanded.short < 60
+
+
+def test_hardware_that_is_replaced_during_the_lead_is_not_moved() -> None:
+    with Stage() as stage:
+        stage.simulation("bea", "--ready")
+        first = stage.hardware("bea")
+        with Twin("bea", connect=stage.endpoint, who="ana") as twin:
+            twin.make_ready()
+            motion = twin.preview(yaw=20, speed=60).commit(lead_s=8.0, wait=False)
+            first.send(signal.SIGKILL)
+            first.wait()
+            stage.hardware("bea")
+            with pytest.raises(NoAnswer, match="is no longer on line"):
+                motion.result(10)
+            assert twin.hw.positions().commanded.short == 0

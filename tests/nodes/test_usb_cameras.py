@@ -1,0 +1,174 @@
+"""USB cameras of a hardware node: real library, structures and calls; the test gives the kernel's answers."""
+
+from __future__ import annotations
+
+import errno
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import simplejpeg
+from fake_camera import FakeCamera, library
+from stage import Stage, ready, until, wait_status
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import CameraStatus, Event, EventKind, Reason
+from beatrix_zenoh.client import Subscription
+from beatrix_zenoh.client.camera import CameraImage
+from hw_node.cameras import jpeg
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="V4L2 is Linux's")
+
+PICTURE: bytes = simplejpeg.encode_jpeg(
+    np.random.default_rng(1).integers(0, 8, (480, 640, 3), np.uint8), quality=40
+)
+
+
+@pytest.fixture(scope="module")
+def cameras(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, FakeCamera]]:
+    folder = tmp_path_factory.mktemp("v4l")
+    found = {eye: FakeCamera(folder / f"usb-{eye}") for eye in ("left", "right")}
+    yield found
+    for camera in found.values():
+        camera.close()
+
+
+@pytest.fixture(scope="module")
+def stage(cameras: dict[str, FakeCamera], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
+    """A node with two USB cameras."""
+    with pytest.MonkeyPatch.context() as patch, Stage() as stage:
+        patch.setenv("LD_PRELOAD", str(library(tmp_path_factory.mktemp("built"))))
+        words = [word for eye, camera in cameras.items() for word in ("--camera", f"{eye}={camera.path}")]
+        node = stage.process(
+            "hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:", *words
+        )
+        node.expect("ready")
+        yield stage
+
+
+@pytest.fixture
+def robot(stage: Stage) -> Iterator[Robot]:
+    robot = stage.robot("bea", "hw")
+    yield robot
+    robot.client.close()
+
+
+@pytest.fixture
+def left(cameras: dict[str, FakeCamera]) -> FakeCamera:
+    until(lambda: not any(camera.asked for camera in cameras.values()), "no camera is in use")
+    return cameras["left"]
+
+
+def eye(robot: Robot) -> CameraStatus:
+    return robot.status().cameras[0]
+
+
+def streams(camera: FakeCamera, images: Subscription[CameraImage], picture: bytes = PICTURE) -> CameraImage:
+    """Send pictures until one arrives, because pictures before the start of the camera are lost."""
+    found: list[CameraImage] = []
+
+    def arrived() -> bool:
+        camera.send(picture)
+        found.extend(images.take(0.1))
+        return bool(found)
+
+    until(arrived, "a picture")
+    images.take(0.1)
+    return found[-1]
+
+
+def test_pictures_pass_through_untouched_with_the_time_of_their_exposure(
+    left: FakeCamera, robot: Robot
+) -> None:
+    with robot.camera("left") as images:
+        first = streams(left, images)
+        assert left.asked == "640x480 MJPG 1/30 4"
+        left.send(PICTURE)
+        image = images.next(5.0)
+    until(lambda: left.asked == "", "the camera is closed without a subscriber")
+    assert image.jpeg == PICTURE
+    assert (image.width, image.height, image.source) == (640, 480, "v4l2")
+    assert image.seq > first.seq
+    assert 0 < image.arrived_mono_ns - image.t_mono_ns < 2e9
+
+
+def test_missing_huffman_tables_are_added(left: FakeCamera, robot: Robot) -> None:
+    head = list(jpeg.segments(PICTURE))
+    kept = [PICTURE[one.begin : one.end] for one in head if one.marker != jpeg.DHT]
+    bare = b"".join([jpeg.SOI, *kept, PICTURE[head[-1].end :]])
+    assert len(bare) < len(PICTURE)
+    with robot.camera("left") as images:
+        image = streams(left, images, bare)
+    pixels, wanted = simplejpeg.decode_jpeg(image.jpeg), simplejpeg.decode_jpeg(PICTURE)
+    assert np.array_equal(pixels, wanted)
+
+
+def test_a_damaged_picture_is_left_out(left: FakeCamera, robot: Robot) -> None:
+    with robot.camera("left") as images:
+        before = streams(left, images)
+        left.send(PICTURE[:1000], damaged=True)
+        left.send(b"no picture at all")
+        left.send(PICTURE)
+        image = images.next(5.0)
+    assert image.jpeg == PICTURE
+    assert image.seq > before.seq
+
+
+def test_an_unplugged_camera_does_not_stop_the_robot_and_returns(left: FakeCamera, robot: Robot) -> None:
+    ready(robot)
+    with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
+        streams(left, images)
+        motion = robot.look(yaw=20, wait=False)
+        left.unplug()
+        lost = camera_event(events)
+        assert (lost.action, lost.reason) == ("left", Reason.FAULT)
+        assert "plug the camera in" in lost.message
+        status = robot.status()
+        assert not status.cameras[0].connected
+        assert any("left eye" in warning for warning in status.warnings)
+        assert motion.result(10.0) is not None, "the motion goes on"
+        left.plug()
+        assert streams(left, images).jpeg == PICTURE
+        found = camera_event(events)
+        assert (found.action, found.reason) == ("left", Reason.OK)
+    camera = eye(robot)
+    assert (camera.connected, camera.trouble) == (True, "")
+
+
+def test_unplugging_an_idle_camera_is_reported(left: FakeCamera, robot: Robot) -> None:
+    left.unplug()
+    wait_status(robot, lambda status: not status.cameras[0].connected, "the idle camera is missed")
+    left.plug()
+    wait_status(robot, lambda status: status.cameras[0].connected, "the idle camera is back")
+
+
+def test_a_camera_of_another_program_is_tried_again(left: FakeCamera, robot: Robot) -> None:
+    left.refuse(errno.EBUSY)
+    with robot.camera("left") as images:
+        wait_status(robot, lambda status: "another program" in status.cameras[0].trouble, "busy is reported")
+        left.refuse(0)
+        streams(left, images)
+    assert eye(robot).trouble == ""
+
+
+def test_a_bus_without_bandwidth_gets_half_the_rate(left: FakeCamera, robot: Robot) -> None:
+    left.refuse(errno.ENOSPC, from_hz=30)
+    with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
+        streams(left, images)
+        assert left.asked == "640x480 MJPG 1/15 4"
+        said = next(event for event in events if event.kind is EventKind.LOG)
+    left.refuse(0)
+    assert "15 pictures a second" in said.message
+
+
+def test_two_cameras_deliver_side_by_side(
+    cameras: dict[str, FakeCamera], left: FakeCamera, robot: Robot
+) -> None:
+    with robot.camera("left") as lefts, robot.camera("right") as rights:
+        assert streams(left, lefts).eye == "left"
+        assert streams(cameras["right"], rights).eye == "right"
+
+
+def camera_event(events: Subscription[Event]) -> Event:
+    return next(event for event in events if event.kind is EventKind.CAMERA)

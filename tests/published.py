@@ -1,0 +1,82 @@
+"""What a robot publishes, message by message, as a subscriber receives it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import msgspec
+from stage import EVENT_S
+
+from beatrix_zenoh import Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Positions, Status
+from beatrix_zenoh.bus import Received
+
+M = TypeVar("M", bound=msgspec.Struct)
+
+
+class Published(Generic[M]):
+    """The messages published on one key from now on, in the order of arrival."""
+
+    def __init__(self, robot: Robot, key: str, kind: type[M]) -> None:
+        self.all: list[M] = []
+        self._kind = kind
+        self._seen = 0
+        self._news = threading.Condition()
+        robot.client.bus.subscribe(key, self._receive)
+
+    def _receive(self, received: Received) -> None:
+        message = codec.decode(received.payload, self._kind)
+        with self._news:
+            self.all.append(message)
+            self._news.notify()
+
+    def next(self, holds: Callable[[M], bool] = lambda _: True, timeout_s: float = EVENT_S) -> M:
+        """Return the next message that fulfils `holds`; later calls continue behind it."""
+        deadline = time.monotonic() + timeout_s
+        with self._news:
+            while True:
+                while self._seen < len(self.all):
+                    self._seen += 1
+                    if holds(self.all[self._seen - 1]):
+                        return self.all[self._seen - 1]
+                received = self._news.wait(max(0.0, deadline - time.monotonic()))
+                assert received, (
+                    f"not published within {timeout_s} s; last of {len(self.all)}: {self.all[-1:]}"
+                )
+
+
+def published_positions(robot: Robot) -> Published[Positions]:
+    """Positions of a robot from now on; returns when the first has arrived."""
+    positions = Published(robot, keys.positions(robot.name, robot.twin), Positions)
+    positions.next()
+    return positions
+
+
+def published_statuses(robot: Robot) -> Published[Status]:
+    """Statuses of a robot from now on; returns when the first has arrived."""
+    statuses = Published(robot, keys.status(robot.name, robot.twin), Status)
+    statuses.next()
+    return statuses
+
+
+def without_clocks(status: Status) -> Status:
+    """A status without what differs from one publication to the next: clocks, and the counters of the physics."""
+    cameras = [msgspec.structs.replace(camera, hz=0.0) for camera in status.cameras]
+    return msgspec.structs.replace(status, t_mono_ns=0, t_wall_ns=0, plant=None, cameras=cameras)
+
+
+def regular(statuses: Published[Status]) -> Status:
+    """Return a free robot's status at the moment of a publication that no change has caused.
+
+    The next such publication is due in a second: what is published before is published because it has changed.
+    """
+    before = statuses.next()
+    while True:
+        status = statuses.next()
+        if status.holder == "" and without_clocks(status) == without_clocks(before):
+            return status
+        before = status

@@ -1,0 +1,54 @@
+"""A link and states for tests of the window, which record its calls."""
+
+from __future__ import annotations
+
+from window_views import ready
+
+from gui.link import Link
+from gui.state.actions import Action
+from gui.state.intents import Intent
+from gui.state.state import State
+from gui.state.views import View
+from gui.state.world import World
+
+
+class RecordingLink(Link):
+    """Returns a given world and records actions; without threads and network."""
+
+    def __init__(self) -> None:
+        self.known: World = ready()
+        self.done: list[Action] = []
+
+    def world(self) -> World:
+        return self.known
+
+    def do(self, action: Action) -> None:
+        self.done.append(action)
+
+
+class WatchedState(State):
+    """The real state, which also records intents."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.intents: list[Intent] = []
+
+    def handle(self, intent: Intent, world: World) -> list[Action]:
+        self.intents.append(intent)
+        return super().handle(intent, world)
+
+
+class ShownState(State):
+    """Returns a given view and records intents."""
+
+    def __init__(self, shown: View) -> None:
+        super().__init__()
+        self.shown = shown
+        self.intents: list[Intent] = []
+
+    def view(self, world: World) -> View:  # noqa: ARG002
+        return self.shown
+
+    def handle(self, intent: Intent, world: World) -> list[Action]:  # noqa: ARG002
+        self.intents.append(intent)
+        return []

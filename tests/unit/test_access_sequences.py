@@ -1,0 +1,140 @@
+"""What no sequence of requests can bring about: a stopped stream that goes on, motors on under the latch, two holders."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.node.access import QUIET_OLD_PROGRAM_S, TEXT_SESSION, Access, Action
+from beatrix_zenoh.node.lease import QUIET_S, Caller
+from beatrix_zenoh.node.lease_queries import give_back, standing, take
+
+# Counting coverage triples the time of these; test_access.py covers the same code.
+pytestmark = pytest.mark.no_cover
+
+ANA, ANA_AGAIN = Caller("ana", "a1"), Caller("ana", "a2")
+BEN, BEN_AGAIN = Caller("ben", "b1"), Caller("ben", "b2")
+BOSS, OLD, NO_SESSION = Caller(TEACHER, "t1"), Caller(OLD_PROGRAMS, TEXT_SESSION), Caller("me", "")
+CALLERS = st.sampled_from([ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, OLD, NO_SESSION])
+
+
+class Sequences(RuleBasedStateMachine):
+    """Requests of several seats and sessions in any order, compared with a simple model."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.access = Access()
+        self.now_s = 0.0
+        self.motors_on = False
+        self.moving: Caller | None = None
+        self.latched = False
+        self.last_move_asked: dict[str, float] = {}
+        self.stopped_streams: dict[Caller, float] = {}
+        """Callers whose motion STOP of another session has ended, and when they last asked for one."""
+
+    @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
+    def time_passes(self, seconds: float) -> None:
+        self.now_s += seconds
+
+    @rule(caller=CALLERS)
+    def move(self, caller: Caller) -> None:
+        quiet_s = QUIET_OLD_PROGRAM_S if caller is OLD else QUIET_S
+        requested_s = self.stopped_streams.get(caller)
+        paused = requested_s is not None and self.now_s - requested_s < quiet_s
+        allowed = True
+        try:
+            self.access.authorize(Action.MOVE, caller, self.now_s, resting=self.moving is None)
+            self.access.take(caller)
+        except Refused:
+            allowed = False
+        if allowed:
+            assert not paused, "a stopped stream goes on"
+            assert not self.latched, "a motion under the latch"
+            if self.moving is not None and self.moving.seat != caller.seat:
+                assert TEACHER in (caller.seat, self.moving.seat), "two seats hold the robot"
+            assert caller.seat == TEACHER or not self.access.frozen, "a frozen robot moves"
+            self.moving = caller
+            self.stopped_streams.pop(caller, None)
+        elif requested_s is not None:
+            self.stopped_streams[caller] = self.now_s if paused else requested_s
+
+    @rule(caller=CALLERS)
+    def enable(self, caller: Caller) -> None:
+        try:
+            self.access.authorize(Action.ENABLE, caller, self.now_s)
+        except Refused:
+            return
+        self.motors_on = True
+
+    @rule(caller=CALLERS, emergency=st.booleans())
+    def stop(self, caller: Caller, emergency: bool) -> None:
+        driving = self.moving
+        self.access.stop_pressed(caller.session, self.now_s, emergency=emergency)
+        self.access.stop_sent(self.now_s)
+        self.access.rested(self.now_s)
+        if driving is not None and (not caller.session or caller.session != driving.session):
+            self.stopped_streams[driving] = self.now_s
+        self.moving = None
+        if emergency:
+            self.latched, self.motors_on = True, False
+
+    @rule(caller=CALLERS, wait=st.booleans())
+    def take_lease(self, caller: Caller, wait: bool) -> None:
+        holder = self.access.holder(self.now_s)
+        try:
+            number = take(self.access, caller, self.now_s, wait=wait)
+        except Refused:
+            return
+        if number:
+            assert holder in ("", caller.seat) or caller.seat == TEACHER, "taken from its holder"
+        else:
+            assert caller.seat in standing(self.access, self.now_s).waiting
+
+    @rule(caller=CALLERS)
+    def give_back_lease(self, caller: Caller) -> None:
+        give_back(self.access, caller)
+
+    @rule(on=st.booleans())
+    def freeze(self, on: bool) -> None:
+        self.access.freeze(on=on)
+
+    @precondition(lambda self: self.moving is not None)
+    @rule()
+    def arrive(self) -> None:
+        self.access.rested(self.now_s)
+        self.moving = None
+
+    @rule()
+    def reset(self) -> None:
+        self.access.reset(self.now_s)
+        self.latched = False
+
+    @rule(caller=CALLERS, alive=st.booleans())
+    def session_changes(self, caller: Caller, alive: bool) -> None:
+        if self.access.session_changed(caller, alive=alive):
+            assert self.moving == caller
+            self.access.release(self.now_s)
+            self.moving = None
+
+    @invariant()
+    def motors_are_off_under_the_latch(self) -> None:
+        assert self.access.latched == self.latched
+        assert not (self.latched and self.motors_on)
+
+    @invariant()
+    def the_moving_seat_holds_the_robot(self) -> None:
+        now = standing(self.access, self.now_s)
+        if self.moving is not None and not now.lease:
+            assert now.holder == self.moving.seat
+
+    @invariant()
+    def a_seat_that_holds_the_robot_does_not_wait_for_it(self) -> None:
+        now = standing(self.access, self.now_s)
+        assert not now.lease or now.holder not in now.waiting
+        assert now.holder or not now.waiting, "a free robot goes to the seat that waits first"
+
+
+TestSequences = Sequences.TestCase

@@ -1,0 +1,260 @@
+"""Pictures without a camera, the outside of JPEG files, and the words of --camera."""
+
+from __future__ import annotations
+
+import importlib.util
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import simplejpeg
+
+from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.errors import WrongUsage
+from hw_node import cameras
+from hw_node.cameras import jpeg
+from hw_node.cameras.files import Files
+from hw_node.cameras.pattern import Pattern, number_and_time
+from hw_node.cameras.source import FrameTimer
+
+
+def picture(level: int, width: int = 32, height: int = 16) -> bytes:
+    """A grey JPEG file, a different one for each level."""
+    encoded: bytes = simplejpeg.encode_jpeg(np.full((height, width, 3), level, np.uint8), colorspace="RGB")
+    return encoded
+
+
+def without_tables(whole: bytes) -> bytes:
+    head = list(jpeg.segments(whole))
+    kept = [whole[one.begin : one.end] for one in head if one.marker != jpeg.DHT]
+    return b"".join([jpeg.SOI, *kept, whole[head[-1].end :]])
+
+
+def shown(files: Files, count: int) -> list[bytes]:
+    files.open()
+    frames = [files.next(1.0) for _ in range(count)]
+    files.close()
+    return [frame.jpeg for frame in frames if frame is not None]
+
+
+# -- the test picture ------------------------------------------------------------------------------
+
+
+def test_programs_can_read_number_and_time_of_the_test_picture() -> None:
+    pattern = Pattern("left")
+    pattern.open()
+    for wanted in (1, 2, 3):
+        frame = pattern.next(1.0)
+        assert frame is not None
+        number, t_ms = number_and_time(simplejpeg.decode_jpeg(frame.jpeg))
+        assert (number, t_ms) == (wanted, frame.t_mono_ns // 1_000_000 % 2**32)
+        assert jpeg.size(frame.jpeg) == (frame.width, frame.height) == (640, 480)
+
+
+def test_every_number_can_be_decoded() -> None:
+    pattern = Pattern("right")
+    for wanted in (0x55555555, 0xAAAAAAAA, 2**32 - 1, 2**32 + 7):
+        pattern._number = wanted - 1
+        pattern.open()
+        frame = pattern.next(1.0)
+        assert frame is not None
+        assert number_and_time(simplejpeg.decode_jpeg(frame.jpeg))[0] == wanted % 2**32
+
+
+def test_test_pictures_differ_between_eyes_and_over_time() -> None:
+    images = {}
+    for eye in ("left", "right"):
+        pattern = Pattern(eye)
+        pattern.open()
+        images[eye] = [simplejpeg.decode_jpeg(frame.jpeg) for _ in range(2) if (frame := pattern.next(1.0))]
+    top = slice(0, 100)
+    assert np.abs(images["left"][0][top].astype(int) - images["right"][0][top]).mean() > 30
+    assert np.array_equal(images["left"][0][top], images["left"][1][top])
+    assert not np.array_equal(images["left"][0][112:144], images["left"][1][112:144])
+
+
+def test_the_frame_timer_keeps_its_rate_and_makes_no_burst_after_a_delay() -> None:
+    pace = FrameTimer(1000.0)
+    pace._due_s -= 10.0  # as after ten seconds in which nothing ran
+    assert pace.wait(1.0)
+    slow = FrameTimer(0.1)
+    assert slow.wait(1.0)
+    assert not slow.wait(0.01), "the next is due in ten seconds"
+
+
+# -- JPEG ------------------------------------------------------------------------------------------
+
+
+def test_only_missing_tables_are_added() -> None:
+    whole = picture(100)
+    assert jpeg.complete(whole) is whole
+    completed = jpeg.complete(without_tables(whole))
+    assert np.array_equal(simplejpeg.decode_jpeg(completed), simplejpeg.decode_jpeg(whole))
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [b"", b"no picture", jpeg.SOI, picture(1)[:30], jpeg.SOI + b"\xff" * 9, picture(1)[:4] + bytes(99)],
+)
+def test_an_invalid_picture_is_an_error(damaged: bytes) -> None:
+    with pytest.raises(ValueError, match=r"it is not a JPEG picture|damaged"):
+        jpeg.complete(damaged)
+
+
+def test_fill_bytes_between_segments_are_allowed() -> None:
+    whole = picture(7, width=48)
+    assert jpeg.size(whole[:2] + b"\xff\xff" + whole[2:]) == (48, 16)
+
+
+def test_a_stream_is_split_and_an_incomplete_picture_is_skipped() -> None:
+    pictures = [picture(level) for level in (10, 20, 30)]
+    stream = b"junk" + pictures[0] + b"\r\n--boundary\r\n" + pictures[1] + pictures[2][:-5]
+    assert [stream[begin:end] for begin, end in jpeg.split(stream)] == pictures[:2]
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
+    pictures = [picture(level) for level in (50, 60)]
+    (tmp_path / "b.jpeg").write_bytes(pictures[1])
+    (tmp_path / "a.JPG").write_bytes(pictures[0])
+    (tmp_path / "notes.txt").write_text("not shown")
+    assert shown(Files(tmp_path), 3) == [*pictures, pictures[0]]
+
+
+def test_one_picture_and_a_film_of_them_are_shown(tmp_path: Path) -> None:
+    pictures = [picture(level) for level in (50, 60)]
+    (tmp_path / "one.jpg").write_bytes(pictures[0])
+    assert shown(Files(tmp_path / "one.jpg"), 2) == [pictures[0]] * 2
+    (tmp_path / "film.mjpeg").write_bytes(b"".join(pictures))
+    assert shown(Files(tmp_path / "film.mjpeg"), 3) == [*pictures, pictures[0]]
+
+
+def chunk(kind: bytes, data: bytes) -> bytes:
+    return kind + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
+
+
+def film(pictures: list[bytes], period_us: int = 20_000) -> bytes:
+    """An AVI file as cameras and ffmpeg write them: a head, then pictures among other things."""
+    head = chunk(b"LIST", b"hdrl" + chunk(b"avih", struct.pack("<I", period_us) + bytes(52)))
+    sound = chunk(b"01wb", bytes(7))
+    frames = b"".join(chunk(b"00dc", one) + sound for one in pictures) + chunk(b"00dc", b"")
+    return chunk(b"RIFF", b"AVI " + head + chunk(b"LIST", b"movi" + frames) + chunk(b"idx1", bytes(32)))
+
+
+def test_an_avi_film_is_shown_at_its_own_rate(tmp_path: Path) -> None:
+    pictures = [picture(level, width=16 + 16 * level) for level in (1, 2)]
+    path = tmp_path / "film.avi"
+    path.write_bytes(film(pictures))
+    files = Files(path)
+    assert shown(files, 3) == [*pictures, pictures[0]]
+    files.open()
+    assert files._timer._period_s == pytest.approx(0.02)
+    files.close()
+
+
+def test_a_film_without_tables_gets_them(tmp_path: Path) -> None:
+    path = tmp_path / "film.avi"
+    path.write_bytes(film([without_tables(picture(9))]))
+    assert np.array_equal(
+        simplejpeg.decode_jpeg(shown(Files(path), 1)[0]), simplejpeg.decode_jpeg(picture(9))
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "why"),
+    [
+        ("empty.avi", b"", "cannot be shown"),
+        ("text.avi", b"no film at all", "it contains no JPEG picture"),
+        ("other.avi", film([b"\x00\x00\x01\xb6 another codec"]), "not motion JPEG"),
+        ("text.jpg", b"no picture", "it is not a JPEG picture"),
+        ("cut.mjpeg", picture(3)[:20], "damaged"),
+    ],
+)
+def test_the_error_for_an_unusable_file_says_why(tmp_path: Path, name: str, content: bytes, why: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    files = Files(path)
+    with pytest.raises(NoAnswer, match=why) as refused:
+        shown(files, 1)
+    files.close()
+    assert str(path) in refused.value.message
+
+
+def test_an_empty_folder_and_a_missing_path_are_errors(tmp_path: Path) -> None:
+    with pytest.raises(NoAnswer, match="it contains no JPEG picture"):
+        Files(tmp_path).open()
+    assert "does not exist" in Files(tmp_path / "none").trouble()
+
+
+def test_deleting_the_pictures_of_a_folder_in_use_is_an_error(tmp_path: Path) -> None:
+    path = tmp_path / "a.jpg"
+    path.write_bytes(picture(1))
+    files = Files(tmp_path)
+    files.open()
+    path.unlink()
+    with pytest.raises(NoAnswer, match=r"a\.jpg"):
+        files.next(1.0)
+
+
+# -- the words of --camera -------------------------------------------------------------------------
+
+
+def test_each_eye_gets_its_source(tmp_path: Path) -> None:
+    found = cameras.choices([f"right=file:{tmp_path}", "left=pattern"])
+    assert {one.eye: type(one.build()).__name__ for one in found} == {"right": "Files", "left": "Pattern"}
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["pattern"], "give an eye"),
+        (["middle=pattern"], "give an eye"),
+        (["left="], "give an eye"),
+        (["left=pattern", "left=pattern"], "has a camera already"),
+        (["left=patern"], "not a path that begins with /"),
+        (["left=file:/nowhere/at/all"], "/nowhere/at/all does not exist"),
+    ],
+)
+def test_invalid_values_are_refused(words: list[str], why: str) -> None:
+    with pytest.raises(WrongUsage, match=why) as refused:
+        cameras.choices(words)
+    assert refused.value.message.startswith(f"camera {words[-1]}: ")
+
+
+def test_one_camera_cannot_be_both_eyes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    (tmp_path / "video0").touch()
+    (tmp_path / "by-path").symlink_to(tmp_path / "video0")
+    with pytest.raises(WrongUsage, match="the other eye has this camera already"):
+        cameras.choices([f"left={tmp_path}/video0", f"right={tmp_path}/by-path"])
+
+
+def test_usb_cameras_are_refused_if_they_cannot_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(WrongUsage, match=r'pip install "\.\[cameras\]"'):
+        cameras.choices(["left=/dev/video0"])
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(WrongUsage, match=r'opencv-python-headless: pip install "\.\[cameras\]"'):
+        cameras.choices(["left=0"])
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["left=/dev/video0"], "is not a number, and USB cameras have numbers on this system"),
+        (["left=-1"], "is not a number"),
+        (["left=1", "right=01"], "the other eye has this camera already"),
+    ],
+)
+def test_cameras_of_windows_and_macos_have_one_number_each(
+    words: list[str], why: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
+    monkeypatch.setattr(sys, "platform", "win32")
+    with pytest.raises(WrongUsage, match=why):
+        cameras.choices(words)

@@ -1,0 +1,220 @@
+"""How verbs end: messages, JSON and exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+import typer
+
+from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.cli.options import Json
+from beatrix_zenoh.cli.output import columns
+from beatrix_zenoh.cli.run import run_command
+from beatrix_zenoh.cli.verbs import VERBS
+from beatrix_zenoh.errors import WrongUsage
+
+CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
+
+
+def run_failing_verb(error: BaseException, *words: str) -> int:
+    """Run a verb that raises this error, and return its exit code."""
+
+    def failing(as_json: Json = False) -> None:
+        raise error
+
+    return run_command(failing, "beatrix", words)
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (Refused(Reason.OUT_OF_REACH, "too far"), 1),
+        (Refused(Reason.BAD_VALUE, "rejected by the robot"), 1),
+        (WrongUsage(Reason.BAD_VALUE, "rejected locally"), 2),
+        (Interrupted(Reason.STOPPED, "stopped"), 1),
+        (NoAnswer(Reason.BOARD_LOST, "no board"), 1),
+        (NoAnswer(Reason.NO_ANSWER, "no robot"), 3),
+        (NoAnswer(Reason.NO_ROUTER, "no router"), 3),
+        (NoAnswer(Reason.TIMED_OUT, "too late"), 4),
+        (typer.BadParameter("nonsense"), 2),
+        (typer.Exit(4), 4),
+        (KeyboardInterrupt(), 130),
+    ],
+)
+def test_every_failure_has_its_exit_code(error: BaseException, code: int) -> None:
+    assert run_failing_verb(error) == code
+
+
+def test_a_failure_is_one_sentence_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:
+    run_failing_verb(Refused(Reason.OUT_OF_REACH, "Too far; 35 degrees are allowed."))
+    assert capsys.readouterr() == ("", "Too far; 35 degrees are allowed.\n")
+
+
+def test_a_failure_as_json_is_one_document_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    run_failing_verb(Refused(Reason.OUT_OF_REACH, "Too far."), "--json")
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"result": False, "reason": "OUT_OF_REACH", "message": "Too far."}
+    assert err == ""
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError(), FileNotFoundError(2, "No such file")])
+def test_an_unexpected_exception_propagates(error: Exception) -> None:
+    with pytest.raises(type(error)):
+        run_failing_verb(error)
+
+
+@pytest.mark.parametrize(
+    ("words", "wrong"),
+    [
+        (("look", "--yaw", "left"), "left"),
+        (("look", "--nonsense"), "--nonsense"),
+        (("look", "--on", "moon"), "moon"),
+        (("move", "1", "2"), "long"),
+        (("dance",), "dance"),
+        (("up", "--no-sim"), "--hw PORT"),
+        (("up", "--name", "Bea 1"), "bea-1"),
+        (("look", "--who", "Ana"), "'ana'"),
+        (("look", "--name", "a/b"), "a-b"),
+        (("ls", "--connect", "localhost"), "protocol/host:port"),
+        (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
+        (("doctor", "--connect", "http/127.0.0.1:80"), "protocol is tcp"),
+        (("sim", "--nonsense"), "--nonsense"),
+        (("look", "20"), "(20). A value follows the name of its option: --yaw, --pitch, --roll"),
+        (("hw", "--nonsense"), "--nonsense"),
+        (("look", "--yaw", "20", "--yaw=30"), "--yaw is given 2 times"),
+        (("hw", "--legacy", "COM4", "--legacy", "COM5"), "--legacy is given 2 times"),
+    ],
+)
+def test_wrong_usage_with_json_prints_one_json_document(
+    words: tuple[str, ...], wrong: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run([*words, "--json"]) == 2
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert (document["result"], document["reason"], err) == (False, "BAD_VALUE", "")
+    assert wrong.lower() in document["message"].lower()
+
+
+def test_the_error_for_a_value_without_option_lists_the_options(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["hw", "/dev/ttyACM0"]) == 2
+    assert "A value follows the name of its option: --port, --camera, --legacy" in capsys.readouterr().err
+
+
+def test_a_file_with_an_unknown_setting_is_wrong_usage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "beatrix.toml").write_text('colour = "red"', encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert app.run(["ls"]) == 2
+    assert "colour" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_every_verb_has_help_with_its_units(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run([name, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith(f"Usage: beatrix {name} [OPTIONS]")
+    assert not set(text) & set("│╭")
+    if name in ("look", "move", "info", "echo", "top"):
+        assert "egrees" in text
+
+
+def test_the_help_of_stop_says_that_it_stops_every_robot(capsys: pytest.CaptureFixture[str]) -> None:
+    app.run(["stop", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "beatrix.toml, every robot. --connect" in text
+    assert "sim or hw; default: both." in text
+    assert "only robot on line" not in text
+
+
+def test_version_prints_the_installed_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["--version"]) == 0
+    assert capsys.readouterr().out == f"beatrix {metadata.version('beatrix-zenoh')}\n"
+
+
+def test_help_lists_every_verb_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["--help"]) == 0
+    lines = capsys.readouterr().out.partition("Commands:")[2].strip().splitlines()
+    assert [line.split()[0] for line in lines] == list(VERBS)
+    assert not [line for line in lines if line.endswith("...")]
+
+
+def test_missing_command_line_extra_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "typer", None)
+    monkeypatch.delitem(sys.modules, "beatrix_zenoh.cli.verbs")
+    assert app.run(["ls"]) == 1
+    assert 'pip install ".[cli]"' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [("--help",), ("doctor",), ("look", "--nonsense", "--json")])
+def test_a_full_disk_is_reported_in_one_line(words: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run([*CLI, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "No space left" in done.stderr
+
+
+@pytest.mark.parametrize("words", [("--help",), ("doctor",), ("look", "--nonsense", "--json")])
+def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -> None:
+    end, pipe = os.pipe()
+    os.close(end)
+    with open(pipe, "wb") as closed:  # noqa: PTH123 - a number has no path
+        done = subprocess.run([*CLI, *words], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_table_aligns_numbers_to_the_right_and_words_to_the_left() -> None:
+    assert columns(("robot", "hz"), [("bea", "50.0"), ("b", "-")]) == "robot    hz\nbea    50.0\nb         -"
+
+
+def test_errors_are_of_one_family() -> None:
+    assert issubclass(NoAnswer, BeatrixError)
+
+
+@pytest.mark.parametrize("value", ["nan", "inf"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("record", "mine.rrd", "--seconds"),
+        ("record", "mine.csv", "--motion", "--seconds"),
+        ("record", "mine.rrd", "--cameras"),
+        ("record", "mine.rrd", "--rotate"),
+        ("compare", "--seconds"),
+        ("compare", "--max-rms"),
+        ("hz", "--seconds"),
+        ("sim", "--eyes-hz"),
+        ("replay", "mine.csv", "--speed-factor"),
+        ("replay", "mine.csv", "--on", "both", "--lead"),
+        ("look", "--yaw"),
+        ("look", "--speed"),
+        ("play", "hello", "--speed"),
+        ("play", "hello", "--on", "both", "--lead"),
+    ],
+)
+def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(
+    words: tuple[str, ...],
+    value: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert app.run([*words, value]) == 2
+    assert capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_too_short_a_rotation_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["record", "mine.rrd", "--rotate", "0.01"]) == 2
+    assert "give 0.1 or more, or 0" in capsys.readouterr().err

@@ -1,0 +1,60 @@
+"""The figures of `beatrix hz`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import pytest
+
+from beatrix_zenoh.cli.hz import Rate, rate, show_rates
+from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.errors import NoAnswer
+
+PERIOD_NS = 20_000_000
+
+
+class Publication(NamedTuple):
+    seq: int
+    t_wall_ns: int
+
+
+def figures(*numbers: int) -> Rate:
+    """The figures of publications with these sequence numbers, a period of 20 ms and an age of 2 ms."""
+    times = [index * PERIOD_NS for index in range(len(numbers))]
+    return rate(
+        [
+            Arrival(Publication(seq, t_ns - 2_000_000), "bea", "hw", t_ns, t_ns)
+            for seq, t_ns in zip(numbers, times, strict=True)
+        ],
+        0.0,
+    )
+
+
+def test_gaps_in_the_sequence_numbers_are_losses() -> None:
+    assert figures(7, 8, 9, 10) == Rate(4, 50.0, 0.0, 20.0, 2.0, 0)
+    assert figures(7, 9, 10, 13).lost == 3
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        (500, 7, 501, 8, 502, 9),  # two programs
+        (7, 500, 8, 501),
+        (500, 501, 1, 2),  # a restart
+        (7, 7, 8),
+    ],
+)
+def test_losses_are_unknown_if_sequence_numbers_decrease(
+    numbers: tuple[int, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = figures(*numbers)
+    assert found.lost is None
+    show_rates({"bea (hw)": found}, "pictures")
+    printed = capsys.readouterr().out
+    assert printed.splitlines()[1].split()[-1] == "?"
+    assert "a second program publishes on its key" in printed
+
+
+def test_two_publications_are_too_few() -> None:
+    with pytest.raises(NoAnswer, match="Only 2 arrived"):
+        figures(1, 2)

@@ -1,0 +1,89 @@
+"""Child processes: their output, and its folder."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from stage import until
+
+from beatrix_zenoh import NoAnswer, Refused
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli import processes
+from beatrix_zenoh.cli.processes import Supervisor
+
+
+@pytest.fixture(autouse=True)
+def temporary_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for the temporary files of one test."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return tmp_path
+
+
+def start_failing_child(supervisor: Supervisor) -> None:
+    """Start a child that ends at once, and wait for it to become ready."""
+    supervisor.start("router", "router", "--nonsense")
+    supervisor.wait_ready()
+
+
+def query_failed_router(supervisor: Supervisor) -> None:
+    """Raise the error of a client whose router has ended."""
+    router = supervisor.start("router", "router", "--nonsense")
+    until(lambda: router.code is not None, "the router ends", 10)
+    raise NoAnswer(Reason.NO_ANSWER, "No router.")
+
+
+def test_the_folder_is_deleted_without_an_error(temporary_files: Path) -> None:
+    with Supervisor() as supervisor:
+        assert supervisor.folder.parent == temporary_files
+    assert not list(temporary_files.iterdir())
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_the_folder_is_deleted_after_an_error_that_no_child_caused(
+    temporary_files: Path, error: type[BaseException]
+) -> None:
+    with pytest.raises(error), Supervisor():
+        raise error
+    assert not list(temporary_files.iterdir())
+
+
+def test_the_folder_is_deleted_if_the_error_shows_all_output_of_a_failed_child(temporary_files: Path) -> None:
+    with pytest.raises(Refused, match="No such option: --nonsense"), Supervisor() as supervisor:
+        start_failing_child(supervisor)
+    assert not list(temporary_files.iterdir())
+
+
+def test_the_folder_is_kept_if_a_failed_child_wrote_more_than_the_error_shows(
+    temporary_files: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(processes, "LAST_LINES", 1)
+    with pytest.raises(Refused) as failure, Supervisor() as supervisor:
+        start_failing_child(supervisor)
+    (folder,) = temporary_files.iterdir()
+    assert f"Its complete output is in {folder / 'router.log'}." in failure.value.message
+    assert "No such option: --nonsense" in failure.value.message
+    assert "Usage: beatrix router" in (folder / "router.log").read_text()
+
+
+def test_the_error_of_an_ended_child_replaces_the_error_that_it_caused() -> None:
+    with pytest.raises(Refused, match=r"The router has ended \(exit code 2\)"), Supervisor() as supervisor:
+        query_failed_router(supervisor)
+
+
+def test_new_lines_are_complete_and_returned_once() -> None:
+    with Supervisor() as supervisor:
+        child = supervisor.start("child", "--version")
+        until(lambda: child.code is not None, "ended")
+        supervisor.new_lines()
+        with child.log.open("a") as log:
+            log.write("one\ntw")
+        assert supervisor.new_lines() == ["child: one"]
+        assert supervisor.new_lines() == []
+        with child.log.open("a") as log:
+            log.write("o\n")
+        assert supervisor.new_lines() == ["child: two"]
+        child.log.unlink()
+        assert supervisor.new_lines() == []
+        assert child.lines() == []

@@ -1,0 +1,120 @@
+"""Verbs that read a recording."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+
+from beatrix_zenoh.cli.compare import compare, recorded
+from beatrix_zenoh.cli.replay import recorded_path
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.motion.trajectory import plan
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.series import Floats
+
+BEGAN_NS = 1_763_000_000_000_000_000
+LAG_S, OFF_DEG = 0.2, 1.5
+
+
+def turning(t: Floats) -> Floats:
+    """Arms (n, 3) in deg that turn from 1 s on and turn back from 3 s on."""
+    motion = plan((0.0,) * 3, (0.0,) * 3, (20.0, 30.0, 10.0), (60.0,) * 3, 180.0, straight=True)
+    return np.array([np.array(motion.at(max(0.0, k - 1))[0]) - motion.at(max(0.0, k - 3))[0] for k in t])
+
+
+def write(path: Path, robots: dict[Place, float]) -> None:
+    """Write a recording of robots with these lags (s); the hardware's middle arm is off by OFF_DEG."""
+    stream = Stream("one", path.stem)
+    stream.to_file(path)
+    stream.show(RobotSet({place: Figure() for place in robots}))
+    t = np.arange(0.0, 6.0, 0.02)
+    for place, lag_s in robots.items():
+        commanded = turning(t - lag_s)
+        arms = np.add(commanded, (0.0, OFF_DEG if place[1] == "hw" else 0.0, 0.0))
+        rows: list[Row] = []
+        for name, angles in (("arms", arms), ("commanded", commanded), ("head", arms)):
+            rows += [
+                Numbers(of_robot(place, name), BEGAN_NS + round(at * 1e9), BEGAN_NS, tuple(row))
+                for at, row in zip(t, angles, strict=True)
+            ]
+        stream.send(rows)
+    assert stream.flush(5.0)
+    stream.close()
+
+
+@pytest.fixture
+def lesson(tmp_path: Path) -> Path:
+    """A recording of two robots; of one only the simulation."""
+    path = tmp_path / "lesson.rrd"
+    write(path, {("ada", "sim"): 0.0, ("ada", "hw"): LAG_S, ("bob", "sim"): 0.0})
+    return path
+
+
+def test_lag_and_offset_of_a_recording_are_found(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit):
+        compare(str(lesson), max_lag=0.1, as_json=True)
+    found = json.loads(capsys.readouterr().out)
+    assert found["lag_s"] == pytest.approx(LAG_S, abs=0.005)
+    axes = {axis["axis"]: axis for axis in found["axes_deg"]}
+    assert axes["middle"]["lag_s"] == pytest.approx(LAG_S, abs=0.005)
+    assert axes["middle"]["offset"] == pytest.approx(OFF_DEG, abs=0.05)
+    assert axes["short"]["rms_after"] == pytest.approx(0, abs=0.05)
+    assert [robot["lost"] for robot in found["robots"]] == [None, None]
+    assert found["robots"][1]["off_set_points_deg"] == pytest.approx(OFF_DEG, abs=0.05)
+
+
+def test_the_table_names_every_axis_and_the_lag(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    compare(str(lesson), name="ada")
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[1:8]] == [
+        "short", "middle", "long", "yaw", "pitch", "roll", "head"
+    ]  # fmt: skip
+    assert "The hardware's set points are 200.0 ms behind the simulation's. 2 motions" in lines[-1]
+
+
+def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
+    lesson: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(Refused, match=r"contains ada \(hw\), ada \(sim\), bob \(sim\)\. A comparison needs"):
+        recorded(lesson, "bob")
+    with pytest.raises(Refused, match="contains ada, bob, and not cleo: select one with --name"):
+        recorded_path(lesson, "cleo")
+    several = tmp_path / "several.rrd"
+    write(several, {(name, twin): 0.0 for name in ("ada", "bob") for twin in ("sim", "hw")})
+    with pytest.raises(Refused, match="Choose a robot with --name"):
+        recorded(several, None)
+
+
+def test_the_only_robot_of_a_recording_is_replayed_under_any_name(tmp_path: Path) -> None:
+    path = tmp_path / "hw.rrd"
+    write(path, {("ada", "hw"): LAG_S})
+    found = recorded_path(path, "cleo")
+    assert found.source == f"{path}, ada (hw)"
+    assert np.max(found.arms, axis=0) == pytest.approx([20, 30, 10], abs=0.01), "its set points"
+    assert found.duration_s == pytest.approx(3.9, abs=0.3)
+
+
+def test_a_note_about_an_incomplete_recording_says_how_to_repair_it(
+    lesson: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    complete = lesson.read_bytes()
+    recorded(lesson, "ada")
+    assert capsys.readouterr().err == ""
+
+    lesson.write_bytes(complete[: len(complete) * 6 // 10])
+    with pytest.raises(Refused, match=rf"is damaged .* only in part. `beatrix record --repair {lesson}`"):
+        recorded(lesson, "ada")
+
+    lesson.write_bytes(complete[: complete.rindex(b"RRF2FOOT")])
+    recorded(lesson, "ada")
+    err = capsys.readouterr().err
+    assert f"The end of {lesson} is missing" in err
+    assert f"`beatrix record --repair {lesson}`" in err

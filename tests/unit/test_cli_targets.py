@@ -1,0 +1,73 @@
+"""The robots that a verb selects, if several are on line."""
+
+from __future__ import annotations
+
+import pytest
+
+from beatrix_zenoh import NoAnswer, Refused, names
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Which
+from beatrix_zenoh.cli.targets import Selection, is_named, only_name, select_twins
+from beatrix_zenoh.settings import Settings
+
+SIM, HW, OTHER = ("bea", "sim"), ("bea", "hw"), ("bob", "hw")
+ENDPOINT = "tcp/127.0.0.1:7447"
+
+
+@pytest.mark.parametrize(
+    ("which", "present", "twins"),
+    [
+        (None, [SIM, HW], ("sim",)),
+        (None, [SIM], ("sim",)),
+        (None, [HW, OTHER], ("hw",)),
+        (None, [], ("sim",)),
+        (Which.HW, [SIM], ("hw",)),
+        (Which.BOTH, [HW, SIM], ("sim", "hw")),
+    ],
+)
+def test_the_simulation_is_selected_unless_only_the_hardware_is_on_line_or_requested(
+    which: Which | None, present: list[tuple[str, str]], twins: tuple[str, ...]
+) -> None:
+    assert select_twins("bea", which, present, ENDPOINT) == twins
+
+
+def test_on_both_needs_simulation_and_hardware_on_line() -> None:
+    with pytest.raises(NoAnswer, match=rf"Not on line at {ENDPOINT}: bea \(hw\)\."):
+        select_twins("bea", Which.BOTH, [SIM, OTHER], ENDPOINT)
+
+
+def test_simulation_and_hardware_of_one_name_are_one_robot() -> None:
+    assert only_name([SIM, HW], ENDPOINT) == "bea"
+
+
+def test_several_robots_on_line_are_listed_in_the_error() -> None:
+    with pytest.raises(Refused, match="bea, bob"):
+        only_name([OTHER, SIM], ENDPOINT)
+
+
+def test_the_error_for_no_robot_on_line_suggests_to_start_one() -> None:
+    with pytest.raises(NoAnswer, match="beatrix sim") as error:
+        only_name([], ENDPOINT)
+    assert error.value.reason is Reason.NO_ANSWER
+
+
+@pytest.mark.parametrize(
+    ("option", "environment", "robot", "expected"),
+    [
+        ("bea", None, "bea", True),
+        (None, "bea", "bea", True),
+        (None, None, "from-the-file", True),
+        (None, None, names.default_robot(), False),
+    ],
+)
+def test_option_environment_or_file_name_the_robot(
+    monkeypatch: pytest.MonkeyPatch,
+    option: str | None,
+    environment: str | None,
+    robot: str,
+    *,
+    expected: bool,
+) -> None:
+    if environment:
+        monkeypatch.setenv("BEATRIX_ROBOT", environment)
+    assert is_named(Selection(option, None, None), Settings(robot, ENDPOINT, "ana")) is expected

@@ -1,0 +1,114 @@
+"""The event log: numbers, newest events, counts in a flood."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from statuses import BOARD, READY
+
+from beatrix_zenoh._generated.messages import EventKind, Fault, Phase, Reason
+from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, EventLog, sentence
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.status_events import StatusEvents
+
+ANA = Caller("ana", "s1")
+
+
+class Clock:
+    """Monotonic time of a test, s."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def log(clock: Clock) -> EventLog:
+    return EventLog(clock)
+
+
+def add(log: EventLog, message: str, seat: Caller = ANA) -> None:
+    log.add(EventKind.MOTION, action="pose", caller=seat, phase=Phase.ACCEPTED, message=message)
+
+
+def test_events_are_numbered_and_published_once(log: EventLog) -> None:
+    add(log, "one")
+    add(log, "two")
+    assert [(event.seq, event.message) for event in log.take()] == [(1, "one"), (2, "two")]
+    assert log.take() == []
+
+
+def test_latest_returns_the_newest_events(log: EventLog, clock: Clock) -> None:
+    for number in range(KEPT + 50):
+        clock.now_s += WINDOW_S
+        add(log, str(number))
+    latest = log.latest().events
+    assert len(latest) == KEPT
+    assert (latest[0].message, latest[-1].message) == ("50", str(KEPT + 49))
+
+
+def test_a_flood_is_counted_and_its_count_is_published(log: EventLog, clock: Clock) -> None:
+    for number in range(1000):
+        add(log, str(number))
+    assert len(log.take()) == BURST
+    clock.now_s = WINDOW_S
+    (rest,) = log.take()
+    assert (rest.count, rest.message) == (1000 - BURST, "999")
+    assert log.take() == []
+
+
+def test_every_event_of_a_long_flood_is_counted_once(log: EventLog, clock: Clock) -> None:
+    counted = 0
+    for _ in range(5000):
+        add(log, "x")
+        clock.now_s += 0.002
+        counted += sum(event.count for event in log.take())
+    clock.now_s += WINDOW_S
+    counted += sum(event.count for event in log.take())
+    assert counted == 5000
+
+
+def test_a_flood_of_one_seat_does_not_hide_events_of_another(log: EventLog) -> None:
+    for _ in range(100):
+        add(log, "flood")
+    add(log, "alone", Caller("ben", "s2"))
+    assert log.take()[-1].message == "alone"
+
+
+def test_windows_of_inactive_seats_are_deleted(log: EventLog, clock: Clock) -> None:
+    for number in range(100):
+        add(log, "x", Caller(f"seat{number}", ""))
+    for _ in range(3):
+        clock.now_s += WINDOW_S
+        log.take()
+    assert not log._windows
+
+
+def test_a_sentence_names_the_seat_and_the_reason(log: EventLog) -> None:
+    log.add(EventKind.COMMAND, action="ENABLE", caller=ANA, reason=Reason.EMERGENCY, message="No.")
+    assert sentence(log.take()[0]) == "command ENABLE refused of ana: EMERGENCY: No."
+
+
+def test_a_new_holder_and_a_lost_board_are_events(log: EventLog) -> None:
+    changes = StatusEvents(log)
+    lost = msgspec.structs.replace(
+        READY,
+        board=msgspec.structs.replace(BOARD, connected=False),
+        fault=Fault.BOARD_LOST,
+        warnings=["Gone."],
+    )
+    for status in (READY, msgspec.structs.replace(READY, holder="ana"), READY, lost, lost, READY, READY):
+        changes.record(status)
+    assert [(event.kind, event.message) for event in log.take()] == [
+        (EventKind.LEASE, "ana drives."),
+        (EventKind.LEASE, "ana has freed the robot."),
+        (EventKind.BOARD, "Gone."),
+        (EventKind.BOARD, "The board at  is connected."),
+    ]

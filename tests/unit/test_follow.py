@@ -1,0 +1,253 @@
+"""Paths and their targets: smooth, checked in advance, and followed closely."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import cast
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.trajectory import plan
+from beatrix_zenoh.recording.follow import LEAD_IN_S, STEP_S, Following, follow
+from beatrix_zenoh.recording.path import ArmPath, path_of, path_of_recording
+from beatrix_zenoh.recording.replay import FASTER, LATE_S, Stream, corrected
+from beatrix_zenoh.recording.series import Floats, Recording
+
+REST: Arms = (0.0, 0.0, 0.0)
+HEADER = "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n"
+ANGLES = st.floats(-400, 400)
+NECK = Neck()
+
+
+def path(text: str) -> ArmPath:
+    """A path of head angles, one point per line after the first two."""
+    return path_of(motion_file.parse(HEADER + text, "mine.csv"), NECK)
+
+
+# -- paths --------------------------------------------------------------------------------------
+
+
+@st.composite
+def points(draw: st.DrawFn) -> tuple[Floats, Floats]:
+    """Strategy for times and arms of a path."""
+    steps = draw(st.lists(st.floats(0.01, 5.0), min_size=1, max_size=12))
+    arms = draw(st.lists(st.tuples(ANGLES, ANGLES, ANGLES), min_size=len(steps) + 1, max_size=len(steps) + 1))
+    return np.concatenate(([0.0], np.cumsum(steps))), np.array(arms)
+
+
+@pytest.mark.no_cover
+@given(points())
+def test_a_path_goes_through_its_points_and_never_beyond_them(given_points: tuple[Floats, Floats]) -> None:
+    t, arms = given_points
+    found = ArmPath("mine", t, arms)
+    assert found.at(t) == pytest.approx(arms, abs=1e-6)
+    for i in range(len(t) - 1):
+        between = found.at(np.linspace(t[i], t[i + 1], 20))
+        low, high = np.minimum(arms[i], arms[i + 1]), np.maximum(arms[i], arms[i + 1])
+        assert (between >= low - 1e-6).all()
+        assert (between <= high + 1e-6).all()
+    assert found.at(np.array([-1.0, t[-1] + 1.0])) == pytest.approx(arms[[0, -1]])
+
+
+def test_a_path_begins_at_zero_and_knows_its_lines() -> None:
+    found = path("5,0,0,0\n6,10,0,0\n\n8,0,5,0\n")
+    assert found.t.tolist() == [0, 1, 3]
+    assert [found.where(t) for t in (0.0, 0.5, 1.0, 2.5, 9.0)] == [
+        f"mine.csv, line {line} (t = {t:.2f} s)" for line, t in ((3, 0), (4, 0.5), (4, 1), (6, 2.5), (6, 9))
+    ]
+    assert found.at_speed(2.0).duration_s == 1.5
+    for factor in (0.0, -1.0, 1e-300, 0.009, 101.0, math.nan, math.inf):
+        with pytest.raises(WrongUsage, match=r"speed factor is .* from 0\.01 to 100"):
+            found.at_speed(factor)
+
+
+def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
+    hour = path("0,0,0,0\n3600,10,0,0\n")
+    hour.check_length()
+    with pytest.raises(WrongUsage, match=r"takes 7200 s at the speed factor 0\.5; at most 3600 s"):
+        hour.at_speed(0.5)
+    day = path("0,0,0,0\n86400,10,0,0\n")
+    assert day.at_speed(100).duration_s == 864
+    with pytest.raises(WrongUsage, match="takes 86400 s; at most"):
+        follow(day, ROBOT)
+    clock_was_set = np.array([0.0, 1.0, 1e12, 1e12 + 1])
+    with pytest.raises(WrongUsage, match="its motions span 1000000000000 s; at most 86400 s"):
+        path_of_recording("it", Recording(clock_was_set, np.outer([0.0, 10.0, 5.0, 0.0], np.ones(6))))
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("0,0,0,0\n", "has one point"),
+        ("0,0,0,0\n1,5,0,0\n1,6,0,0\n", "mine.csv, line 5: t_s is 1, the same as in the line before"),
+        ("0,0,0,0\n1,0,60,0\n", "mine.csv, line 4 (t = 1.00 s): The head would tilt"),
+    ],
+)
+def test_an_invalid_path_is_refused(text: str, what: str) -> None:
+    with pytest.raises(Refused) as refusal:
+        path(text)
+    assert what in refusal.value.message
+
+
+def test_a_choreography_is_refused_as_a_path() -> None:
+    text = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,1,2,3,60\n"
+    with pytest.raises(WrongUsage, match="play it with `beatrix play`"):
+        path_of(motion_file.parse(text, "mine.csv"), NECK)
+
+
+def test_a_replay_leaves_out_long_rests_of_the_recording() -> None:
+    t = np.arange(100.0, 140.0, 0.02)
+    arms = np.repeat(np.clip(10 * (t - 110), 0, 20)[:, None], 3, axis=1)
+    found = path_of_recording("it", Recording(t, np.hstack([arms + 1, arms]), commanded=arms))
+    assert found.duration_s == pytest.approx(3.0, abs=0.1)
+    assert found.arms[0] == pytest.approx([0] * 3)
+    assert found.arms[-1] == pytest.approx([20] * 3)
+    with pytest.raises(WrongUsage, match="the robot did not move"):
+        path_of_recording("it", Recording(t, np.zeros((len(t), 6))))
+
+
+# -- targets ------------------------------------------------------------------------------------
+
+
+def driven(following: Following) -> Floats:
+    """Arms (deg) by the firmware's time law in steps of STEP_S, target by target."""
+    position: Arms = cast("Arms", tuple(math.radians(angle) for angle in following.path.arms[0]))
+    velocity, arms = REST, []
+    ends = [target.t for target in following.targets[1:]] + [len(following.planned) * STEP_S - LEAD_IN_S]
+    for target, end in zip(following.targets, ends, strict=True):
+        goal, speed = target.query.position, target.query.speed
+        assert speed is not None
+        way = plan(
+            position,
+            velocity,
+            (goal.x, goal.y, goal.z),
+            (speed.x, speed.y, speed.z),
+            math.radians(ROBOT.limits.acceleration),
+            straight=False,
+        )
+        count = round((end - target.t) / STEP_S)
+        arms += [way.at(step * STEP_S)[0] for step in range(count)]
+        position, velocity = way.at(count * STEP_S)
+    return np.degrees(arms)
+
+
+HEADS = st.lists(
+    st.tuples(st.floats(-60, 60), st.floats(-15, 15), st.floats(-15, 15)), min_size=2, max_size=4
+)
+
+
+def recorded(heads: list[tuple[float, float, float]], speed: float) -> ArmPath:
+    """Recording of a robot that looks to several places, 20 points a second."""
+    here, arms = REST, [REST] * 10
+    for head in [*heads, (0.0, 0.0, 0.0)]:
+        goal = NECK.inverse(*(math.radians(angle) for angle in head))
+        way = plan(here, REST, goal, (math.radians(speed),) * 3, math.radians(180), straight=True)
+        arms += [way.at(k * 0.05)[0] for k in range(math.ceil(way.duration / 0.05) + 8)]
+        here = goal
+    return ArmPath("mine", np.arange(0.0, len(arms)) * 0.05, np.array(np.degrees(arms), dtype=np.float64))
+
+
+@pytest.mark.no_cover
+@given(HEADS, st.floats(10, 80))
+@settings(max_examples=12, deadline=None)
+def test_a_recorded_motion_is_followed_closely(heads: list[tuple[float, float, float]], speed: float) -> None:
+    following = follow(recorded(heads, speed), ROBOT)
+    assert following.off_deg < 0.5
+    way = driven(following)
+    assert way == pytest.approx(following.planned, abs=1e-3), "targets lead where the plan says"
+    assert way[-1] == pytest.approx(following.path.arms[-1], abs=0.02)
+    assert following.at(0.015 - LEAD_IN_S) == pytest.approx((way[1] + way[2]) / 2, abs=1e-3)
+
+
+@pytest.mark.no_cover
+@given(st.floats(-1, 1), st.floats(0.5, 4.0))
+@settings(max_examples=10, deadline=None)
+def test_a_path_written_by_hand_is_followed_or_refused_with_its_line(yaw: float, seconds: float) -> None:
+    assume(abs(yaw) > 0.1)
+    text = f"0,0,0,0\n{seconds:.3f},{90 * yaw:.2f},0,0\n{2 * seconds:.3f},{90 * yaw:.2f},10,0\n"
+    try:
+        following = follow(path(text), ROBOT)
+    except Refused as refusal:
+        found: Following | str = refusal.message
+    else:
+        found = following
+    if isinstance(found, str):
+        assert found.startswith(("mine.csv, line 4 (t = ", "mine.csv, line 5 (t = "))
+        assert "Give it more time, for example with --speed-factor" in found
+    else:
+        assert found.off_deg <= 3
+
+
+def test_a_limit_between_points_is_reported_with_its_line() -> None:
+    with pytest.raises(Refused) as refusal:
+        follow(path("0,0,0,0\n2,30,0,0\n4,185,0,0\n"), ROBOT)
+    assert refusal.value.message.startswith(
+        "mine.csv, line 5 (t = 4.00 s): The head would turn to yaw 185.0°"
+    )
+
+
+def test_the_speed_factor_of_a_refusal_works() -> None:
+    fast = path("0,0,0,0\n1,90,0,0\n2,0,0,0\n")
+    with pytest.raises(Refused, match=r"line 4 .*too fast") as refusal:
+        follow(fast.at_speed(2.0), ROBOT)
+    factor = float(refusal.value.message.rsplit(" ", 1)[1].rstrip("."))
+    assert follow(fast.at_speed(factor), ROBOT).off_deg <= 3
+
+
+def test_targets_are_repeated_during_a_long_rest() -> None:
+    following = follow(path("0,0,0,0\n1,10,0,0\n6,10,0,0\n7,0,0,0\n"), ROBOT)
+    times = [target.t for target in following.targets]
+    assert max(np.diff(times)) < 1.1
+    assert sum(2 < t < 5.5 for t in times) <= 4, "and no more often than it must"
+
+
+# -- sending ------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.1, 90), st.floats(-30, 30), st.floats(-30, 30))
+def test_a_corrected_speed_is_faster_where_the_arm_is_behind(speed: float, way: float, behind: float) -> None:
+    found = corrected(speed, way, behind)
+    assert speed / FASTER - 1e-9 <= found <= speed * FASTER + 1e-9
+    if behind and way:
+        assert (found >= speed) == (behind * way > 0) or found == pytest.approx(speed)
+
+
+class FakeRobot(Robot):
+    """A robot without a network, with this computer's clock and no publications."""
+
+    latest = None
+
+    def __init__(self) -> None:
+        self.name, self.twin = "bea", "sim"
+
+    def positions_stream(self, _timeout_s: float | None = None) -> FakeRobot:  # type: ignore[override]
+        return self
+
+
+class NoStop:
+    """No STOP event."""
+
+    def check(self) -> None:
+        pass
+
+
+def test_a_suspended_program_sends_no_late_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.recording.replay.clock_s", lambda _robot: 0.0)
+    monkeypatch.setattr("beatrix_zenoh.recording.replay.StopEvents", lambda _robot: NoStop())
+    following = follow(path("0,0,0,0\n1,10,0,0\n"), ROBOT)
+    stream = Stream(FakeRobot(), following, 0.0)
+    stream.start(time.monotonic() - LATE_S - 0.1)
+    with pytest.raises(Interrupted, match="was suspended") as error:
+        stream.advance()
+    assert error.value.reason is Reason.STOPPED

@@ -1,0 +1,93 @@
+"""Ctrl-C may come anywhere in a reader; Zenoh's thread must go on enqueueing."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable
+from types import FrameType
+
+import pytest
+
+from beatrix_zenoh.bus import Received
+from beatrix_zenoh.client.subscription import Inbox
+from beatrix_zenoh.client.wakeup import Wakeup
+
+CALLS = 200
+
+
+def interrupted(read: Callable[[], object], nth: int) -> bool:
+    """Call `read`, with KeyboardInterrupt at its nth call or return; False if it ended before."""
+    count = 0
+
+    def interrupt(_frame: FrameType, event: str, _arg: object) -> None:
+        nonlocal count
+        # Where CPython looks for signals: a Python function begins, or a call has returned. Not before a C function.
+        count += event in ("call", "c_return")
+        if count == nth:
+            sys.setprofile(None)
+            raise KeyboardInterrupt
+
+    sys.setprofile(interrupt)
+    try:
+        read()
+    except KeyboardInterrupt:
+        return True
+    finally:
+        sys.setprofile(None)
+    return False
+
+
+def publication(payload: bytes) -> Received:
+    return Received("key", payload, "", None)
+
+
+def test_an_interrupted_reader_does_not_hold_up_the_next_publication() -> None:
+    for nth in range(1, CALLS):
+        inbox = Inbox(10)
+        inbox.receive(publication(b"1"))
+        was_interrupted = interrupted(lambda inbox=inbox: (inbox.next(0.0), inbox.next(0.001)), nth)  # type: ignore[misc]
+        publisher = threading.Thread(target=inbox.receive, args=(publication(b"2"),), daemon=True)
+        publisher.start()
+        publisher.join(timeout=1.0)
+        assert not publisher.is_alive(), f"interrupted at call {nth}"
+        sample = inbox.next(1.0)
+        assert sample is not None
+        if not was_interrupted:
+            assert nth > 10, "nothing was interrupted"
+            return
+    pytest.fail(f"more than {CALLS} calls")
+
+
+def test_each_reader_that_waits_is_woken() -> None:
+    inbox = Inbox(10)
+    read: list[bytes] = []
+
+    def read_one() -> None:
+        sample = inbox.next(5.0)
+        assert sample is not None
+        read.append(sample.received.payload)
+
+    readers = [threading.Thread(target=read_one) for _ in range(3)]
+    for reader in readers:
+        reader.start()
+    for payload in (b"1", b"2", b"3"):
+        inbox.receive(publication(payload))
+    for reader in readers:
+        reader.join(timeout=5.0)
+    assert sorted(read) == [b"1", b"2", b"3"]
+
+
+def test_close_ends_every_wait() -> None:
+    inbox = Inbox(10)
+    readers = [threading.Thread(target=inbox.next, args=(None,)) for _ in range(3)]
+    for reader in readers:
+        reader.start()
+    inbox.close()
+    for reader in readers:
+        reader.join(timeout=5.0)
+        assert not reader.is_alive()
+
+
+def test_a_wait_for_what_does_not_come_ends_in_time() -> None:
+    assert not Wakeup().wait_for(lambda: False, 0.01)

@@ -1,0 +1,195 @@
+"""Lines of programs of 2023 in their queue, without terminal and node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import cast
+
+import pytest
+
+from beatrix_zenoh._generated.messages import Detail, Phase, Reason
+from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.legacy import Cause, Effect
+from beatrix_zenoh.legacy.line import ACK, NACK, Answer, Line, effect_of, readable
+from beatrix_zenoh.legacy.line_queue import CAPACITY, LAST, REFUSED_MAX, LineQueue
+from beatrix_zenoh.legacy.link import TextLink
+from beatrix_zenoh.legacy.outcomes import explain
+
+
+@pytest.mark.parametrize(
+    ("text", "effect"),
+    [
+        (b"@MOVRX 5", Effect.MOVE),
+        (b"@MOVHOME", Effect.MOVE),
+        (b"@MOVRT 1", Effect.MOVE),
+        (b"@ENMOTORS ON", Effect.ENABLE),
+        (b"@ENMOTORS", Effect.ENABLE),
+        (b"@ENMOTORS OFF", Effect.DISABLE),
+        (b"@ENMOTORS OFF 1", Effect.DISABLE),
+        (b"@ENMOTORS  OFF", Effect.ENABLE),
+        (b"@CALNOW", Effect.CALIBRATE),
+        (b"@CALNOW 5", Effect.NONE),
+        (b"@STOPALL", Effect.STOP),
+        (b"@STOPALL ", Effect.NONE),
+        (b"@GETXPOS", Effect.NONE),
+        (b"", Effect.NONE),
+    ],
+)
+def test_a_line_has_one_effect(text: bytes, effect: Effect) -> None:
+    assert effect_of(text) is effect
+
+
+@pytest.mark.parametrize("text", [b"hello", b"@" + b"x" * 127, b"@MOV\x00", "@é".encode()])
+def test_text_that_the_firmware_does_not_accept_as_a_line(text: bytes) -> None:
+    assert not readable(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "unknown", "word"),
+    [
+        (b"@MOVRX", True, "does not understand `@MOVRX`"),
+        (b"@MOVTORPOS 20000 20000", False, "32767"),
+        (b"@MOVAALL 1 -40000 2", False, "32767"),
+        (b"@MOVAALL 1 2 3 40000", False, ""),
+        (b"@MOVRX abc", False, ""),
+        (b"@ENMOTORS ON", False, ""),
+        (b"@FOO", True, ""),
+    ],
+)
+def test_the_cause_of_a_refusal_that_the_line_itself_shows(text: bytes, unknown: bool, word: str) -> None:
+    cause = explain(Line(text), unknown=unknown)
+    assert (cause is not None) == bool(word)
+    if cause is not None:
+        assert cause.reason is Reason.BAD_VALUE
+        assert word in cause.message
+
+
+def test_a_damaged_answer_has_as_many_lines_as_the_protocol_says() -> None:
+    answer = Answer()
+    assert answer.add(ACK) == [ACK]
+    answer.damaged = True
+    assert answer.finish(ACK, data=True) == [NACK], "the numbers are lost"
+    assert Answer(damaged=True).finish(ACK, data=False) == [ACK, ACK]
+
+
+class FakeBoard:
+    """Keeps the lines it gets."""
+
+    connected, state, telemetry = True, 0, None
+
+    def __init__(self) -> None:
+        self.lines: list[bytes] = []
+        self.off = 0
+
+    def request(self, kind: FrameType, payload: bytes = b"") -> None:
+        assert (kind, payload) == (FrameType.TEXT_OPEN, b"")
+
+    def enable(self, *, on: bool) -> None:
+        assert not on
+        self.off += 1
+
+    def check_connected(self) -> None:
+        """Answers."""
+
+    def send_text(self, line: bytes) -> None:
+        self.lines.append(line)
+
+    def wait_for(self, _holds: Callable[[Telemetry], bool], _timeout_s: float) -> bool:
+        return False
+
+
+class FakeNode:
+    """Permits every action."""
+
+    def __init__(self) -> None:
+        self.outcomes: list[tuple[str, Reason]] = []
+
+    def program_began(self) -> None: ...
+    def authorize(self, effect: Effect) -> None: ...
+    def move_declined(self) -> None: ...
+    def move_refused(self) -> bool:
+        return False
+
+    def moves_ended(self) -> None: ...
+    def set_home(self) -> None: ...
+    def stop_pressed(self) -> None: ...
+    def stop_sent(self) -> None: ...
+    def warn(self, text: str) -> None: ...
+    def record(
+        self,
+        _effect: Effect,
+        word: str,
+        outcome: Cause,
+        *,
+        phase: Phase | None = None,
+        detail: Detail | None = None,
+        duration_s: float = 0.0,
+    ) -> None:
+        del detail, duration_s
+        if phase is not Phase.ACCEPTED or outcome.reason is not Reason.OK:
+            self.outcomes.append((word, outcome.reason))
+
+
+class Port:
+    """A queue with a program and a board that answers ACK, ACK."""
+
+    def __init__(self) -> None:
+        self.board, self.node = FakeBoard(), FakeNode()
+        self.written: list[bytes] = []
+        self.link = TextLink(cast("Board", self.board))
+        self.queue = LineQueue(self.written.append, self.link, self.node)
+        self.queue.program_opened()
+        self._seq = 0
+
+    def answer(self) -> None:
+        for flags in (0, LAST):
+            self.queue.receive(self._seq, Text(flags=flags, text=ACK), self.link.openings)
+            self._seq += 1
+
+
+def test_motors_off_is_queued_behind_any_number_of_lines_but_not_twice() -> None:
+    port = Port()
+    for _ in range(2 * CAPACITY):
+        port.queue.take(b"@MOVRX 5")
+    for _ in range(3):
+        port.queue.take(b"@ENMOTORS OFF")
+    assert port.node.outcomes.count(("@ENMOTORS", Reason.BUSY)) == 2
+    port.queue.program_closed()
+    port.answer()
+    assert port.board.lines == [b"@MOVRX 5", b"@ENMOTORS OFF"]
+    port.answer()
+    assert port.node.outcomes[-1] == ("@ENMOTORS", Reason.OK)
+
+
+def test_waiting_motors_off_is_carried_out_when_the_next_program_opens_the_port() -> None:
+    port = Port()
+    for text in (b"@MOVRX 5", b"@ENMOTORS OFF"):
+        port.queue.take(text)
+    port.queue.program_closed()
+    port.queue.program_opened()
+    assert port.board.off == 1
+    assert port.node.outcomes == [("@ENMOTORS", Reason.OK), ("@MOVRX", Reason.CLIENT_LOST)]
+
+
+def test_only_motors_off_is_sent_after_the_program_has_closed_its_port() -> None:
+    port = Port()
+    for text in (b"@COMSTATUS", b"@ENMOTORS OFF", b"@ENMOTORS ON", b"@CALNOW", b"@GETXPOS"):
+        port.queue.take(text)
+    port.queue.program_closed()
+    port.answer()
+    port.answer()
+    assert port.board.lines == [b"@COMSTATUS", b"@ENMOTORS OFF"]
+
+
+def test_a_full_queue_refuses_lines_in_their_turn_and_ignores_those_beyond_its_bound() -> None:
+    port = Port()
+    for _ in range(REFUSED_MAX + 10):
+        port.queue.take(b"@MOVRX 5")
+    port.queue.take(b"@STOPALL")
+    assert port.board.lines == [b"@MOVRX 5", b"@STOPALL"], "STOP is sent at once"
+    port.answer()
+    port.answer()
+    answers = b"".join(port.written)
+    assert answers == (ACK + ACK) + (ACK + NACK) * (REFUSED_MAX - 1) + (ACK + ACK)
+    assert not port.queue.overdue()

@@ -1,0 +1,235 @@
+"""Motion as a future, with replies of the test."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
+from beatrix_zenoh.client.dispatcher import Dispatcher
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.errors import Interrupted, NoAnswer
+
+ORIGIN = Vector3(0.0, 0.0, 0.0)
+PATIENCE_S = 5.0
+
+
+def motion_reply(phase: Phase, reason: Reason = Reason.OK, duration: float = 60.0) -> MotionReply:
+    return MotionReply(
+        result=reason is Reason.OK,
+        phase=phase,
+        reason=reason,
+        message=f"It is {reason}.",
+        motion=1,
+        duration=duration,
+        position=ORIGIN,
+    )
+
+
+DONE = motion_reply(Phase.DONE)
+STOPPED = motion_reply(Phase.DONE, Reason.STOPPED)
+
+
+class Replies:
+    """A fake `Request`."""
+
+    def __init__(self) -> None:
+        self._inbox: queue.SimpleQueue[MotionReply | NoAnswer] = queue.SimpleQueue()
+        self._notify: Callable[[], None] | None = None
+        self.waiting = threading.Event()
+        self.closed = False
+
+    def send(self, reply: MotionReply | NoAnswer) -> None:
+        self._inbox.put(reply)
+        if self._notify is not None:
+            self._notify()
+
+    def reply(self, kind: type[MotionReply], timeout_s: float) -> MotionReply:  # noqa: ARG002
+        if timeout_s:
+            self.waiting.set()
+        try:
+            found = self._inbox.get(timeout=timeout_s)
+        except queue.Empty:
+            raise TimeoutError from None
+        if isinstance(found, NoAnswer):
+            raise found
+        return found
+
+    def notify(self, notify: Callable[[], None]) -> None:
+        self._notify = notify
+        if not self._inbox.empty():
+            notify()
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Setting:
+    """A motion, its replies, and the number of STOPs."""
+
+    def __init__(self, duration: float = 60.0) -> None:
+        self.replies, self.dispatcher, self.stops = Replies(), Dispatcher(), 0
+        accepted = motion_reply(Phase.ACCEPTED, duration=duration)
+        self.motion = Motion("bea (hw)", self.replies, accepted, self.stop, self.dispatcher)
+        self.called: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def stop(self) -> CommandReply:
+        self.stops += 1
+        self.replies.send(STOPPED)
+        return CommandReply(result=True, reason=Reason.OK, message="Stopped.", position=ORIGIN)
+
+    def record(self, motion: Motion) -> None:
+        assert motion is self.motion
+        self.called.put(threading.current_thread().name)
+
+
+@pytest.fixture
+def setting() -> Iterator[Setting]:
+    made = Setting()
+    yield made
+    made.dispatcher.close()
+
+
+def test_a_motion_runs_until_its_final_reply(setting: Setting) -> None:
+    motion = setting.motion
+    assert (motion.running(), motion.done(), motion.duration) == (True, False, 60.0)
+    with pytest.raises(TimeoutError, match="still runs"):
+        motion.result(0.01)
+    setting.replies.send(DONE)
+    assert (motion.running(), motion.done()) == (False, True)
+    assert (motion.result(), motion.exception(), motion.wait()) == (DONE, None, DONE)
+    assert setting.replies.closed
+
+
+def test_an_interrupted_motion_raises_at_each_call(setting: Setting) -> None:
+    setting.replies.send(STOPPED)
+    for _ in range(2):
+        with pytest.raises(Interrupted, match="It is STOPPED") as caught:
+            setting.motion.result()
+        assert caught.value.reason is Reason.STOPPED
+    assert isinstance(setting.motion.exception(), Interrupted)
+
+
+def test_the_loss_of_the_robot_is_an_exception(setting: Setting) -> None:
+    gone = NoAnswer(Reason.NO_ROUTER, "The router has gone.")
+    setting.replies.send(gone)
+    assert setting.motion.exception() is gone
+    assert setting.motion.done()
+    with pytest.raises(NoAnswer, match="has gone"):
+        setting.motion.wait()
+
+
+def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
+    setting = Setting(duration=0.0)
+    with pytest.raises(NoAnswer, match="did not report") as caught:
+        setting.motion.result()
+    assert caught.value.reason is Reason.TIMED_OUT
+    assert setting.motion.done()
+
+
+def test_two_threads_wait_for_one_motion(setting: Setting) -> None:
+    results: list[MotionReply] = []
+    threads = [
+        threading.Thread(target=lambda: results.append(setting.motion.result(PATIENCE_S))) for _ in "ab"
+    ]
+    for thread in threads:
+        thread.start()
+    assert setting.replies.waiting.wait(PATIENCE_S)
+    assert setting.motion.running()
+    setting.replies.send(DONE)
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    assert results == [DONE, DONE]
+
+
+def test_cancel_presses_stop_once(setting: Setting) -> None:
+    assert setting.motion.cancel()
+    assert setting.stops == 1
+    assert not setting.motion.cancel()
+    assert setting.stops == 1
+    assert isinstance(setting.motion.exception(), Interrupted)
+
+
+def test_callbacks_run_in_a_thread_of_their_own(setting: Setting) -> None:
+    setting.motion.add_done_callback(setting.record)
+    setting.motion.add_done_callback(setting.record)
+    setting.replies.send(DONE)
+    assert [setting.called.get(timeout=PATIENCE_S) for _ in "ab"] == ["beatrix-callbacks"] * 2
+    setting.motion.add_done_callback(setting.record)
+    assert setting.called.get(timeout=0) == threading.current_thread().name
+
+
+def test_there_is_no_thread_before_the_first_callback(setting: Setting) -> None:
+    setting.replies.send(DONE)
+    setting.motion.result()
+    assert setting.dispatcher._thread is None
+
+
+def test_a_callback_added_before_the_reply_is_read_runs(setting: Setting) -> None:
+    setting.replies.send(DONE)
+    setting.motion.add_done_callback(setting.record)
+    setting.called.get(timeout=PATIENCE_S)
+
+
+def test_callbacks_run_while_another_thread_waits(setting: Setting) -> None:
+    waiter = threading.Thread(target=setting.motion.exception, args=(PATIENCE_S,))
+    waiter.start()
+    assert setting.replies.waiting.wait(PATIENCE_S)
+    setting.motion.add_done_callback(setting.record)
+    setting.replies.send(DONE)
+    setting.called.get(timeout=PATIENCE_S)
+    waiter.join(PATIENCE_S)
+
+
+def test_callbacks_run_when_a_motion_is_overdue(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
+    setting = Setting(duration=0.0)
+    setting.motion.add_done_callback(setting.record)
+    setting.called.get(timeout=PATIENCE_S)
+    assert isinstance(setting.motion.exception(), NoAnswer)
+    setting.dispatcher.close()
+
+
+def test_a_callback_that_fails_is_logged_and_the_next_runs(
+    setting: Setting, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(_: Motion) -> None:
+        raise ValueError("mine")
+
+    with caplog.at_level(logging.ERROR, "beatrix_zenoh.client"):
+        setting.motion.add_done_callback(fail)
+        setting.motion.add_done_callback(setting.record)
+        setting.replies.send(DONE)
+        setting.called.get(timeout=PATIENCE_S)
+    assert [record.exc_info[0] for record in caplog.records if record.exc_info] == [ValueError]
+
+
+def test_ctrl_c_stops_the_robot_and_names_its_position(
+    setting: Setting, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(kind: type[MotionReply], timeout_s: float) -> MotionReply:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(setting.replies, "reply", interrupted)
+    with pytest.raises(KeyboardInterrupt, match=r"bea \(hw\): Stopped."):
+        setting.motion.wait()
+    assert setting.stops == 1
+
+
+def test_the_dispatcher_runs_later_calls_in_time_and_none_after_close() -> None:
+    dispatcher, called = Dispatcher(), queue.SimpleQueue[str]()
+    now = time.monotonic()
+    dispatcher.call(lambda: called.put("later"), now + 0.1)
+    dispatcher.call(lambda: called.put("sooner"), now + 0.05)
+    dispatcher.call(lambda: called.put("now"))
+    dispatcher.call(lambda: called.put("never"), now + 3600)
+    assert [called.get(timeout=PATIENCE_S) for _ in range(3)] == ["now", "sooner", "later"]
+    dispatcher.close()
+    dispatcher.call(lambda: called.put("closed"))
+    assert called.empty()

@@ -1,0 +1,125 @@
+"""Motion files: round trips, formats of spreadsheets, and error messages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh.client.motion_file import ARMS, FORM, HEAD, Place, lines_of, parse, read
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.errors import WrongUsage
+
+ANGLE = st.floats(-400, 400)
+TIMES = st.lists(st.floats(0, 86400), min_size=1, max_size=30).map(sorted)
+HEADER = "t_s,yaw_deg,pitch_deg,roll_deg\n"
+
+
+@st.composite
+def paths(draw: st.DrawFn) -> list[tuple[float, Place]]:
+    """A path of the head or of the arms."""
+    head, angles = draw(st.booleans()), st.tuples(ANGLE, ANGLE, ANGLE)
+    return [(t, HeadAngles(*draw(angles)) if head else ArmAngles(*draw(angles))) for t in draw(TIMES)]
+
+
+@pytest.mark.no_cover
+@given(paths(), st.lists(st.text("abc #,;\"'-µ°", max_size=20), max_size=3))
+def test_a_written_path_is_read_again(path: list[tuple[float, Place]], comments: list[str]) -> None:
+    found = parse("".join(lines_of(path, comments)), "mine.csv")
+    assert [type(point.place) for point in found.points] == [type(place) for _, place in path]
+    for point, (t, place) in zip(found.points, path, strict=True):
+        assert (point.t, *point.place) == pytest.approx((t, *place), abs=0.00051)
+    assert not found.with_speed
+
+
+@pytest.mark.no_cover
+@given(
+    st.text(max_size=300)
+    | st.text(st.sampled_from('t_s,yawdegpitchroll0123456789.;-+e#"\n\r\t '), max_size=300)
+)
+def test_any_text_is_read_or_refused_with_the_form(text: str) -> None:
+    for content in (text, HEADER + text):
+        times, refusal = times_or_refusal(content)
+        assert times == sorted(times)
+        assert bool(times) != bool(refusal)
+        assert not refusal or (refusal.startswith("mine.csv") and refusal.endswith(FORM))
+
+
+def times_or_refusal(content: str) -> tuple[list[float], str]:
+    try:
+        return [point.t for point in parse(content, "mine.csv").points], ""
+    except WrongUsage as refusal:
+        return [], refusal.message
+
+
+@given(st.binary(max_size=200))
+def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    path.write_bytes(content)
+    with pytest.raises(WrongUsage, match=r"any\.csv"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n0.5,1.5,-2,3\n",
+        '\ufeff"# mine, and yours",,,\r\nt_s,yaw_deg,pitch_deg,roll_deg\r\n0,1,2,3\r\n0.50,1.5,-2,3\r\n,,,\r\n',
+        "t_s;yaw_deg;pitch_deg;roll_deg\n0;1;2;3\n0,5;1,5;-2;3\n",
+        "t_s\tyaw_deg\tpitch_deg\troll_deg\n0\t1\t2\t3\n.5\t1.5\t-2\t3",
+        "roll_deg, t_s, pitch_deg, yaw_deg\n3, 0, 2, 1\n\n3, 5e-1, -2, 1.5\n",
+        "t_s,yaw_deg,pitch_deg,roll_deg,,\n0,1,2,3,,\n0.5,1.5,-2,3,,\n",
+    ],
+)
+def test_formats_of_spreadsheets_are_accepted(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_bytes(text.encode())
+    points = read(path).points
+    assert [(point.t, point.place) for point in points] == [
+        (0, HeadAngles(1, 2, 3)),
+        (0.5, HeadAngles(1.5, -2, 3)),
+    ]
+
+
+def test_points_have_their_line_numbers() -> None:
+    found = parse("# one\n\n" + HEADER + "0,1,2,3\n# five\n1,1,2,3\n", "mine.csv")
+    assert [point.line for point in found.points] == [4, 6]
+
+
+BOTH = ",".join(("t_s", *HEAD, *ARMS)) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("", "mine.csv: there is no line of columns"),
+        ("# nothing\n", "mine.csv: there is no line of columns"),
+        (HEADER, "mine.csv: there are no points"),
+        ("0,1,2,3\n", "line 1: '0' is no column; choose from t_s, yaw_deg"),
+        ("t_s,yaw_deg,pitch_deg\n", "line 1: the columns lack roll_deg"),
+        ("yaw_deg,pitch_deg,roll_deg\n", "line 1: the columns lack t_s"),
+        ("t_s\n", "line 1: the columns lack yaw_deg, pitch_deg, roll_deg"),
+        ("t_s,t_s\n", "line 1: the column t_s occurs 2 times"),
+        (HEADER + "0,1,2\n", "line 2: roll_deg is empty: give a number"),
+        (HEADER + "0,1,2,3,4\n", "line 2: it has 5 cells, and there are 4 columns"),
+        (HEADER + "0,1,nan,3\n", "line 2: pitch_deg is 'nan': give a number"),
+        (HEADER + "0,1,1_0,3\n", "line 2: pitch_deg is '1_0': give a number"),
+        (HEADER + "0,1,1e300,3\n", "line 2: pitch_deg is 1e+300: no message holds"),
+        (HEADER + "-1,1,2,3\n", "line 2: t_s is -1: give a number of seconds from 0"),
+        (HEADER + "1,1,2,3\n0.5,1,2,3\n", "line 3: t_s is 0.5, earlier than in the line before (1)"),
+        (HEADER + '0,"1,2,3\n', "line 2: unexpected end of data"),
+        (BOTH + "0,1,2,3,4,5,6\n", "line 2: give the angles of the head or those of the arms, not both"),
+        (BOTH + "0,,,,,,\n", "line 2: give the angles of the head or those of the arms"),
+    ],
+)
+def test_errors_are_reported_with_their_line(text: str, what: str) -> None:
+    with pytest.raises(WrongUsage) as refusal:
+        parse(text, "mine.csv")
+    assert what in refusal.value.message
+
+
+def test_a_file_that_never_ends_is_refused() -> None:
+    with pytest.raises(WrongUsage, match="not a regular file"):
+        read(Path("/dev/zero"))

@@ -1,0 +1,186 @@
+"""USB cameras through OpenCV, whose calls block and tell nothing of why they fail."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import simplejpeg
+from fake_opencv import PLUM, FakeOpenCv, plain
+from stage import until
+
+from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.node import Frame
+from hw_node import cameras
+from hw_node.cameras import opencv
+from hw_node.cameras.opencv import UsbCamera
+
+
+@pytest.fixture
+def module() -> FakeOpenCv:
+    return FakeOpenCv()
+
+
+@pytest.fixture
+def camera(module: FakeOpenCv) -> Iterator[UsbCamera]:
+    camera = UsbCamera(1, module)
+    yield camera
+    module.goes_on.set()
+    module.opens_at_once.set()
+    camera.close()
+    until(lambda: not opencv_threads(), "its thread has ended")
+
+
+def opencv_threads() -> list[str]:
+    return [thread.name for thread in threading.enumerate() if thread.name.startswith("beatrix-opencv")]
+
+
+def picture(camera: UsbCamera) -> Frame:
+    frame = camera.next(5.0)
+    assert frame is not None
+    return frame
+
+
+def test_pictures_are_jpeg_with_correct_colours_size_and_time(camera: UsbCamera, module: FakeOpenCv) -> None:
+    begin_ns = time.monotonic_ns()
+    camera.open()
+    frame = picture(camera)
+    assert (frame.width, frame.height, frame.source) == (640, 480, "opencv")
+    assert begin_ns < frame.t_mono_ns < time.monotonic_ns()
+    pixels = simplejpeg.decode_jpeg(frame.jpeg)
+    assert np.abs(pixels.astype(int) - PLUM[::-1]).max() < 6
+
+
+@pytest.mark.parametrize(("platform", "backend"), [("win32", 700), ("darwin", 1200)])
+def test_motion_jpeg_is_requested_with_the_backend_of_each_system(
+    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch, platform: str, backend: int
+) -> None:
+    monkeypatch.setattr(sys, "platform", platform)
+    camera.open()
+    picture(camera)
+    assert module.opened == [(1, backend)]
+    assert module.captures[0].asked == {3: 640, 4: 480, 5: 30, 6: 0x47504A4D}
+
+
+def test_a_picture_of_another_size_keeps_its_size(camera: UsbCamera, module: FakeOpenCv) -> None:
+    module.endless = False
+    module.pictures.append(plain(320, 240))
+    camera.open()
+    frame = picture(camera)
+    assert (frame.width, frame.height) == (320, 240)
+    assert simplejpeg.decode_jpeg(frame.jpeg).shape == (240, 320, 3)
+
+
+def test_the_camera_waits_for_a_slow_first_picture(camera: UsbCamera, module: FakeOpenCv) -> None:
+    module.failures = 3
+    camera.open()
+    assert picture(camera).width == 640
+
+
+def test_an_unplugged_camera_is_an_error_and_can_be_reopened(camera: UsbCamera, module: FakeOpenCv) -> None:
+    camera.open()
+    picture(camera)
+    module.plugged = False
+    with pytest.raises(NoAnswer, match="Camera 1 cannot be read: it is not plugged in"):
+        all(camera.next(1.0) for _ in range(10))
+    camera.close()
+    module.plugged = True
+    camera.open()
+    picture(camera)
+    assert (len(module.opened), module.released) == (2, 1)
+
+
+@pytest.mark.parametrize(
+    ("platform", "what"), [("win32", "Windows does not allow"), ("darwin", "macOS does not allow")]
+)
+def test_the_error_for_an_unreadable_camera_lists_the_causes(
+    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch, platform: str, what: str
+) -> None:
+    monkeypatch.setattr(sys, "platform", platform)
+    module.plugged = False
+    camera.open()
+    with pytest.raises(NoAnswer, match=f"not plugged in, another program uses it, or {what}"):
+        camera.next(1.0)
+
+
+def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twice(
+    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opencv, "END_S", 0.05)
+    module.goes_on.clear()
+    camera.open()
+    assert camera.next(0.05) is None
+    camera.close()
+    with pytest.raises(NoAnswer, match="unplug it, and plug it in again"):
+        camera.open()
+    assert len(module.opened) == 1
+    module.goes_on.set()
+    until(lambda: module.released == 1, "the blocked thread frees the camera itself")
+    until(lambda: not opencv_threads(), "and ends")
+    camera.open()
+    picture(camera)
+
+
+def test_a_driver_that_blocks_on_opening_is_an_error(
+    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opencv, "OPEN_S", 0.05)
+    monkeypatch.setattr(opencv, "END_S", 0.05)
+    module.opens_at_once.clear()
+    with pytest.raises(NoAnswer, match="Camera 1 blocks its driver"):
+        camera.open()
+    camera.close()
+
+
+def test_an_exception_in_opencv_is_raised_by_next(
+    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(index: int, backend: int, /) -> None:
+        raise ValueError("a mistake")
+
+    monkeypatch.setattr(module, "VideoCapture", fails)
+    camera.open()
+    with pytest.raises(ValueError, match="a mistake"):
+        camera.next(1.0)
+
+
+def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:
+    module.endless = False
+    module.pictures.extend(plain(16 * n, 16) for n in range(1, 11))
+    module.goes_on.clear()
+    camera.open()
+    module.goes_on.set()
+    until(lambda: not module.pictures, "all pictures are read")
+    # What follows the last picture is the failure, which takes the place of one.
+    until(lambda: module.released == 1, "the camera has gone")
+    assert picture(camera).width == 160
+    with pytest.raises(NoAnswer):
+        camera.next(1.0)
+
+
+def test_a_closed_camera_is_released_and_delivers_no_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:
+    assert camera.next(0.0) is None
+    camera.open()
+    picture(camera)
+    camera.close()
+    camera.close()
+    assert module.released == 1
+    assert camera.next(0.0) is None
+
+
+def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cv2", module)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: object())
+    monkeypatch.setattr(sys, "platform", "win32")
+    left, right = cameras.choices(["left=0", "right=1"])
+    source = right.build()
+    assert isinstance(source, UsbCamera)
+    assert source.trouble() == ""
+    source.open()
+    until(lambda: module.opened == [(1, module.CAP_DSHOW)], "the camera of that number is opened")
+    source.close()
+    assert left.source == "0"

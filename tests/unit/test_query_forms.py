@@ -1,0 +1,361 @@
+"""Decoding of queries: any bytes give a message or a refusal with the field."""
+
+from __future__ import annotations
+
+import math
+
+import msgpack
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh import Refused, codec
+from beatrix_zenoh._generated.messages import (
+    CommandQuery,
+    Detail,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    Reason,
+    Vector3,
+)
+from beatrix_zenoh.bus import query_forms
+from beatrix_zenoh.bus.query_forms import RawQuery
+
+
+def refusal_of(raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery] | None) -> Refused:
+    """Return the refusal of a query of this kind; None: of a motion or pose."""
+    with pytest.raises(Refused) as caught:
+        _ = query_forms.read_motion_or_pose(raw) if kind is None else query_forms.read(raw, kind)
+    return caught.value
+
+
+def field_of(refusal: Refused) -> str:
+    assert refusal.detail is not None
+    return refusal.detail.field
+
+
+KINDS = st.sampled_from([MotionQuery, PoseQuery, CommandQuery])
+LONG = "q" * 100_000
+FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
+
+
+@given(st.binary(max_size=200), st.sampled_from(["", "zenoh/bytes", codec.MSGPACK]), KINDS)
+def test_any_payload_is_decoded_or_refused(
+    payload: bytes, encoding: str, kind: type[MotionQuery | PoseQuery | CommandQuery]
+) -> None:
+    try:
+        message = query_forms.read(RawQuery(payload, encoding, ""), kind)
+    except Refused as error:
+        refused = error
+    else:
+        assert isinstance(message, kind)
+        return
+    assert refused.reason in (Reason.BAD_VALUE, Reason.UNKNOWN_COMMAND)
+    assert refused.message
+
+
+@given(st.text(max_size=100), KINDS)
+def test_any_parameters_are_decoded_or_refused(
+    parameters: str, kind: type[MotionQuery | PoseQuery | CommandQuery]
+) -> None:
+    try:
+        message = query_forms.read(RawQuery(b"", "", parameters), kind)
+    except Refused as error:
+        refused = error
+    else:
+        assert isinstance(message, kind)
+        return
+    assert refused.reason in (Reason.BAD_VALUE, Reason.UNKNOWN_COMMAND)
+
+
+@pytest.mark.parametrize("kind", [MotionQuery, PoseQuery, CommandQuery])
+@pytest.mark.parametrize(
+    "raw",
+    [
+        RawQuery(b"", "", f"{LONG}=1"),
+        RawQuery(b"", "", f"x&{LONG}"),
+        RawQuery(b"", "", f"command={LONG};x={LONG};y=0;z=0;yaw={LONG}"),
+        RawQuery(LONG.encode(), "", ""),
+        RawQuery(b'{"' + LONG.encode() + b'":1}', "", ""),
+    ],
+)
+def test_a_refusal_repeats_only_the_begin_of_the_request(
+    raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery]
+) -> None:
+    with pytest.raises(Refused) as refused:
+        query_forms.read(raw, kind)
+    assert len(refused.value.message) < 600
+
+
+@given(FLOATS, FLOATS, FLOATS, st.booleans())
+def test_all_forms_of_a_motion_give_the_same_message(x: float, y: float, z: float, absolute: bool) -> None:
+    query = MotionQuery(absolute=absolute, position=Vector3(x, y, z))
+    mode = "absolute" if absolute else "relative"
+    raws = [
+        RawQuery(codec.encode(query), codec.MSGPACK, ""),
+        RawQuery(codec.encode_json(query), "", ""),
+        RawQuery(f"{x!r} {y!r} {z!r} {mode}".encode(), "", ""),
+        RawQuery(b"", "", f"x={x!r};y={y!r};z={z!r};absolute={str(absolute).lower()}"),
+    ]
+    assert all(query_forms.read(raw, MotionQuery) == query for raw in raws)
+
+
+@given(st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.lists, max_leaves=5))
+def test_any_msgpack_value_is_refused_unless_it_is_a_request(value: object) -> None:
+    with pytest.raises(Refused):
+        query_forms.read(RawQuery(msgpack.packb(value), codec.MSGPACK, ""), MotionQuery)
+
+
+@pytest.mark.parametrize(
+    ("payload", "encoding"),
+    [(b'{"yaw":' + b"[" * 5000, ""), (b"\x81\xa3yaw" + b"\x91" * 5000, codec.MSGPACK)],
+)
+def test_thousands_of_brackets_are_refused(payload: bytes, encoding: str) -> None:
+    with pytest.raises(Refused):
+        query_forms.read(RawQuery(payload, encoding, ""), PoseQuery)
+    with pytest.raises(Refused):
+        query_forms.read_motion_or_pose(RawQuery(payload, encoding, ""))
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e39])
+def test_numbers_outside_single_precision_are_refused_with_the_field(number: float) -> None:
+    query = {"position": {"x": 0.0, "y": number, "z": 0.0}}
+    with pytest.raises(Refused, match=r"position\.y"):
+        query_forms.read(RawQuery(msgpack.packb(query), codec.MSGPACK, ""), MotionQuery)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "kind"),
+    [("x=1;y=2;z=3", MotionQuery), ("yaw=1", PoseQuery), ("pitch=0.1;speed=1", PoseQuery)],
+)
+def test_the_fields_of_a_preview_show_whether_it_is_a_motion_or_a_pose(
+    parameters: str, kind: type[MotionQuery | PoseQuery]
+) -> None:
+    assert isinstance(query_forms.read_motion_or_pose(RawQuery(b"", "", parameters)), kind)
+
+
+def test_plain_words_are_ambiguous_for_a_preview() -> None:
+    with pytest.raises(Refused, match="Plain words do not show"):
+        query_forms.read_motion_or_pose(RawQuery(b"1 2 3", "", ""))
+
+
+def test_a_parameter_given_twice_is_refused() -> None:
+    refusal = refusal_of(RawQuery(b"", "", "command=enable;command=stop"), CommandQuery)
+    assert field_of(refusal) == "command"
+    assert "twice" in refusal.message
+
+
+def test_a_field_with_parts_is_refused_as_a_parameter() -> None:
+    refusal = refusal_of(RawQuery(b"", "", "position=1;x=0.1;y=0;z=0"), MotionQuery)
+    assert refusal.detail == Detail(field="position", known=["x", "y", "z"])
+    assert query_forms.usage(MotionQuery) in refusal.message
+
+
+@pytest.mark.parametrize(
+    ("raw", "field"),
+    [
+        (RawQuery(b"1 2 3", "", "absolute=false"), "absolute"),
+        (RawQuery(b'{"position":{"x":1,"y":2,"z":3}}', "", "speed=0.1"), "speed"),
+        (RawQuery(b"1 2 3 absolute relative", "", ""), "absolute"),
+        (RawQuery(b"", "", "x=1;y=2;z=3;speed=0.1;speed_x=0.1"), "speed"),
+    ],
+)
+def test_a_request_in_two_forms_is_refused(raw: RawQuery, field: str) -> None:
+    refusal = refusal_of(raw, MotionQuery)
+    assert (refusal.reason, field_of(refusal)) == (Reason.BAD_VALUE, field)
+    assert query_forms.usage(MotionQuery) in refusal.message
+
+
+@pytest.mark.parametrize(
+    ("raw", "speed", "absolute"),
+    [
+        (RawQuery(b"1 2 3", "", ""), None, True),
+        (RawQuery(b"1 2 3 0.5", "", ""), (0.5, 0.5, 0.5), True),
+        (RawQuery(b"1 2 3 0.5 0.25 0.125", "", ""), (0.5, 0.25, 0.125), True),
+        (RawQuery(b"1 2 3 0.5 0.25 0.125 relative", "", ""), (0.5, 0.25, 0.125), False),
+        (RawQuery(b"relative 1,2,3, .5,.25,.125", "", ""), (0.5, 0.25, 0.125), False),
+        (RawQuery(b"", "", "x=1;y=2;z=3;speed=0.5"), (0.5, 0.5, 0.5), True),
+        (RawQuery(b"", "", "speed_z=.125;x=1;y=2;z=3;speed_x=.5;speed_y=.25"), (0.5, 0.25, 0.125), True),
+    ],
+)
+def test_speeds_of_words_and_parameters(
+    raw: RawQuery, speed: tuple[float, float, float] | None, absolute: bool
+) -> None:
+    query = query_forms.read(raw, MotionQuery)
+    wanted = None if speed is None else Vector3(*speed)
+    assert query == MotionQuery(absolute=absolute, position=Vector3(1, 2, 3), speed=wanted)
+
+
+@pytest.mark.parametrize("payload", [b"1 2", b"1 2 3 4 5", b"1 2 3 4 5 6 7", b"relative"])
+def test_a_wrong_number_of_words_is_refused(payload: bytes) -> None:
+    refusal = refusal_of(RawQuery(payload, "", ""), MotionQuery)
+    assert "words" in refusal.message
+    assert query_forms.usage(MotionQuery) in refusal.message
+
+
+def test_a_pose_has_one_speed() -> None:
+    assert query_forms.read(RawQuery(b"1 2 3 .5", "", ""), PoseQuery).speed == 0.5
+    assert "words" in refusal_of(RawQuery(b"1 2 3 .5 .5 .5", "", ""), PoseQuery).message
+    assert field_of(refusal_of(RawQuery(b"", "", "yaw=1;speed_x=1"), PoseQuery)) == "speed_x"
+
+
+def test_a_missing_speed_of_an_arm_is_refused() -> None:
+    assert field_of(refusal_of(RawQuery(b"", "", "x=1;y=2;z=3;speed_x=1"), MotionQuery)) == "speed.y"
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [(".5", 0.5), ("-.5", -0.5), ("+0.5", 0.5), ("+.5", 0.5), ("5.", 5.0), ("-5.e-1", -0.5), ("1E1", 10.0)],
+)
+def test_numbers_as_people_write_them(text: str, number: float) -> None:
+    words = query_forms.read(RawQuery(f"{text} {text} {text}".encode(), "", ""), MotionQuery)
+    assert words.position == Vector3(number, number, number)
+    code = text.replace("+", "%2B")
+    assert query_forms.read(RawQuery(b"", "", f"yaw={code};speed={text}"), PoseQuery).yaw == number
+    assert query_forms.read(RawQuery(b"", "", f"yaw={text};speed={text}"), PoseQuery).speed == number
+
+
+@given(FLOATS)
+def test_every_format_of_a_number_is_decoded(number: float) -> None:
+    for text in (repr(number), f"{number:+.30e}", f"{number:f}"):
+        assert query_forms.read(RawQuery(b"", "", f"yaw={text}"), PoseQuery).yaw == float(text)
+
+
+@pytest.mark.parametrize(
+    "text", [".", "+", "1_0", "0x1", "nan", "inf", "1e999", "--5", "٣", "5..", "", "true"]
+)
+def test_text_that_is_not_a_finite_number_is_refused_with_its_field(text: str) -> None:
+    assert field_of(refusal_of(RawQuery(b"", "", f"yaw=1;pitch={text}"), PoseQuery)) == "pitch"
+
+
+@pytest.mark.parametrize(
+    ("payload", "kind", "field"),
+    [
+        (b'{"yaw":1,"yaw":2}', PoseQuery, "yaw"),
+        (b'{"yaw":1,"\\u0079aw":2}', PoseQuery, "yaw"),
+        (b'{"yaw":' + b"1" * 300 + b',"yaw":2}', PoseQuery, "yaw"),
+        (b'{"position":{"x":1,"y":1,"z":1,"x":0}}', MotionQuery, "position.x"),
+        (b'{"position":{"x":1,"y":1,"z":1},"speed":{"x":1,"y":1,"y":1,"z":1}}', MotionQuery, "speed.y"),
+        (b'{"command":1,"value":false,"command":1}', CommandQuery, "command"),
+    ],
+)
+def test_a_repeated_field_in_json_is_refused(
+    payload: bytes, kind: type[MotionQuery | PoseQuery | CommandQuery], field: str
+) -> None:
+    refusal = refusal_of(RawQuery(payload, "", ""), kind)
+    assert (refusal.reason, field_of(refusal)) == (Reason.BAD_VALUE, field)
+    assert "twice" in refusal.message
+
+
+def test_a_repeated_field_in_msgpack_is_refused() -> None:
+    once = msgpack.packb({"yaw": 1.0})[1:]
+    payload = b"\x82" + once + once
+    assert field_of(refusal_of(RawQuery(payload, codec.MSGPACK, ""), PoseQuery)) == "yaw"
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        RawQuery(b"{}", "", ""),
+        RawQuery(b'{"speed":0.5}', "", ""),
+        RawQuery(b'{"absolute":false}', "", ""),
+        RawQuery(msgpack.packb({}), codec.MSGPACK, ""),
+        RawQuery(msgpack.packb({"speed": 0.5}), codec.MSGPACK, ""),
+        RawQuery(b"", "", "speed=0.5"),
+    ],
+)
+def test_a_pose_without_an_angle_is_refused(raw: RawQuery) -> None:
+    for refusal in (refusal_of(raw, PoseQuery), refusal_of(raw, None)):
+        assert refusal.detail == Detail(field="yaw", known=["yaw", "pitch", "roll"])
+        assert query_forms.usage(PoseQuery) in refusal.message
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        RawQuery(b'{"roll":0}', "", ""),
+        RawQuery(codec.encode(PoseQuery()), codec.MSGPACK, ""),
+        RawQuery(b"", "", "pitch=0"),
+        RawQuery(b"0 0 0", "", ""),
+    ],
+)
+def test_the_home_pose_may_be_requested(raw: RawQuery) -> None:
+    assert query_forms.read(raw, PoseQuery) == PoseQuery()
+
+
+@pytest.mark.parametrize(
+    ("payload", "field", "known"),
+    [
+        (b'{"yaw":1,"extra":2}', "extra", ["absolute", "yaw", "pitch", "roll", "speed", "lease"]),
+        (b'{"yaw":"far"}', "yaw", []),
+        (b'{"yaw":1', "", []),
+        (b"[1,2,3]", "", []),
+    ],
+)
+def test_the_detail_of_a_bad_request_names_the_field(payload: bytes, field: str, known: list[str]) -> None:
+    assert refusal_of(RawQuery(payload, "", ""), PoseQuery).detail == Detail(field=field, known=known)
+
+
+@pytest.mark.parametrize(
+    ("payload", "field"),
+    [
+        (b'{"position":{"x":1,"y":1}}', "position.z"),
+        (b'{"position":{"x":1,"y":1,"z":1,"w":1}}', "position.w"),
+        (b'{"position":{"x":1,"y":null,"z":1}}', "position.y"),
+        (b'{"position":[1,2,3]}', "position"),
+        (b'{"absolute":true}', "position"),
+        (b'{"position":{"x":1,"y":1e39,"z":1}}', "position.y"),
+    ],
+)
+def test_the_detail_of_a_bad_motion_names_the_field_with_its_path(payload: bytes, field: str) -> None:
+    assert field_of(refusal_of(RawQuery(payload, "", ""), MotionQuery)) == field
+
+
+@pytest.mark.parametrize("payload", [b"enabel on", b'{"command":"enabel"}'])
+def test_an_unknown_command_is_refused_with_the_list_of_commands(payload: bytes) -> None:
+    refusal = refusal_of(RawQuery(payload, "", ""), CommandQuery)
+    if payload.startswith(b"{"):
+        assert (refusal.reason, field_of(refusal)) == (Reason.BAD_VALUE, "command")
+        return
+    assert (refusal.reason, field_of(refusal)) == (Reason.UNKNOWN_COMMAND, "enabel")
+    assert refusal.detail is not None
+    assert refusal.detail.known[0] == "1 ENABLE"
+
+
+def test_parameters_of_zenoh_are_allowed_beside_a_payload() -> None:
+    assert query_forms.read(RawQuery(b"1 2 3", "", "_time=[now(-1s)..]"), MotionQuery).absolute
+
+
+@pytest.mark.parametrize(
+    "raw", [RawQuery(b"disable on", "", ""), RawQuery(b"", "", "command=disable;value=true")]
+)
+def test_disable_takes_no_value(raw: RawQuery) -> None:
+    with pytest.raises(Refused, match="disable takes no value"):
+        query_forms.read(raw, CommandQuery)
+
+
+def test_percent_codes_in_parameters_are_decoded() -> None:
+    assert query_forms.read(RawQuery(b"", "", "command=enable;value=%6Fn"), CommandQuery).value
+
+
+def test_a_reply_has_the_form_of_the_query() -> None:
+    reply = Vector3(0.5, 0.0, 0.0)
+    assert RawQuery(b"", codec.MSGPACK, "").answer(reply) == (codec.encode(reply), codec.MSGPACK)
+    assert RawQuery(b"", "", "").answer(reply) == (b'{"x":0.5,"y":0.0,"z":0.0}', codec.JSON)
+
+
+def test_unknown_fields_of_a_reply_are_ignored() -> None:
+    newer = msgpack.packb(
+        {
+            "result": True,
+            "phase": "done",
+            "reason": "OK",
+            "message": "",
+            "motion": 1,
+            "duration": 1.0,
+            "position": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "mood": "good",
+        }
+    )
+    assert codec.decode(newer, MotionReply).result

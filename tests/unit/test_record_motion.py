@@ -1,0 +1,54 @@
+"""Points of a recorded motion: enough for a replay, and two points per rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.recording.record_motion import Thinning, Timed
+
+TURNS = st.lists(
+    st.tuples(st.floats(-30, 30), st.integers(1, 60), st.integers(0, 60)), min_size=1, max_size=4
+)
+
+
+def published(turns: list[tuple[float, int, int]]) -> list[Timed]:
+    """50 points per second of an arm that turns by an angle (deg) in a time (s), then rests for a time (s)."""
+    angles = [0.0]
+    for by, moving, resting in turns:
+        angles += [angles[-1] + by * (k + 1) / moving for k in range(moving)]
+        angles += [angles[-1]] * resting
+    return [(k * 0.02, ArmAngles(angle, 0.0, 0.0)) for k, angle in enumerate(angles)]
+
+
+def thinned(points: list[Timed], period_s: float) -> list[Timed]:
+    thinning = Thinning(period_s)
+    return [kept for point in points for kept in thinning.add(point)] + thinning.last()
+
+
+@given(TURNS, st.sampled_from([0.02, 0.04, 0.05, 0.1]))
+@settings(deadline=None)
+def test_omitted_points_lie_between_kept_points(turns: list[tuple[float, int, int]], period_s: float) -> None:
+    points = published(turns)
+    kept = thinned(points, period_s)
+    assert kept[0] == points[0]
+    assert kept[-1] == points[-1]
+    t = np.array([point[0] for point in kept])
+    assert (np.diff(t) > 0).all()
+    between = np.interp([point[0] for point in points], t, [point[1][0] for point in kept])
+    steps = np.abs(np.diff([point[1][0] for point in points], prepend=0.0))
+    most = max(steps) * (period_s / 0.02 + 1) + 0.01
+    assert between == pytest.approx([point[1][0] for point in points], abs=most)
+
+
+def test_the_first_and_the_last_point_of_a_rest_are_kept() -> None:
+    kept = thinned(published([(10.0, 10, 100), (-10.0, 10, 0)]), 0.04)
+    assert [t for t, _ in kept if 0.2 <= t <= 2.2] == pytest.approx([0.2, 2.2])
+
+
+def test_a_motion_has_at_most_the_requested_points() -> None:
+    kept = thinned(published([(20.0, 500, 0)]), 0.1)
+    assert len(kept) == pytest.approx(101, abs=2)

@@ -1,0 +1,95 @@
+"""The difference of two robots on a grid, and their common time line."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh.recording.difference import GRID_NS, WAITING, AngleDifference, Difference
+from beatrix_zenoh.recording.timebase import Timebase
+
+MS = 1_000_000
+BEA = ("bea", "sim")
+
+
+def fed(samples: list[tuple[str, int, float]]) -> list[AngleDifference]:
+    """All differences of samples: twin, time in ms, angle in deg."""
+    difference = Difference()
+    return [apart for twin, ms, angle in samples for apart in difference.add(twin, ms * MS, (angle,))]
+
+
+def test_angles_are_interpolated_to_the_grid() -> None:
+    (found,) = fed([("sim", 10, 0.0), ("sim", 30, 2.0), ("hw", 15, 10.0), ("hw", 35, 14.0), ("sim", 50, 4.0)])
+    assert found.time_ns == 20 * MS
+    assert found.angles == pytest.approx((11.0 - 1.0,))
+
+
+def test_a_sample_on_the_grid_counts_as_it_is() -> None:
+    assert fed([("sim", 20, 1.0), ("hw", 20, 4.0)]) == [AngleDifference(20 * MS, (3.0,))]
+
+
+def test_gaps_are_not_interpolated() -> None:
+    both = [(twin, ms, 0.0) for ms in (0, 20, 40, 200, 220) for twin in ("sim", "hw")]
+    assert [apart.time_ns // MS for apart in fed(both)] == [0, 20, 40, 200, 220]
+
+
+def test_differences_are_within_half_a_turn() -> None:
+    ((_, (apart,)),) = fed([("sim", 0, 179.0), ("hw", 0, -179.0)])
+    assert apart == pytest.approx(2.0)
+
+
+def test_older_samples_are_ignored() -> None:
+    assert [
+        apart.angles
+        for apart in fed(
+            [("sim", 0, 0.0), ("sim", 20, 5.0), ("sim", 10, 9.0), ("hw", 0, 1.0), ("hw", 20, 7.0)]
+        )
+    ] == [
+        (1.0,),
+        (2.0,),
+    ]
+
+
+def test_samples_of_a_single_robot_are_bounded() -> None:
+    difference = Difference()
+    for index in range(10 * WAITING):
+        assert not list(difference.add("sim", index * GRID_NS, (0.0,)))
+    found = list(difference.add("hw", 10 * WAITING * GRID_NS, (1.0,)))
+    found += difference.add("sim", 10 * WAITING * GRID_NS, (0.0,))
+    assert [apart.angles for apart in found] == [(1.0,)]
+
+
+@given(st.lists(st.tuples(st.sampled_from(("sim", "hw")), st.integers(0, 300)), max_size=60))
+def test_every_point_comes_once_and_in_order(samples: list[tuple[str, int]]) -> None:
+    times = [apart.time_ns for apart in fed([(twin, ms, math.sin(ms)) for twin, ms in samples])]
+    assert times == sorted(set(times))
+    assert all(time_ns % GRID_NS == 0 for time_ns in times)
+
+
+def test_two_computers_share_one_time_line() -> None:
+    timebase = Timebase(mono_ns=1_000 * MS, wall_ns=5_000_000 * MS)
+    timebase.learn(BEA, offset_ns=300 * MS, bound_ns=1 * MS)
+    assert timebase.time_ns(BEA, 1_310 * MS) == 5_000_010 * MS == timebase.own_ns(1_010 * MS)
+
+
+def test_a_much_less_exact_offset_does_not_replace_a_good_one_at_once() -> None:
+    timebase = Timebase(0, 0)
+    timebase.learn(BEA, 0, 1 * MS)
+    timebase.learn(BEA, 9 * MS, 10 * MS)  # a round trip delayed by other traffic
+    assert timebase.time_ns(BEA, 0) == 0
+    for _ in range(5):  # but clocks drift: after some measurements it is used
+        timebase.learn(BEA, 9 * MS, 10 * MS)
+    assert timebase.time_ns(BEA, 0) == -9 * MS
+
+
+def test_a_restarted_clock_is_detected() -> None:
+    timebase = Timebase(0, 0)
+    assert not timebase.knows(BEA)
+    timebase.learn(BEA, 100 * MS, 1 * MS)
+    assert timebase.fits(BEA, mono_ns=1_100 * MS, arrived_ns=1_002 * MS)
+    assert not timebase.fits(BEA, mono_ns=5 * MS, arrived_ns=9_000 * MS)
+    timebase.forget(BEA)
+    assert not timebase.knows(BEA)

@@ -1,0 +1,94 @@
+"""The robot's shape in 3D views: closed loops, and the same rotations as in the MuJoCo model."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import Vector, rotation_of
+from beatrix_zenoh.recording.figure import ARMS, Figure, Form, Quaternion, arc, quaternion, scaled, towards
+from beatrix_zenoh.recording.samples import Floats
+from sim_node.model import build
+
+LEFT_HANDED = Geometry(hand=-1, rod_twist=80.0, mount_angle=100.0)
+ANGLE = st.floats(-math.pi, math.pi)
+
+
+def turned(turn: Quaternion, vector: Vector) -> Floats:
+    """A vector turned by a quaternion."""
+    x, y, z, w = turn
+    axis, v = np.array((x, y, z)), np.array(vector)
+    return np.asarray(v + 2 * np.cross(axis, np.cross(axis, v) + w * v), dtype=np.float64)
+
+
+@pytest.mark.parametrize("geometry", [ROBOT.geometry, LEFT_HANDED])
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (2.5, 0.3, -0.2), (-0.4, -0.35, 0.25), (9.0, 0.1, 0.4)])
+def test_rods_end_where_the_head_is_mounted(geometry: Geometry, pose: tuple[float, float, float]) -> None:
+    figure, head = Figure(geometry), rotation_of(*pose)
+    turns = figure.rotations(Neck(geometry).inverse(*pose), head)
+    for name, elbow, mount in zip(ARMS, figure.elbows, figure.mounts, strict=True):
+        arm, rod = turns[f"arm_{name}"], turns[f"arm_{name}/rod_{name}"]
+        end = turned(arm, tuple(turned(rod, mount)))
+        np.testing.assert_allclose(end, turned(turns["head"], mount), atol=1e-9)
+        np.testing.assert_allclose(turned(rod, elbow), elbow, atol=1e-12)
+
+
+def test_bodies_are_those_of_the_model() -> None:
+    model = build()
+    named = {model.body(index).name for index in range(1, model.nbody)}
+    assert {body.path.rpartition("/")[2] for body in Figure().bodies} - {"base"} == named
+
+
+def test_bodies_turn_as_in_the_model() -> None:
+    model = build()
+    data = mujoco.MjData(model)
+    arms, head = (0.3, -0.1, 0.2), rotation_of(*Neck().forward((0.3, -0.1, 0.2)))
+    turns = Figure().rotations(arms, head)
+    for name, angle, rod in zip(ARMS, arms, ("rod_short", "rod_middle", "rod_long"), strict=True):
+        x, y, z, w = turns[f"arm_{name}/{rod}"]
+        axis = model.joint(rod).axis
+        data.joint(f"arm_{name}").qpos[0] = angle
+        data.joint(rod).qpos[0] = 2 * math.atan2(np.dot((x, y, z), axis), w)
+    x, y, z, w = turns["head"]
+    data.joint("head").qpos[:] = (w, x, y, z)
+    mujoco.mj_forward(model, data)
+    for name in ARMS:  # the loops are closed, so the model agrees with the figure
+        np.testing.assert_allclose(data.site(f"rod_{name}").xpos, data.site(f"mount_{name}").xpos, atol=1e-6)
+
+
+@given(yaw=ANGLE, pitch=st.floats(-1.5, 1.5), roll=ANGLE)
+def test_quaternions_turn_as_their_matrices(yaw: float, pitch: float, roll: float) -> None:
+    rotation = rotation_of(yaw, pitch, roll)
+    turn = quaternion(rotation)
+    assert math.hypot(*turn) == pytest.approx(1.0)
+    for column, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        np.testing.assert_allclose(turned(turn, axis), [row[column] for row in rotation], atol=1e-9)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.6, 0.0, -0.8)])
+def test_solids_point_along_their_axis(axis: Vector) -> None:
+    np.testing.assert_allclose(turned(towards(axis), (0.0, 0.0, 1.0)), axis, atol=1e-9)
+
+
+def test_rods_are_arcs_from_elbow_to_mount() -> None:
+    figure = Figure()
+    points = arc(figure.elbows[0], figure.mounts[0], 6)
+    np.testing.assert_allclose(points[0], figure.elbows[0], atol=1e-12)
+    np.testing.assert_allclose(points[-1], figure.mounts[0], atol=1e-12)
+    np.testing.assert_allclose([math.hypot(*point) for point in points], 1.0)
+    assert scaled(points[0], 2.0) == tuple(2 * value for value in points[0])
+
+
+def test_no_solid_is_inside_out() -> None:
+    for body in Figure().bodies:
+        for solid in body.solids:
+            assert len(solid.size) == (3 if solid.form is Form.ELLIPSOID else 2)
+            assert min(solid.size) > 0
+            assert math.hypot(*solid.quaternion) == pytest.approx(1.0)

@@ -1,0 +1,96 @@
+"""Files of recordings: complete after close, never overwritten, ended in time on a full disk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording import file_output
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.file_output import PERIOD_S, FileOutput
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.viewer import verify
+
+SIM = ("bea", "sim")
+BEGAN_NS = 1_763_000_000_000_000_000
+
+
+def sample(index: int) -> list[Row]:
+    """Positions of one moment."""
+    time_ns = BEGAN_NS + index * 20_000_000
+    return [
+        Numbers(of_robot(SIM, what), time_ns, time_ns, (0.0, 0.0, 0.0))
+        for what in ("arms", "commanded", "head")
+    ]
+
+
+@pytest.fixture
+def said() -> list[str]:
+    return []
+
+
+def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, said: list[str]) -> None:
+    output = FileOutput(tmp_path / "lesson.rrd", said.append)
+    output.show(RobotSet({SIM: Figure()}))
+    output.update(1e6)
+    before = output.bytes
+    output.write(sample(0))
+    assert not output.update(1e6 + PERIOD_S / 2)
+    assert output.bytes == before
+    assert not output.update(1e6 + PERIOD_S)
+    assert output.bytes > before
+    output.write(sample(1))
+    assert output.close()
+    assert len(read(tmp_path / "lesson.rrd").robots[SIM].time_ns) == 2
+    assert said == []
+
+
+def test_each_file_shows_the_robots_by_itself(tmp_path: Path, said: list[str]) -> None:
+    output = FileOutput(tmp_path / "day.rrd", said.append, rotate_s=60.0)
+    output.show(RobotSet({SIM: Figure()}))
+    began = [output.update(1e6)]  # later than the end of its first minute
+    for index in range(3):
+        output.write(sample(index))
+        began.append(output.update(1e6 + 1 + index * 30))
+    assert began == [True, False, False, True]
+    assert output.close()
+    assert [path.name for path in output.files] == ["day-001.rrd", "day-002.rrd", "day-003.rrd"]
+    assert all(verify(path) == "" for path in output.files)
+    assert len(read(output.files[1]).robots[SIM].time_ns) == 3
+
+
+def test_an_existing_file_is_not_overwritten(tmp_path: Path, said: list[str]) -> None:
+    (tmp_path / "day-002.rrd").write_bytes(b"yesterday")
+    with pytest.raises(Refused, match="exists and is not overwritten"):
+        FileOutput(tmp_path / "day-002.rrd", said.append)
+    output = FileOutput(tmp_path / "day.rrd", said.append, rotate_s=1.0)
+    assert output.update(1e6)
+    assert output.close()
+    assert [path.name for path in output.files] == ["day-001.rrd", "day-003.rrd"]
+    assert (tmp_path / "day-002.rrd").read_bytes() == b"yesterday"
+
+
+def test_a_folder_that_is_missing_is_refused(tmp_path: Path, said: list[str]) -> None:
+    with pytest.raises(Refused, match="cannot be written: No such file or directory"):
+        FileOutput(tmp_path / "none" / "lesson.rrd", said.append)
+
+
+def test_a_full_disk_ends_the_recording_with_a_complete_file(
+    tmp_path: Path, said: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    output = FileOutput(tmp_path / "lesson.rrd", said.append)
+    output.show(RobotSet({SIM: Figure()}))
+    output.write(sample(0))
+    monkeypatch.setattr(file_output, "SPARE_BYTES", 1 << 60)
+    output.update(1e6)
+    assert output.full
+    assert len(said) == 1
+    assert "MB are left on this disk" in said[0]
+    output.write(sample(1))
+    assert output.close()
+    assert verify(tmp_path / "lesson.rrd") == ""
+    assert len(read(tmp_path / "lesson.rrd").robots[SIM].time_ns) == 1

@@ -1,0 +1,53 @@
+"""Pictures of a recording, drawn without a screen and checked by their pixels."""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import rotation_of
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Numbers, Orientation, Row, of_model, of_robot
+from beatrix_zenoh.recording.rrd.layout import BACKGROUND
+from beatrix_zenoh.recording.rrd.picture import pictures
+from beatrix_zenoh.recording.rrd.stream import Stream
+
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+BEGAN_NS = 1_763_000_000_000_000_000
+
+
+def rows(place: tuple[str, str], yaw: float) -> list[Row]:
+    """Rows of a robot that looks aside, rad."""
+    arms = Neck().inverse(yaw, 0.0, 0.0)
+    turns = Figure().rotations(arms, rotation_of(yaw, 0.0, 0.0))
+    poses: list[Row] = [
+        Orientation(of_model(place, path), BEGAN_NS, BEGAN_NS, turn) for path, turn in turns.items()
+    ]
+    numbers = (math.degrees(yaw),) * 3
+    return [*poses, Numbers(of_robot(place, "arms"), BEGAN_NS, BEGAN_NS, numbers)]
+
+
+def test_the_ghost_of_the_simulation_stands_out_from_the_hardware(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    stream = Stream("one", "lesson")
+    stream.to_file(path)
+    stream.show(RobotSet({SIM: Figure(), HW: Figure()}))
+    stream.send([*rows(SIM, 0.8), *rows(HW, 0.0)])
+    assert stream.flush(5.0)
+    stream.close()
+    (png,) = pictures(path, [(0, BEGAN_NS / 1e9)])
+    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
+    assert np.mean(np.all(np.abs(picture - BACKGROUND) < 6, axis=2)) > 0.5
+    assert share_of_blue(picture) > 0.005  # 0.003 without the ghost: the long arm
+
+
+def share_of_blue(picture: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
+    """Share of blue pixels: the long arm and the ghost."""
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    return float(np.mean((blue > red + 60) & (blue > green + 20)))

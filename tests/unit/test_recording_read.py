@@ -1,0 +1,181 @@
+"""Reading of recordings: all written rows are read."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from rerun.chunk import RrdReader
+
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import (
+    Bar,
+    Frame,
+    Line,
+    Numbers,
+    Orientation,
+    Row,
+    of_difference,
+    of_model,
+    of_robot,
+)
+from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.viewer import verify
+
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+BEGAN_NS = 1_763_000_000_000_000_000
+STEP_NS = 20_000_000
+
+
+@pytest.fixture(autouse=True)
+def strict(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let Rerun's warnings raise."""
+    monkeypatch.setenv("RERUN_STRICT", "1")
+    rr.set_strict_mode(True)
+
+
+def sample(place: tuple[str, str], index: int) -> list[Row]:
+    """Rows of one moment."""
+    time_ns, robot_ns = BEGAN_NS + index * STEP_NS, BEGAN_NS + index * STEP_NS - 7
+    what: list[Row] = [
+        Numbers(of_robot(place, name), time_ns, robot_ns, (index + k, k, -index))
+        for k, name in enumerate(("arms", "commanded", "head"))
+    ]
+    return [
+        *what,
+        Orientation(of_model(place, "head"), time_ns, robot_ns, (0.0, 0.0, 0.0, 1.0)),
+        Frame(of_robot(place, "camera", "left"), time_ns, robot_ns, b"\xff\xd8 no picture"),
+    ]
+
+
+def written(path: Path, stage: RobotSet, batches: list[list[Row]]) -> None:
+    """A complete recording of these rows."""
+    stream = Stream("one", path.stem)
+    stream.to_file(path)
+    stream.show(stage)
+    for batch in batches:
+        stream.send(batch)
+    assert stream.flush(5.0)
+    stream.close()
+
+
+def test_samples_of_both_robots_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    batches = [[*sample(SIM, index), *sample(HW, index)] for index in range(10)]
+    written(path, RobotSet({SIM: Figure(), HW: Figure()}), batches)
+    assert verify(path) == ""
+    recorded = read(path)
+    assert list(recorded.robots) == [HW, SIM]
+    for samples in recorded.robots.values():
+        assert samples.time_ns.tolist() == [BEGAN_NS + index * STEP_NS for index in range(10)]
+        assert samples.robot_ns.tolist() == [BEGAN_NS + index * STEP_NS - 7 for index in range(10)]
+        np.testing.assert_array_equal(samples.arms, [(index, 0, -index) for index in range(10)])
+        np.testing.assert_array_equal(samples.commanded, [(index + 1, 1, -index) for index in range(10)])
+        np.testing.assert_array_equal(samples.head, [(index + 2, 2, -index) for index in range(10)])
+        assert samples.head_measured is None
+
+
+def test_late_rows_are_sorted(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 5), sample(SIM, 2)])
+    assert read(path).robots[SIM].arms[:, 0].tolist() == [2.0, 5.0]
+
+
+def test_a_measured_head_that_begins_later_is_not_a_number_before(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    measured = Numbers(
+        of_robot(SIM, "head_measured"), BEGAN_NS + STEP_NS, BEGAN_NS + STEP_NS - 7, (1.0, 2.0, 3.0)
+    )
+    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 0), [*sample(SIM, 1), measured]])
+    found = read(path).robots[SIM].head_measured
+    assert found is not None
+    np.testing.assert_array_equal(found, [(np.nan,) * 3, (1.0, 2.0, 3.0)])
+
+
+def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    other = [
+        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
+        Bar(of_robot(SIM, "state"), BEGAN_NS, BEGAN_NS, "ready"),
+        Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, BEGAN_NS, "moving"),
+        Numbers(of_difference("bea", "arms"), BEGAN_NS, BEGAN_NS, (1.0, 2.0, 3.0)),
+        Numbers(of_difference("bea", "head"), BEGAN_NS, BEGAN_NS, (4.0, 5.0, 6.0)),
+    ]
+    written(path, RobotSet({SIM: Figure()}), [[*sample(SIM, 0), *other]])
+    recorded = read(path)
+    assert recorded.events[SIM].texts == ("ana stop: At rest.",)
+    assert recorded.states[SIM].texts == ("ready", "moving")
+    times, angles = recorded.differences["bea"]
+    assert times.tolist() == [BEGAN_NS]
+    assert angles.tolist() == [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]]
+
+
+def test_bodies_are_entities_of_the_model(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    written(path, RobotSet({SIM: Figure(), HW: Figure()}), [[*sample(SIM, 0), *sample(HW, 0)]])
+    entities = {chunk.entity_path for chunk in RrdReader(path).stream()}
+    assert {
+        "/bea/sim/model/head",
+        "/bea/sim/model/base/solid/cylinder",
+        "/bea/sim/model/arm_short/solid/cylinder",
+        "/bea/sim/model/arm_long/rod_long/ghost/capsule",
+        "/bea/hw/model/arm_middle/solid/capsule",
+        "/bea/hw/camera/left",
+    } <= entities
+    assert not any("/hw/" in entity and "ghost" in entity for entity in entities)
+
+
+def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
+    names = ("missing.rrd", "text.rrd", "nothing.rrd", "mine.csv", "empty.rrd")
+    missing, text, nothing, motion, empty = (tmp_path / name for name in names)
+    text.write_text("no recording")
+    nothing.touch()
+    motion.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n")
+    written(empty, RobotSet({}), [])
+    for path, words in (
+        (missing, "there is no such file"),
+        (text, "is no recording"),
+        (nothing, "is empty"),
+        (motion, "is a motion file.* use `beatrix replay"),
+        (empty, "no positions"),
+    ):
+        with pytest.raises(Refused, match=words) as refused:
+            read(path)
+        assert "--repair" not in str(refused.value)
+
+
+def test_an_empty_recording_cannot_be_repaired(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "empty.rrd"
+    path.touch()
+    assert app.run(["record", "--repair", str(path)]) == 1
+    assert "cannot be repaired: it contains no positions" in capsys.readouterr().err
+    assert path.read_bytes() == b""
+
+
+def test_a_file_without_its_end_is_read_as_far_as_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "killed.rrd"
+    program = (
+        "import os, sys; from pathlib import Path; from test_recording_read import *\n"
+        "stream = Stream('one', 'killed'); stream.to_file(Path(sys.argv[1])); stream.show(RobotSet({SIM: Figure()}))\n"
+        "[stream.send(sample(SIM, index)) for index in range(10)]\n"
+        "assert stream.flush(5.0); os._exit(9)\n"
+    )
+    folder = str(Path(__file__).parent)
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(path)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([folder, *sys.path])},
+        timeout=30,
+        check=False,
+    )
+    assert done.returncode == 9
+    assert verify(path) != ""
+    assert len(read(path).robots[SIM].time_ns) == 10

@@ -1,0 +1,223 @@
+"""Conversion of publications to rows; only changes give rows."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import pytest
+from statuses import BOARD, READY
+
+from beatrix_zenoh._generated.messages import (
+    Event,
+    EventKind,
+    Fault,
+    Head,
+    Phase,
+    Positions,
+    Reason,
+    Status,
+    Steps,
+    Vector3,
+)
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.robot_rows import RobotRows, State, state_of
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation
+
+NOW_NS = 1_763_000_000_123_456_789
+
+
+def positions(yaw: float = 0.0, measured: Head | None = None) -> Positions:
+    """Positions of a robot with a turned head, rad."""
+    vector = Vector3(*Neck().inverse(yaw, 0.0, 0.0))
+    return Positions(
+        seq=0,
+        t_mono_ns=0,
+        t_wall_ns=NOW_NS - 5,
+        position=vector,
+        velocity=vector,
+        commanded=Vector3(0.1, 0.2, 0.3),
+        steps=Steps(0, 0, 0),
+        head=Head(yaw, 0.0, 0.0),
+        head_measured=measured,
+    )
+
+
+def event(kind: EventKind, **fields: object) -> Event:
+    """An event of this kind."""
+    given = {"seq": 1, "t_mono_ns": 0, "t_wall_ns": NOW_NS, "kind": kind, **fields}
+    return msgspec.convert(given, Event)
+
+
+@pytest.fixture
+def rows_of_robot() -> RobotRows:
+    return RobotRows(("bea", "hw"), Figure())
+
+
+def test_arms_and_head_are_degrees(rows_of_robot: RobotRows) -> None:
+    rows = {
+        row.path: row
+        for row in rows_of_robot.positions(positions(math.pi / 6), NOW_NS)
+        if isinstance(row, Numbers)
+    }
+    assert set(rows) == {"bea/hw/arms", "bea/hw/commanded", "bea/hw/head"}
+    assert rows["bea/hw/arms"].values == pytest.approx((30.0, 30.0, 30.0))
+    assert rows["bea/hw/commanded"].values == pytest.approx(tuple(math.degrees(x) for x in (0.1, 0.2, 0.3)))
+    assert rows["bea/hw/head"].values == pytest.approx((30.0, 0.0, 0.0))
+    assert {(row.time_ns, row.robot_ns) for row in rows.values()} == {(NOW_NS, NOW_NS - 5)}
+
+
+def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
+    first = [row.path for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
+    assert len(first) == 7
+    assert not [row for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
+    turned = {
+        row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)
+    }
+    # Turning about the vertical does not turn the rods in the frames of the arms.
+    assert turned == {
+        "bea/hw/model/head",
+        *(f"bea/hw/model/arm_{name}" for name in ("short", "middle", "long")),
+    }
+    rows_of_robot.begin_again()
+    assert (
+        len([row for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)])
+        == 7
+    )
+
+
+def test_the_head_is_drawn_where_it_was_measured(rows_of_robot: RobotRows) -> None:
+    rows = list(rows_of_robot.positions(positions(0.0, Head(0.4, 0.0, 0.0)), NOW_NS))
+    (head,) = (row for row in rows if isinstance(row, Orientation) and row.path.endswith("/head"))
+    assert 2 * math.atan2(head.quaternion[2], head.quaternion[3]) == pytest.approx(0.4)
+    assert any(isinstance(row, Numbers) and row.path == "bea/hw/head_measured" for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("fields", "state"),
+    [
+        ({"enabled": False, "calibrated": False}, State.DISABLED),
+        ({"calibrated": False}, State.ENABLED),
+        ({}, State.READY),
+        ({"moving": True}, State.MOVING),
+        ({"fault": Fault.EMERGENCY, "enabled": False}, State.EMERGENCY),
+        ({"fault": Fault.ASSEMBLY_LEFT}, State.FAULT),
+        ({"fault": Fault.BOARD_LOST}, State.LOST),
+        ({"board": msgspec.structs.replace(BOARD, connected=False)}, State.LOST),
+    ],
+)
+def test_a_status_is_one_state(fields: dict[str, object], state: State) -> None:
+    assert state_of(msgspec.structs.replace(READY, **fields)) is state
+
+
+def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | None) -> list[str]:
+    """The state bars that follow from these; None: the end of positions."""
+    bars = []
+    for happening in happenings:
+        if isinstance(happening, Status):
+            rows = list(rows_of_robot.status(happening, NOW_NS))
+        elif isinstance(happening, Event):
+            rows = list(rows_of_robot.event(happening, NOW_NS))
+        elif happening is None:
+            rows = list(rows_of_robot.lost(NOW_NS))
+        else:
+            rows = list(rows_of_robot.back(NOW_NS, NOW_NS))
+        bars += [row.state for row in rows if isinstance(row, Bar)]
+    return bars
+
+
+def test_a_state_is_written_once(rows_of_robot: RobotRows) -> None:
+    moving = msgspec.structs.replace(READY, moving=True)
+    assert states(rows_of_robot, READY, READY, moving, moving, READY) == ["ready", "moving", "ready"]
+
+
+def test_a_stop_lasts_until_the_next_motion(rows_of_robot: RobotRows) -> None:
+    stop, moving = event(EventKind.STOP, action="STOP"), msgspec.structs.replace(READY, moving=True)
+    assert states(rows_of_robot, READY, moving, stop, READY, READY, moving, READY) == [
+        "ready",
+        "moving",
+        "stopped",
+        "moving",
+        "ready",
+    ]
+
+
+def test_a_stop_that_is_reported_late_is_the_last_state(rows_of_robot: RobotRows) -> None:
+    stop = event(EventKind.STOP, action="STOP")
+    (ready,) = (row for row in rows_of_robot.status(READY, NOW_NS) if isinstance(row, Bar))
+    (stopped,) = (row for row in rows_of_robot.event(stop, NOW_NS - 5_000_000) if isinstance(row, Bar))
+    assert stopped.state is State.STOPPED
+    assert stopped.time_ns > ready.time_ns
+
+
+def test_an_emergency_stop_has_its_own_state(rows_of_robot: RobotRows) -> None:
+    latched = msgspec.structs.replace(READY, enabled=False, calibrated=False, fault=Fault.EMERGENCY)
+    stop = event(EventKind.STOP, action="EMERGENCY_STOP")
+    off = msgspec.structs.replace(latched, fault=Fault.NONE)
+    assert states(rows_of_robot, READY, stop, latched, off) == ["ready", "emergency stop", "disabled"]
+
+
+def test_a_robot_is_lost_and_comes_back(rows_of_robot: RobotRows) -> None:
+    assert states(rows_of_robot, READY, None, None, positions(), READY) == ["ready", "lost", "ready"]
+
+
+@pytest.mark.parametrize(
+    ("happened", "text", "level"),
+    [
+        (
+            event(
+                EventKind.MOTION, action="pose", seat="ana", phase=Phase.ACCEPTED, message="Accepted: 1.2 s."
+            ),
+            "ana motion pose accepted: Accepted: 1.2 s.",
+            "INFO",
+        ),
+        (
+            event(
+                EventKind.MOTION,
+                action="pose",
+                seat="ana",
+                phase=Phase.ACCEPTED,
+                reason=Reason.ARM_GAP,
+                message="Too close.",
+            ),
+            "ana motion pose refused ARM_GAP: Too close.",
+            "WARN",
+        ),
+        (
+            event(
+                EventKind.MOTION, action="motion", phase=Phase.DONE, reason=Reason.STOPPED, message="Stopped."
+            ),
+            "motion ended STOPPED: Stopped.",
+            "INFO",
+        ),
+        (
+            event(EventKind.STOP, action="STOP", seat="ben", message="At rest."),
+            "ben stop STOP: At rest.",
+            "ERROR",
+        ),
+        (
+            event(
+                EventKind.COMMAND,
+                action="ENABLE",
+                seat="ana",
+                reason=Reason.EMERGENCY,
+                count=3,
+                message="Latched.",
+            ),
+            "ana command ENABLE refused EMERGENCY (3 times): Latched.",
+            "WARN",
+        ),
+        (
+            event(EventKind.BOARD, reason=Reason.BOARD_LOST, message="Gone."),
+            "board BOARD_LOST: Gone.",
+            "WARN",
+        ),
+        (event(EventKind.LOG, action="ERROR", message="Oh."), "log ERROR: Oh.", "ERROR"),
+    ],
+)
+def test_events_are_lines(rows_of_robot: RobotRows, happened: Event, text: str, level: str) -> None:
+    line = next(row for row in rows_of_robot.event(happened, NOW_NS) if isinstance(row, Line))
+    assert line.path == "bea/hw/events"
+    assert line.text == f"02:13:20.123  bea hw:  {text}"
+    assert line.level == level

@@ -1,0 +1,223 @@
+"""The recorder's thread: what waits for a clock, what is dropped, and what ends it."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import cast
+
+import msgspec
+import pytest
+from stage import until
+from statuses import READY
+
+from beatrix_zenoh._generated.messages import Head, Positions, Status, Steps, Vector3
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client.clocks import Offset
+from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.recording_thread import WAITING, RecordingThread
+from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
+from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
+
+BEA = ("bea", "hw")
+ZERO = Vector3(0.0, 0.0, 0.0)
+AHEAD_NS = 3_600_000_000_000
+"""By which the robot's clock is ahead of ours."""
+
+
+class FakeSubscriptions:
+    """Delivers the publications of the test."""
+
+    def __init__(self) -> None:
+        self.arrivals: deque[Arrival[Value]] = deque()
+        self.dropped = 0
+
+    def take(self) -> list[Arrival[Value]]:
+        return [self.arrivals.popleft() for _ in range(len(self.arrivals))]
+
+    def publish(self, value: Positions | Status) -> None:
+        """Deliver a publication now."""
+        self.arrivals.append(Arrival[Value](value, *BEA, time.monotonic_ns(), time.time_ns()))
+
+
+class FakeQueries:
+    """Records requests and delivers the answers of the test."""
+
+    def __init__(self) -> None:
+        self.requests: list[tuple[str, str]] = []
+        self.pending: list[RobotAnswer] = []
+
+    def request(self, place: tuple[str, str]) -> None:
+        self.requests.append(place)
+
+    def answers(self) -> list[RobotAnswer]:
+        answers, self.pending = self.pending, []
+        return answers
+
+
+class FakeOutput:
+    """Keeps all rows."""
+
+    def __init__(self) -> None:
+        self.rows: list[Row] = []
+        self.robot_sets: list[RobotSet] = []
+        self.failure: Exception | None = None
+        self.closed = False
+
+    def show(self, robots: RobotSet) -> None:
+        self.robot_sets.append(robots)
+
+    def write(self, rows: Sequence[Row]) -> None:
+        self.rows += rows
+
+    def update(self, now_s: float) -> bool:  # noqa: ARG002
+        if self.failure is not None:
+            raise self.failure
+        return False
+
+    def close(self) -> bool:
+        self.closed = True
+        return True
+
+
+class Rig:
+    """A recorder's thread with fake subscriptions, queries and output."""
+
+    def __init__(self) -> None:
+        self.subscriptions, self.queries, self.output = FakeSubscriptions(), FakeQueries(), FakeOutput()
+        self.messages: list[str] = []
+        self.thread = RecordingThread(
+            cast("RobotSubscriptions", self.subscriptions),
+            cast("RobotQueries", self.queries),
+            [self.output],
+            self.messages.append,
+            0.0,
+        )
+
+    def answer(self, offset_ns: int | None) -> None:
+        """Let the robot answer, or with None not answer."""
+        offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
+        self.queries.pending = [RobotAnswer(BEA, offset, ROBOT.geometry)]
+
+    def arms(self) -> list[Numbers]:
+        """Rows of the arms so far."""
+        return [row for row in self.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/arms"]
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    made = Rig()
+    yield made
+    made.thread.close()
+
+
+def positions(ahead_ns: int = AHEAD_NS) -> Positions:
+    """True now, by a clock that is ahead of ours."""
+    return Positions(
+        seq=0,
+        t_mono_ns=time.monotonic_ns() + ahead_ns,
+        t_wall_ns=7,
+        position=ZERO,
+        velocity=ZERO,
+        commanded=ZERO,
+        steps=Steps(0, 0, 0),
+        head=Head(0.0, 0.0, 0.0),
+    )
+
+
+def test_publications_are_kept_until_the_clock_offset_is_known(rig: Rig) -> None:
+    rig.subscriptions.publish(positions())
+    until(lambda: rig.queries.requests == [BEA], "one request")
+    rig.subscriptions.publish(positions())
+    until(lambda: not rig.subscriptions.arrivals, "both were taken")
+    assert rig.arms() == []
+    rig.answer(AHEAD_NS)
+    until(lambda: len(rig.arms()) == 2, "both are written")
+    assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
+    assert rig.queries.requests == [BEA]
+    assert [list(shown.robots) for shown in rig.output.robot_sets] == [[BEA]]
+
+
+def test_without_an_answer_the_clock_offset_is_estimated_from_arrivals(rig: Rig) -> None:
+    rig.subscriptions.publish(positions())
+    until(lambda: bool(rig.queries.requests), "a request")
+    rig.answer(None)
+    until(lambda: len(rig.arms()) == 1, "it is written")
+    assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
+
+
+def test_the_clock_offset_is_requested_again_after_a_restart_of_the_computer(rig: Rig) -> None:
+    rig.subscriptions.publish(positions())
+    until(lambda: bool(rig.queries.requests), "a request")
+    rig.answer(AHEAD_NS)
+    until(lambda: len(rig.arms()) == 1, "it is written")
+    rig.subscriptions.publish(positions(ahead_ns=-1_000_000_000_000))  # the computer was restarted
+    until(lambda: len(rig.queries.requests) == 2, "a second request")
+    rig.answer(-1_000_000_000_000)
+    until(lambda: len(rig.arms()) == 2, "it is written")
+    assert 0 <= rig.arms()[1].time_ns - rig.arms()[0].time_ns < 5_000_000_000
+
+
+def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
+    rig.subscriptions.dropped = 12
+    until(lambda: bool(rig.messages), "the message")
+    assert rig.messages == [
+        "12 publications dropped so far: they come faster than this computer writes them."
+    ]
+    recorded = {row.path: row for row in rig.output.rows}
+    line, count = recorded["_recorder/log"], recorded["_recorder/dropped"]
+    assert isinstance(line, Line)
+    assert isinstance(count, Numbers)
+    assert count.values == (12.0,)
+
+
+def test_publications_without_a_known_clock_offset_are_bounded(rig: Rig) -> None:
+    for _ in range(WAITING + 20):
+        rig.subscriptions.publish(positions())
+    until(lambda: rig.thread.dropped == 20, "the oldest are counted")
+    rig.answer(AHEAD_NS)
+    until(lambda: len(rig.arms()) == WAITING, "the newest are written")
+
+
+@pytest.mark.parametrize(("mono_ns", "wall_ns"), [(-(2**63), 7), (2**63 - 1, 7), (None, -(2**63))])
+def test_only_publications_with_impossible_time_stamps_are_dropped(
+    rig: Rig, mono_ns: int | None, wall_ns: int
+) -> None:
+    rig.answer(AHEAD_NS)
+    rig.subscriptions.publish(positions())
+    until(lambda: len(rig.arms()) == 1, "the robot is known")
+    now_ns = time.monotonic_ns() + AHEAD_NS
+    forged = msgspec.structs.replace(
+        READY, t_mono_ns=now_ns if mono_ns is None else mono_ns, t_wall_ns=wall_ns
+    )
+    rig.subscriptions.publish(forged)
+    rig.subscriptions.publish(positions())
+    until(lambda: len(rig.arms()) == 2, "the correct one is written at once")
+    assert rig.thread.dropped == 1
+    assert rig.queries.requests == []
+    until(lambda: bool(rig.messages), "the message")
+    assert "impossible time stamps" in rig.messages[0]
+
+
+def test_the_end_of_positions_is_a_state(rig: Rig) -> None:
+    rig.answer(AHEAD_NS)
+    rig.subscriptions.publish(positions())
+    rig.subscriptions.publish(msgspec.structs.replace(READY, t_mono_ns=time.monotonic_ns() + AHEAD_NS))
+
+    def states() -> list[str]:
+        return [row.state for row in rig.output.rows if isinstance(row, Bar)]
+
+    until(lambda: states() == ["ready", "lost"], "it is lost")
+    rig.subscriptions.publish(positions())
+    until(lambda: states() == ["ready", "lost", "ready"], "it is back")
+
+
+def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:
+    rig.output.failure = OSError("gone")
+    until(lambda: rig.thread.failure is not None, "it has failed")
+    assert rig.thread.failure is rig.output.failure
+    assert rig.thread.close()
+    assert rig.output.closed

@@ -1,0 +1,71 @@
+"""Reason and sentence at the end of a motion."""
+
+from __future__ import annotations
+
+import pytest
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.serial import Outcome
+from beatrix_zenoh.node import replies
+
+ARMS = (0.1, 0.0, -0.1)
+WHERE = "5.7°, 0.0°, -5.7°"
+
+
+@pytest.mark.parametrize(
+    ("outcome", "cause", "reason", "expected"),
+    [
+        (Outcome.DONE, Reason.STOPPED, Reason.OK, f"Arrived; the arms rest at {WHERE}."),
+        (Outcome.STOPPED, Reason.STOPPED, Reason.STOPPED, f"Ended by STOP; the arms rest at {WHERE}."),
+        (
+            Outcome.STOPPED,
+            Reason.SHUTDOWN,
+            Reason.SHUTDOWN,
+            "Ended by its node, which is closing; the arms rest",
+        ),
+        (
+            Outcome.STOPPED,
+            Reason.CLIENT_LOST,
+            Reason.CLIENT_LOST,
+            "because the client that requested it is gone",
+        ),
+        (
+            Outcome.HOST_LOST,
+            Reason.STOPPED,
+            Reason.HOST_LOST,
+            "received no frame of its node for half a second",
+        ),
+        (Outcome.GAP, Reason.STOPPED, Reason.ARM_GAP, "Ended by the guard: arms came too close"),
+    ],
+)
+def test_reason_and_sentence_agree(outcome: Outcome, cause: Reason, reason: Reason, expected: str) -> None:
+    actual, text = replies.motion_end(outcome, cause, ARMS)
+    assert actual is reason
+    assert expected in text
+
+
+@pytest.mark.parametrize("outcome", [Outcome.DISABLED, Outcome.EMERGENCY])
+def test_the_sentence_about_arms_without_power_does_not_claim_that_they_rest(outcome: Outcome) -> None:
+    _, text = replies.motion_end(outcome, Reason.STOPPED, ARMS)
+    assert "rest" not in text
+    first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
+    assert f"The arms were at {WHERE}; without power the head may have sunk: set it upright, {first}" in text
+
+
+def test_an_unknown_outcome_is_a_contract_mismatch() -> None:
+    reason, text = replies.motion_end(99, Reason.STOPPED, ARMS)
+    assert reason is Reason.CONTRACT_MISMATCH
+    assert "(99)" in text
+
+
+def test_every_outcome_has_a_sentence() -> None:
+    for outcome in Outcome:
+        if outcome is not Outcome.NONE:
+            _, text = replies.motion_end(outcome, Reason.STOPPED, ARMS)
+            assert text[0].isupper()
+            assert text.endswith(".")
+
+
+def test_the_sentence_about_a_lost_board_says_what_the_arms_do() -> None:
+    assert "half a second" in replies.board_lost(reset=False)
+    assert "calibrate" in replies.board_lost(reset=True)

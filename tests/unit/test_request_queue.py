@@ -1,0 +1,118 @@
+"""The request queue: order, only the newest motion of each seat, capacity."""
+
+from __future__ import annotations
+
+import threading
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.node.request_queue import CAPACITY, RequestQueue, Task
+
+
+class Log:
+    """Tasks that record whether they ran or were declined."""
+
+    def __init__(self) -> None:
+        self.ran: list[str] = []
+        self.declined: list[tuple[str, Reason]] = []
+
+    def task(self, name: str) -> Task:
+        def decline(error: BeatrixError) -> None:
+            self.declined.append((name, error.reason))
+
+        return Task(lambda: self.ran.append(name), decline)
+
+
+def drain(queue: RequestQueue) -> None:
+    queue.close()
+    while (task := queue.take()) is not None:
+        task.run()
+
+
+def test_entries_run_in_order() -> None:
+    log, queue = Log(), RequestQueue()
+    for name in "abc":
+        queue.post(log.task(name))
+    drain(queue)
+    assert log.ran == ["a", "b", "c"]
+
+
+def test_a_newer_motion_takes_its_place_at_the_end() -> None:
+    log, queue = Log(), RequestQueue()
+    queue.post_latest("ana", log.task("old"))
+    queue.post(log.task("command"))
+    queue.post_latest("ben", log.task("other"))
+    queue.post_latest("ana", log.task("new"))
+    drain(queue)
+    assert log.ran == ["command", "other", "new"]
+    assert log.declined == [("old", Reason.REPLACED)]
+
+
+def test_a_full_queue_declines_commands_as_busy_but_not_events() -> None:
+    log, queue = Log(), RequestQueue()
+    for number in range(CAPACITY + 1):
+        queue.post(log.task(str(number)))
+    queue.post_event(lambda: log.ran.append("event"))
+    drain(queue)
+    assert len(log.ran) == CAPACITY + 1
+    assert log.ran[-1] == "event"
+    assert log.declined == [(str(CAPACITY), Reason.BUSY)]
+
+
+def test_a_replaced_entry_does_not_wake_the_reader() -> None:
+    """Otherwise the reader would take None, which ends it."""
+    log, queue = Log(), RequestQueue()
+    queue.post_latest("ana", log.task("old"))
+    queue.post_latest("ana", log.task("new"))
+    assert queue.take() is not None
+    reader = threading.Thread(target=queue.take, daemon=True)
+    reader.start()
+    reader.join(0.05)
+    assert reader.is_alive()
+    queue.post(log.task("command"))
+    reader.join(2.0)
+    assert not reader.is_alive()
+
+
+def test_a_full_queue_declines_motions_except_those_that_replace_another() -> None:
+    log, queue = Log(), RequestQueue()
+    for number in range(CAPACITY - 1):
+        queue.post(log.task(str(number)))
+    for name in ("old", "new"):
+        queue.post_latest("ana", log.task(name))
+    queue.post_latest("ben", log.task("late"))
+    drain(queue)
+    assert log.ran[-1] == "new"
+    assert len(log.ran) == CAPACITY
+    assert log.declined == [("old", Reason.REPLACED), ("late", Reason.BUSY)]
+
+
+def test_a_closed_queue_declines_new_entries_and_runs_the_waiting_ones() -> None:
+    log, queue = Log(), RequestQueue()
+    queue.post_latest("ana", log.task("before"))
+    queue.close()
+    queue.post(log.task("command"))
+    queue.post_latest("ana", log.task("motion"))
+    queue.post_event(log.task("event").run)
+    while (task := queue.take()) is not None:
+        task.run()
+    assert log.ran == ["before"]
+    assert log.declined == [(name, Reason.SHUTDOWN) for name in ("command", "motion")]
+
+
+def test_urgent_entries_go_first_in_their_own_order() -> None:
+    log, queue = Log(), RequestQueue()
+    for number in range(CAPACITY):
+        queue.post(log.task(f"command {number}"))
+    for name in ("stop", "its reply"):
+        task = log.task(name)
+        queue.post_urgent(task.run, task.decline)
+    first = [queue.take() for _ in range(3)]
+    for taken in first:
+        assert taken is not None
+        taken.run()
+    assert log.ran == ["stop", "its reply", "command 0"]
+    queue.close()
+    late = log.task("late")
+    queue.post_urgent(late.run, late.decline)
+    assert log.declined == [("late", Reason.SHUTDOWN)]

@@ -1,0 +1,205 @@
+"""The scene in the pictures of the eyes, drawn by ray casting, which needs no OpenGL."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+import pytest
+import simplejpeg
+
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.lettering import ROWS
+from beatrix_zenoh.motion.kinematics import Neck
+from sim_node import gl
+from sim_node.lettering import cells
+from sim_node.model import build
+from sim_node.painter import Image, PosedModel
+from sim_node.person import HOME, TARGET, Place
+from sim_node.plant import Plant
+from sim_node.rays import RayPainter
+from sim_node.renderer import BADGE, CELL, HEIGHT, WIDTH, encode, open_painter, paint_view
+from sim_node.room import DESK, OBJECTS, SIGNS, wall_at
+from sim_node.scene import eye_scene, scene_spec
+from sim_node.visuals import EYE_FORWARD, EYE_UP, FLOOR, VISUAL
+
+FOCUS = HEIGHT / 2 / math.tan(math.radians(ROBOT.head.eye_fov) / 2)
+"""Focal length of the eyes (px)."""
+ROOT = Path(__file__).resolve().parents[2]
+NEAR: Place = (0.7, 0.0, 0.16)
+
+
+def posture(yaw: float = 0.0, pitch: float = 0.0) -> npt.NDArray[np.float64]:
+    plant = Plant()
+    plant.place(Neck().inverse(math.radians(yaw), math.radians(pitch), 0.0))
+    return plant.posture()
+
+
+def magenta(image: Image) -> npt.NDArray[np.bool_]:
+    """The pixels of the person's cap and collar."""
+    red, green, blue = (image[..., colour].astype(int) for colour in range(3))
+    return (red > 100) & (green < 60) & (blue > 60)
+
+
+def cap(image: Image) -> float:
+    """Column (px) of the middle of the magenta pixels."""
+    return float(np.nonzero(magenta(image))[1].mean())
+
+
+@pytest.fixture(scope="module")
+def painter() -> RayPainter:
+    return RayPainter(eye_scene(), WIDTH, HEIGHT, cell=2)
+
+
+def test_the_scene_takes_the_posture_of_the_plant() -> None:
+    plant, scene = build(), scene_spec().compile()
+    assert scene.nq == plant.nq
+    assert scene.jnt_qposadr.tolist() == plant.jnt_qposadr.tolist()
+    assert [scene.joint(i).name for i in range(scene.njnt)] == [
+        plant.joint(i).name for i in range(plant.njnt)
+    ]
+
+
+def test_the_model_of_the_physics_does_not_contain_the_scene() -> None:
+    assert mujoco.mj_name2id(build(), mujoco.mjtObj.mjOBJ_BODY, TARGET) == -1
+
+
+@pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
+def test_both_eyes_see_the_person_with_the_parallax_of_their_distance(
+    painter: RayPainter, place: Place
+) -> None:
+    painter.pose(posture(), place)
+    left, right = (cap(painter.paint(f"eye_{eye}")) for eye in ("left", "right"))
+    # The middle of the magenta parts is about 5 cm behind the person's eyes.
+    expected = FOCUS * ROBOT.head.eye_baseline / (place[0] + 0.05 - EYE_FORWARD)
+    assert left - right == pytest.approx(expected, rel=0.08)
+
+
+@pytest.mark.parametrize("place", [HOME, (0.5, 0.9, 0.1), (-1.0, -1.0, 0.3)])
+def test_the_person_faces_the_robot(place: Place) -> None:
+    posed = PosedModel(scene_spec().compile())
+    posed.pose(posture(), place)
+    person = posed.data.body(TARGET)
+    back = -np.array((*place[:2], 0.0)) / math.hypot(*place[:2])
+    assert person.xpos == pytest.approx(place)
+    assert person.xmat.reshape(3, 3)[:, 0] == pytest.approx(back)
+    assert person.xmat.reshape(3, 3)[:, 2] == pytest.approx((0.0, 0.0, 1.0))
+
+
+def test_turning_the_head_changes_the_picture(painter: RayPainter) -> None:
+    means = []
+    for yaw in (0, 90, 180, -90):
+        painter.pose(posture(yaw))
+        means.append(painter.paint("eye_left")[: HEIGHT // 3].reshape(-1, 3).mean(axis=0))
+    for first in range(4):
+        for second in range(first):
+            assert np.abs(means[first] - means[second]).max() > 15
+
+
+@pytest.mark.parametrize("yaw", SIGNS)
+def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
+    place, inward = wall_at(yaw)
+    assert math.degrees(math.atan2(place[1], place[0])) == pytest.approx(yaw)
+    posed = PosedModel(scene_spec().compile())
+    posed.pose(posture())
+    start = np.array((*(place[:2] * 0.9), place[2]))
+    hit = np.zeros(1, dtype=np.int32)
+    group = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
+    group[VISUAL] = 1
+    ahead = (place - start) / np.linalg.norm(place - start)
+    distance = mujoco.mj_ray(posed.model, posed.data, start, ahead, group, 1, -1, hit)
+    # Paper or ink, both in front of the wall.
+    assert float((start + ahead * distance - place) @ inward) > 0.005
+
+
+@pytest.mark.parametrize(("name", "colour"), [("cube", 0), ("cylinder", 1), ("ball", 2)])
+def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour: int) -> None:
+    thing = next(thing for thing in OBJECTS if thing.name == name)
+    painter.pose(posture(), HOME)  # another test may have moved the person before the ball
+    image = painter.paint("eye_left").astype(int)
+    x, y, z = thing.place
+    depth = x - EYE_FORWARD
+    column = WIDTH / 2 - FOCUS * (y - ROBOT.head.eye_baseline / 2) / depth
+    row = HEIGHT / 2 - FOCUS * (z - ROBOT.head.centre_height - EYE_UP) / depth
+    pixel = image[round(row), round(column)]
+    assert pixel[colour] > 1.5 * np.delete(pixel, colour).max()
+
+
+def test_the_page_lists_the_objects_and_their_places() -> None:
+    page = (ROOT / "docs/how-to/simulated-eyes.md").read_text(encoding="utf-8")
+    for thing in OBJECTS:
+        x, y, z = thing.place
+        assert f"| {thing.name} | {thing.colour} | {x:.3f} | {y:.3f} | {z:.3f} |" in page
+
+
+def test_objects_stand_on_the_desk() -> None:
+    (x0, x1), (y0, y1) = DESK
+    for thing in OBJECTS:
+        x, y, z = thing.place
+        assert x0 < x < x1
+        assert y0 < y < y1
+        assert z > FLOOR
+
+
+@pytest.mark.parametrize("yaw", [0, 75])
+def test_hiding_geoms_outside_the_picture_does_not_change_it(yaw: int) -> None:
+    painter = RayPainter(eye_scene(), 48, 36)
+    painter.pose(posture(yaw, pitch=20))
+    painter.paint("eye_right")
+    posed = painter._posed
+    eye, rays = posed.data.camera("eye_right").xpos.copy(), painter._rays("eye_right")
+    together = painter._cast(eye, rays)[0]
+    assert (posed.model.geom_group != painter._posed._groups).sum() > 50, "something was left out"
+    posed.model.geom_group[:] = painter._posed._groups
+    alone, hit = [], np.zeros(1, dtype=np.int32)
+    for ray in rays:
+        mujoco.mj_ray(posed.model, posed.data, eye, ray, painter._group, 1, -1, hit)
+        alone.append(int(hit[0]))
+    assert together.tolist() == alone
+
+
+def test_only_a_picture_drawn_by_ray_casting_has_a_badge() -> None:
+    ink = cells(BADGE)
+    painter = open_painter(ROBOT, "rays")
+    painter.pose(posture(), HOME)
+    image = paint_view(painter, "left")
+    letters = image[-3 * (ROWS + 2) : -6, 6 : 6 + 3 * ink.shape[1]][1::3, 1::3]
+    assert ((letters.max(axis=2) < 60) == ink).all()
+    name = gl.backend()
+    if name is None:
+        pytest.skip("no OpenGL on this machine")
+    painter = open_painter(ROBOT, name)
+    painter.pose(posture(), HOME)
+    drawn = paint_view(painter, "left")
+    painter.close()
+    corner = (slice(-27, None), slice(0, 160))
+    assert np.abs(image[corner].astype(int) - drawn[corner]).mean() > 40
+    elsewhere = slice(0, HEIGHT - 30)
+    assert np.median(np.abs(image[elsewhere].astype(int) - drawn[elsewhere])) < 20, "else both show the same"
+
+
+def test_a_picture_is_a_jpeg_with_the_size_of_the_robots_cameras() -> None:
+    painter = open_painter(ROBOT, "rays")
+    painter.pose(posture(), HOME)
+    image = paint_view(painter, "right")
+    jpeg = encode(image)
+    again = simplejpeg.decode_jpeg(jpeg)
+    assert again.shape == (HEIGHT, WIDTH, 3) == image.shape
+    assert CELL > 1
+    assert np.abs(again.astype(int) - image).mean() < 6
+    assert len(jpeg) < 40_000
+
+
+def test_only_the_outside_camera_sees_the_head() -> None:
+    posed = PosedModel(eye_scene().compile())
+    of_head = posed.model.geom_bodyid == posed.model.body("head").id
+    visible = posed.model.geom_group == VISUAL
+    assert (of_head & visible).sum() > 10
+    for eye in ("eye_left", "eye_right"):
+        seen = posed.groups_seen_from(eye) == VISUAL
+        assert not (seen & of_head).any()
+        assert (seen | of_head)[visible].all(), "all else is seen"
+    assert ((posed.groups_seen_from("outside") == VISUAL) == visible).all()

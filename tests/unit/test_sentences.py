@@ -1,0 +1,222 @@
+"""Sentences: every language has every entry with the same numbers, made from reason and detail only."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+import string
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh import Refused, codec, refusals, sentences
+from beatrix_zenoh._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
+from beatrix_zenoh.sentences import LANGUAGES, figures
+
+RAD = math.radians
+HERE = Vector3(RAD(10), RAD(-20), RAD(30.25))
+
+
+def pose(
+    reason: Reason, limit: Limit, value: float | None, *, at_goal: bool, leaves_s: float = 0.521
+) -> Refused:
+    gap = limit is Limit.ARM_GAP
+    low, high = {
+        Limit.TILT: (None, RAD(35)),
+        Limit.YAW: (-math.pi, math.pi),
+        Limit.ARM_GAP: (RAD(30), None),
+    }[limit]
+    detail = Detail(
+        limit=limit,
+        value=value,
+        low=low,
+        high=high,
+        unit="rad",
+        arms=["short", "middle"] if gap else [],
+        at_goal=at_goal,
+        leaves_s=leaves_s,
+        leaves_arms=HERE,
+        alternative=Alternative(arms=HERE, head=None if gap else Head(RAD(1), RAD(34), 0.0)),
+    )
+    return Refused(reason, detail=detail)
+
+
+def speed(value: float, other: float) -> Refused:
+    detail = Detail(
+        limit=Limit.SPEED,
+        value=value,
+        low=RAD(0.0215),
+        high=RAD(90),
+        unit="rad/s",
+        arms=["short", "long"],
+        alternative=Alternative(speed=Vector3(other, other, other)),
+    )
+    return Refused(Reason.SPEED_LIMIT, detail=detail)
+
+
+REFUSALS = [
+    refusals.not_enabled(),
+    refusals.not_calibrated(),
+    refusals.emergency_latched(),
+    refusals.driven_by("ana"),
+    refusals.driven_by("ana", 1.23),
+    refusals.taken_by("ana"),
+    refusals.lease_ended(3, "ana"),
+    refusals.frozen(),
+    refusals.teacher_only("ana"),
+    refusals.motion_running("ana"),
+    refusals.stopped_pause("ana", 3.0),
+    refusals.coming_to_rest(),
+    refusals.queue_full(64),
+    refusals.replaced_before_start(),
+    refusals.node_closing(),
+    refusals.session_ended(),
+    refusals.unknown_command(9),
+    refusals.home_known((0.1, -0.5, 0.2), RAD(2)),
+    refusals.not_at_rest(),
+    refusals.bad_field("speed"),
+    refusals.bad_field("gait", known=["speed", "yaw"]),
+    refusals.wildcard_key("beatrix/**", "beatrix/bea/sim/cmd/me/motion"),
+    refusals.motion_too_long(121.0, 60.0),
+    refusals.counted_too_far((0.0, 1001.0, 1.0), 1000.0),
+    refusals.too_far_to_send((0.0, 50.0, 1.0), 49.2),
+    refusals.too_far_for_any_pose((0.0, -7.0, 1.0), 6.3),
+    refusals.impossible_speed((0.0, -70.0, 1.0), 15.7),
+    Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(limit=Limit.TILT, value=RAD(35), high=RAD(29), unit="rad", field="tilt_max"),
+    ),
+    Refused(Reason.UNKNOWN_COMMAND, detail=Detail(field="enabel", known=refusals.COMMANDS)),
+    *(
+        pose(Reason.OUT_OF_REACH, Limit.TILT, value, at_goal=at_goal)
+        for value in (RAD(40), None)
+        for at_goal in (True, False)
+    ),
+    pose(Reason.OUT_OF_REACH, Limit.TILT, None, at_goal=False, leaves_s=0.0),
+    *(
+        pose(Reason.ARM_GAP, Limit.ARM_GAP, value, at_goal=at_goal)
+        for value in (RAD(12), RAD(-3))
+        for at_goal in (True, False)
+    ),
+    *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
+    speed(RAD(0.01), RAD(0.022)),
+    speed(RAD(100), RAD(90)),
+    *(Refused(reason) for reason in Reason),
+]
+
+
+def key_of(refusal: Refused) -> tuple[Reason, Limit | None, str]:
+    detail = refusal.detail
+    if detail is None:
+        return refusal.reason, None, ""
+    return refusal.reason, detail.limit, sentences.case_of(refusal.reason, detail)
+
+
+def numbers(text: str) -> list[float]:
+    """Numbers of a sentence in any language, in the order of their size."""
+    return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", text))
+
+
+def fields(template: str) -> set[str]:
+    return {name for _, name, _, _ in string.Formatter().parse(template) if name}
+
+
+def test_the_refusals_of_this_file_cover_every_sentence() -> None:
+    assert {key_of(refusal) for refusal in REFUSALS} == set(LANGUAGES["en"].refusals)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_has_every_sentence_with_the_same_fields(language: str) -> None:
+    english, other = LANGUAGES["en"], LANGUAGES[language]
+    assert set(other.refusals) == set(english.refusals)
+    for key, template in english.refusals.items():
+        assert fields(other.refusals[key]) == fields(template), key
+    for name in ("leaves", "head", "position", "speed", "nothing"):
+        assert fields(getattr(other, name)) == fields(getattr(english, name)), name
+    assert set(other.arms) == set(english.arms) == set(refusals.ARMS)
+    assert set(other.commands) == set(english.commands)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_has_the_same_numbers(language: str) -> None:
+    for refusal in REFUSALS:
+        text = sentences.render(refusal.reason, refusal.detail, language)
+        assert numbers(text) == numbers(refusal.message), key_of(refusal)
+        assert text[0].isupper() or text[0] in "'„a", text
+        assert text.endswith("."), text
+        assert "{" not in text
+
+
+def test_a_detail_from_the_network_gives_the_same_sentence() -> None:
+    for refusal in REFUSALS:
+        if refusal.detail is not None:
+            detail = codec.decode(codec.encode(refusal.detail), Detail)
+            assert sentences.render(refusal.reason, detail) == refusal.message
+
+
+@pytest.mark.parametrize(
+    ("refusal", "text"),
+    [
+        (
+            pose(Reason.OUT_OF_REACH, Limit.TILT, RAD(40), at_goal=True),
+            (
+                "The head would tilt 40.0°; at most 35.0° is allowed. The motion leaves the limits 0.52 s after its start, "
+                "with the arms at 10.0°, -20.0°, 30.2°. Try moving to yaw 1.0°, pitch 34.0°, roll 0.0°."
+            ),
+        ),
+        (
+            speed(RAD(0.01), RAD(0.022)),
+            (
+                "A speed of 0.010°/s for the short and long arm is too slow; 0.022°/s to 90.0°/s is allowed. Try a speed of "
+                "0.022°/s."
+            ),
+        ),
+        (
+            refusals.emergency_latched(),
+            (
+                "EMERGENCY_STOP is latched and the motors are off. Look at the robot and set the head upright, then reset, "
+                "enable and calibrate; `beatrix reset` sends RESET."
+            ),
+        ),
+    ],
+)
+def test_sentences_say_what_happened_what_is_allowed_and_what_to_do(refusal: Refused, text: str) -> None:
+    assert refusal.message == text
+
+
+def test_german_has_its_own_decimal_sign_and_names() -> None:
+    detail = pose(Reason.ARM_GAP, Limit.ARM_GAP, RAD(12), at_goal=True).detail
+    assert sentences.render(Reason.ARM_GAP, detail, "de").startswith(
+        "Zwischen dem kurzen und mittleren Arm blieben 12,0°; mindestens 30,0° sind nötig."
+    )
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_an_empty_detail_has_a_sentence(language: str) -> None:
+    for reason, limit in itertools.product(Reason, [None, *Limit]):
+        assert sentences.render(reason, Detail(limit=limit), language), (reason, limit)
+
+
+@given(
+    st.floats(1e-3, 400),
+    st.floats(1e-4, 0.5) | st.floats(-0.5, -1e-4),
+)
+def test_a_refused_number_is_shown_on_its_side_of_the_limit(high: float, excess: float) -> None:
+    value = high * (1 + excess)
+    shown = figures.most(high) if excess > 0 else figures.least(high)
+    text = figures.apart(value, [(high, shown)])
+    assert (float(text) > float(shown)) == (excess > 0)
+    assert float(text) != float(shown)
+
+
+@given(st.floats(1e-3, 400))
+def test_the_shown_limit_is_allowed(limit: float) -> None:
+    assert float(figures.most(limit)) <= limit * (1 + 1e-6) + 1e-6
+    assert float(figures.least(limit)) >= limit * (1 - 1e-6) - 1e-6
+
+
+def test_a_given_message_replaces_the_sentence() -> None:
+    refusal = Refused(Reason.BAD_VALUE, "Just so.", Detail(field="x"))
+    assert (str(refusal), refusal.message) == ("Just so.", "Just so.")

@@ -1,0 +1,82 @@
+"""Requests to shut down: by a signal at any time, by a thread, more than once."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from beatrix_zenoh.shutdown import SIGNALS, Shutdown
+
+EVERY_S = 20e-6
+
+
+@pytest.fixture
+def signals_as_before() -> Iterator[None]:
+    before = [(number, signal.getsignal(number)) for number in SIGNALS]
+    yield
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    # Keep a handler for SIGALRM: an alarm that is already pending would end Python without one.
+    signal.signal(signal.SIGALRM, lambda _signal, _frame: None)
+    for number, handler in before:
+        signal.signal(number, handler)
+
+
+def test_a_request_stays() -> None:
+    shutdown = Shutdown()
+    assert not shutdown.requested(0)
+    shutdown.request()
+    shutdown.request()
+    assert shutdown.requested(0)
+    assert shutdown.requested(0)
+    shutdown.wait()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_requests_a_shutdown(signals_as_before: None, number: signal.Signals) -> None:
+    shutdown = Shutdown()
+    shutdown.handle_signals()
+    signal.raise_signal(number)
+    assert shutdown.requested(0)
+
+
+def test_sighup_stays_ignored_after_nohup(signals_as_before: None) -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    shutdown = Shutdown()
+    shutdown.handle_signals()
+    signal.raise_signal(signal.SIGHUP)
+    assert not shutdown.requested(0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_while_python_exits_does_not_change_the_exit_code(number: signal.Signals) -> None:
+    code = "import atexit, signal; from beatrix_zenoh.cli.app import process\n"
+    code += f"atexit.register(signal.raise_signal, {number:d}); process(lambda: 7)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 7
+
+
+def test_another_thread_requests_a_shutdown() -> None:
+    shutdown = Shutdown()
+    threading.Timer(0.01, shutdown.request).start()
+    shutdown.wait()
+
+
+@pytest.mark.timeout(30)  # if a request took a lock, this would block within milliseconds
+def test_a_signal_may_arrive_anywhere(signals_as_before: None) -> None:
+    shutdown = Shutdown()
+    received = 0
+
+    def receive(_signal: int, _frame: object) -> None:
+        nonlocal received
+        received += 1
+        shutdown.request()
+
+    signal.signal(signal.SIGALRM, receive)
+    signal.setitimer(signal.ITIMER_REAL, EVERY_S, EVERY_S)
+    while received < 2000:
+        shutdown.requested(EVERY_S)
+    assert shutdown.requested(0)

@@ -1,0 +1,118 @@
+"""The stop handler: one request to the board for all presses that wait, EMERGENCY_STOP first, a reply to each."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import cast
+
+import msgspec
+import pytest
+
+from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, Reason
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import FrameType
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.node.component import Context
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.node import ControllerThread, build_context
+from beatrix_zenoh.node.request_handle import RequestHandle
+from beatrix_zenoh.node.stop import StopHandler
+from hw_node.body import VirtualHardware
+
+
+class Unconnected:
+    """Sessions of a node that no client can reach."""
+
+    class Control:
+        endpoint = "tcp/127.0.0.1:1"
+
+    control = Control()
+
+    def serve(self, *_: object) -> None:
+        """No query comes."""
+
+    def subscribe(self, *_: object) -> None:
+        """No put comes."""
+
+
+class Stage:
+    """A stop handler whose board only records its requests."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        sessions = cast("Sessions", Unconnected())
+        self.hardware = VirtualHardware("bea")
+        self.context: Context = build_context(sessions, "bea", self.hardware, ROBOT)
+        self.sent: list[FrameType] = []
+        self.busy, self.go_on = threading.Event(), threading.Event()
+        self.go_on.set()
+        monkeypatch.setattr(self.context.board_watch.board, "request", self._request)
+        self.handler = StopHandler(self.context)
+        self.controller = ControllerThread(self.context)
+        self.handler.start(sessions)
+        self.controller.start(sessions)
+        self.replies: dict[str, CommandReply] = {}
+        self.replied = threading.Semaphore(0)
+
+    def _request(self, frame: FrameType) -> None:
+        self.sent.append(frame)
+        self.busy.set()
+        self.go_on.wait(5)
+
+    def press(self, command: Command, seat: str) -> None:
+        def reply(message: msgspec.Struct) -> None:
+            assert isinstance(message, CommandReply)
+            self.replies[seat] = message
+            self.replied.release()
+
+        caller = Caller(seat, seat)
+        handle = RequestHandle(caller, command.name, self.context.events, reply, kind=EventKind.STOP)
+        self.handler.press(command, handle)
+
+    def close(self) -> None:
+        self.controller.close()
+        self.handler.close()
+        self.hardware.close()
+
+
+@pytest.fixture
+def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
+    made = Stage(monkeypatch)
+    yield made
+    made.close()
+
+
+def test_stop_is_sent_and_answered(stage: Stage) -> None:
+    stage.press(Command.STOP, "ana")
+    assert stage.replied.acquire(timeout=5)
+    assert stage.sent == [FrameType.STOP]
+    assert stage.replies["ana"].reason is Reason.OK
+
+
+def test_an_emergency_stop_is_sent_before_an_earlier_stop(stage: Stage) -> None:
+    stage.go_on.clear()
+    stage.press(Command.STOP, "ana")
+    assert stage.busy.wait(5)
+    stage.press(Command.STOP, "ben")
+    stage.press(Command.STOP, "cleo")
+    stage.press(Command.EMERGENCY_STOP, "dan")
+    stage.go_on.set()
+    for _ in range(4):
+        assert stage.replied.acquire(timeout=5)
+    assert stage.sent == [FrameType.STOP, FrameType.EMERGENCY_STOP, FrameType.STOP]
+    assert set(stage.replies) == {"ana", "ben", "cleo", "dan"}
+
+
+def test_every_press_is_an_event(stage: Stage) -> None:
+    stage.press(Command.STOP, "ana")
+    assert stage.replied.acquire(timeout=5)
+    (event,) = stage.context.events.latest().events
+    assert (event.kind, event.action, event.seat) == (EventKind.STOP, "STOP", "ana")
+
+
+def test_a_closed_handler_sends_nothing_and_answers_every_press(stage: Stage) -> None:
+    stage.controller.close()
+    stage.handler.close()
+    stage.press(Command.STOP, "ana")
+    assert stage.sent == []
+    assert stage.replies["ana"].reason is Reason.SHUTDOWN

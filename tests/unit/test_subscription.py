@@ -1,0 +1,196 @@
+"""Subscriptions and monitor records, with publications of the test."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable
+from typing import TypeVar, cast
+
+import msgspec
+import pytest
+from statuses import READY
+
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Event, EventKind, Events, Status
+from beatrix_zenoh.bus import Received, Reply
+from beatrix_zenoh.client import tolerance
+from beatrix_zenoh.client.robot_state import Channel, EventLog, Presence, Record
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Subscription, message
+from beatrix_zenoh.errors import NoAnswer
+
+KEY = keys.status("bea", "hw")
+M = TypeVar("M", bound=msgspec.Struct)
+
+
+class FakeBus:
+    """A bus on which the test publishes."""
+
+    def __init__(self) -> None:
+        self.subscribers: list[Callable[[Received], None]] = []
+
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+        assert key == KEY
+        self.subscribers.append(handle)
+        return lambda: self.subscribers.remove(handle)
+
+    def publish(self, payload: bytes, key: str = KEY) -> None:
+        for handle in self.subscribers:
+            handle(Received(key, payload, "", None))
+
+
+class FakeClient:
+    """The parts of a client that subscriptions need."""
+
+    def __init__(self) -> None:
+        self.bus, self.closing, self.reads = FakeBus(), list[Callable[[], None]](), 0
+
+    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
+        self.closing.append(do)
+        return lambda: None
+
+    def read(self, answer: Reply, kind: type[M]) -> M | None:
+        self.reads += 1
+        try:
+            return tolerance.decode(answer.payload, kind)[0]
+        except tolerance.Undecodable:
+            return None
+
+
+@pytest.fixture
+def client() -> FakeClient:
+    return FakeClient()
+
+
+def holder(status: Status) -> str:
+    return status.holder
+
+
+def status(holder: str) -> bytes:
+    return codec.encode(msgspec.structs.replace(READY, holder=holder))
+
+
+def subscribed(client: FakeClient, length: int = 10, timeout_s: float | None = 0.0) -> Subscription[str]:
+    read = message(Status, holder)
+    return Subscription(cast("Client", client), KEY, read, timeout_s=timeout_s, length=length)
+
+
+def test_values_come_in_order_with_robot_and_time(client: FakeClient) -> None:
+    subscription = subscribed(client)
+    for name in "abc":
+        client.bus.publish(status(name))
+    first = subscription.next_arrival()
+    assert (first.value, first.robot, first.twin) == ("a", "bea", "hw")
+    assert 0 < first.t_mono_ns < first.t_wall_ns
+    assert subscription.next() == "b"
+    assert subscription.take() == ["c"]
+    assert subscription.take(0.01) == []
+
+
+def test_nothing_is_decoded_before_it_is_read(client: FakeClient) -> None:
+    subscription = subscribed(client)
+    for name in "abc":
+        client.bus.publish(status(name))
+    assert client.reads == 0
+    assert (subscription.latest, subscription.latest) == ("c", "c")
+    assert client.reads == 1
+    assert subscription.take() == ["a", "b", "c"]
+
+
+def test_the_oldest_are_dropped_and_counted(client: FakeClient) -> None:
+    subscription = subscribed(client, length=2)
+    for name in "abcde":
+        client.bus.publish(status(name))
+    assert (subscription.take(), subscription.dropped) == (["d", "e"], 3)
+
+
+def test_undecodable_publications_are_skipped(client: FakeClient) -> None:
+    subscription = subscribed(client)
+    client.bus.publish(b"garbage")
+    assert subscription.latest is None
+    client.bus.publish(status("a"))
+    client.bus.publish(status("b"), key="elsewhere")
+    assert subscription.next() == "a"
+    with pytest.raises(NoAnswer, match=r"bea \(hw\): nothing for 0 s"):
+        subscription.next()
+
+
+def test_an_iteration_without_publications_ends_with_an_error(client: FakeClient) -> None:
+    client.bus.publish(status("before"))
+    subscription = subscribed(client, timeout_s=0.01)
+    client.bus.publish(status("a"))
+    values = iter(subscription)
+    assert next(values) == "a"
+    with pytest.raises(NoAnswer, match="frozen, or has gone"):
+        next(values)
+
+
+def test_close_ends_an_iteration_in_another_thread(client: FakeClient) -> None:
+    read: list[str] = []
+    with subscribed(client, timeout_s=None) as subscription:
+        reader = threading.Thread(target=lambda: read.extend(subscription))
+        reader.start()
+        client.bus.publish(status("a"))
+    reader.join(5.0)
+    assert (read, reader.is_alive(), client.bus.subscribers) == (["a"], False, [])
+    with pytest.raises(NoAnswer, match="closed by this program"):
+        subscription.next()
+    subscription._inbox.receive(Received(KEY, status("late"), "", None))
+    assert subscription.take() == []
+
+
+def test_closing_the_client_closes_its_subscriptions(client: FakeClient) -> None:
+    subscription = subscribed(client, timeout_s=None)
+    (close,) = client.closing
+    close()
+    assert list(itertools.islice(subscription, 1)) == []
+
+
+def test_a_channel_decodes_the_newest_once_and_returns_its_age(client: FakeClient) -> None:
+    channel = Channel(cast("Client", client), KEY, Status)
+    assert (channel.read(0.0), channel.rate(0.0), channel.empty) == ((None, None), 0.0, True)
+    for name in "abc":
+        channel.put(status(name))
+    message, age_s = channel.read(channel._times[-1] + 2.0)
+    assert message is not None
+    assert (message.holder, age_s, client.reads) == ("c", 2.0, 1)
+    channel.read(channel._times[-1])
+    assert client.reads == 1
+    channel.put(b"garbage")
+    assert channel.read(channel._times[-1]) == (None, 0.0)
+
+
+def test_the_rate_is_that_of_the_last_second(client: FakeClient) -> None:
+    channel = Channel(cast("Client", client), KEY, Status)
+    channel._times.extend(10.0 + 0.02 * number for number in range(50))
+    assert channel.rate(10.98) == pytest.approx(50.0)
+    assert channel.rate(20.0) == 0.0
+
+
+def event(seq: int, t_mono_ns: int = 0) -> Event:
+    return Event(seq=seq, t_mono_ns=t_mono_ns, t_wall_ns=0, kind=EventKind.STOP)
+
+
+def test_earlier_and_new_events_are_merged(client: FakeClient) -> None:
+    log = EventLog(cast("Client", client), keys.events("bea", "hw"), 3)
+    log.put(codec.encode(event(3)))
+    log.put_past(codec.encode(Events(events=[event(1), event(2), event(3)])))
+    log.put(b"garbage")
+    log.put(codec.encode(event(4)))
+    assert [found.seq for found in log.read()] == [2, 3, 4]
+    log.put(codec.encode(event(1, t_mono_ns=5)))  # the node was restarted
+    assert [found.seq for found in log.read()] == [3, 4, 1]
+
+
+def test_presence_of_a_robot(client: FakeClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    record = Record(cast("Client", client), "bea", "hw", 0)
+    assert record.state().presence is Presence.ABSENT
+    record.alive = True
+    assert record.state().presence is Presence.SILENT
+    record.positions.put(b"")
+    assert record.state().presence is Presence.ON_LINE
+    monkeypatch.setattr("beatrix_zenoh.client.robot_state.LOST_S", -1.0)
+    state = record.state()
+    assert (state.presence, state.reading, state.events) == (Presence.LOST, None, ())

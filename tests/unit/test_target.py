@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import pytest
+
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated.messages import Reason, TargetQuery, TargetReply
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.errors import Refused
+from sim_node.person import HOME
+from sim_node.target import BOUNDS, PERIOD_S, Target, TargetPath, check, on_path, reply
+
+
+@pytest.mark.parametrize("path", list(TargetPath))
+def test_every_path_begins_at_home_and_stays_within_the_bounds(path: TargetPath) -> None:
+    assert on_path(path, 0.0) == pytest.approx(HOME)
+    assert on_path(path, PERIOD_S) == pytest.approx(HOME)
+    places = [on_path(path, PERIOD_S * part / 200) for part in range(200)]
+    for place in places:
+        check(place)
+    assert (len(set(places)) == 1) == (path is TargetPath.STILL)
+
+
+def test_setting_the_place_ends_the_path() -> None:
+    target = Target(TargetPath.SWAY, start_s=0.0)
+    assert target.place(3.0) != target.place(4.0)
+    target.move((1.0, 0.5, 0.2))
+    assert target.place(5.0) == target.place(9.0) == (1.0, 0.5, 0.2)
+
+
+@pytest.mark.parametrize(("place", "field"), [((2.4, 0, 0), "x"), ((1, -2.1, 0), "y"), ((1, 0, 1.2), "z")])
+def test_a_place_outside_the_room_is_refused_with_the_bounds(
+    place: tuple[float, float, float], field: str
+) -> None:
+    target = Target(TargetPath.STILL, 0.0)
+    with pytest.raises(Refused, match="the room allows") as caught:
+        target.move(place)
+    detail = caught.value.detail
+    assert detail is not None
+    assert (detail.field, detail.low, detail.high, detail.unit) == (field, *BOUNDS[field], "m")
+    assert target.place(1.0) == HOME
+
+
+def test_a_place_inside_the_robot_is_refused() -> None:
+    with pytest.raises(Refused, match=r"at least 0\.35 m is allowed"):
+        check((0.2, 0.2, 0.1))
+
+
+def answer_to(target: Target, payload: bytes = b"", encoding: str = "", parameters: str = "") -> TargetReply:
+    return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
+
+
+def test_an_empty_query_returns_the_place() -> None:
+    answer = answer_to(Target(TargetPath.STILL, 0.0))
+    assert (answer.result, answer.x, answer.y, answer.z) == (True, *HOME)
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        {"payload": b"1 0.5 0.25"},
+        {"payload": b'{"x": 1, "y": 0.5, "z": 0.25}'},
+        {"payload": codec.encode(TargetQuery(x=1.0, y=0.5, z=0.25)), "encoding": codec.MSGPACK},
+        {"parameters": "x=1;y=.5;z=0.25"},
+    ],
+)
+def test_every_form_of_a_query_sets_the_place(raw: dict[str, str]) -> None:
+    answer = answer_to(Target(TargetPath.SWAY, 0.0), **raw)  # type: ignore[arg-type]
+    assert (answer.result, answer.x, answer.y, answer.z) == (True, 1.0, 0.5, 0.25)
+
+
+@pytest.mark.parametrize("wrong", [b"1 2", b"1 2 3 4", b"there", b"1 nan 0", b'{"x": 1}', b"9 0 0"])
+def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes) -> None:
+    answer = answer_to(Target(TargetPath.STILL, 0.0), wrong)
+    assert (answer.result, answer.reason) == (False, Reason.BAD_VALUE)
+    assert (answer.x, answer.y, answer.z) == HOME
+    assert "x" in answer.message

@@ -1,0 +1,112 @@
+"""Tolerant decoding of messages of other versions and foreign programs."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import msgspec
+import pytest
+from statuses import READY
+
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated.messages import CommandReply, Fault, MotionReply, Positions, Reason, Status
+from beatrix_zenoh.client.tolerance import Reporter, Undecodable, decode
+
+
+def changed(**fields: object) -> bytes:
+    """The status of a robot of another version; None: without this field."""
+    status = msgspec.to_builtins(READY) | fields
+    return msgspec.msgpack.encode({name: value for name, value in status.items() if value is not None})
+
+
+def test_a_message_of_this_version_is_read_as_it_is() -> None:
+    assert decode(codec.encode(READY), Status) == (READY, "")
+
+
+def test_new_fields_are_ignored() -> None:
+    assert decode(changed(mood="cheerful"), Status) == (READY, "")
+
+
+def test_an_unknown_enum_name_is_kept_and_equals_no_member() -> None:
+    status, wrong = decode(changed(fault="OVERHEATED"), Status)
+    assert (str(status.fault), f"{status.fault}") == ("OVERHEATED", "OVERHEATED")
+    assert status.fault not in set(Fault)
+    assert isinstance(status.fault, Fault)
+    assert "fault 'OVERHEATED'" in wrong
+    assert msgspec.json.decode(codec.encode_json(status))["fault"] == "OVERHEATED"
+    assert msgspec.structs.replace(status, fault=Fault.NONE) == READY
+
+
+@pytest.mark.parametrize(
+    ("fields", "name", "value", "named"),
+    [
+        ({"calibrations": None}, "calibrations", 0, "no calibrations"),
+        ({"warnings": None}, "warnings", [], "no warnings"),
+        ({"holder": 7}, "holder", "", "unreadable holder"),
+        ({"warnings": ["hot", 3]}, "warnings", ["hot", ""], "unreadable warnings"),
+        ({"plant": "round"}, "plant", None, "unreadable plant"),
+        ({"fault": None}, "fault", "UNKNOWN", "no fault"),
+    ],
+)
+def test_a_missing_or_unreadable_field_gets_a_zero_value(
+    fields: dict[str, object], name: str, value: object, named: str
+) -> None:
+    status, wrong = decode(changed(**fields), Status)
+    assert getattr(status, name) == value
+    assert named in wrong
+    assert status.robot == "bea"
+
+
+def test_fields_of_parts_are_named_with_their_path() -> None:
+    board: dict[str, Any] = msgspec.to_builtins(READY.board)
+    del board["boot"]
+    status, wrong = decode(changed(board=board), Status)
+    assert (status.board.boot, status.board.name) == (0, "bea")
+    assert "no board.boot" in wrong
+
+
+def test_an_invalid_number_counts_as_unreadable() -> None:
+    reply = {
+        "result": True,
+        "reason": "OK",
+        "message": "",
+        "position": {"x": float("nan"), "y": 1.0, "z": 2.0},
+    }
+    read, wrong = decode(msgspec.msgpack.encode(reply), CommandReply)
+    assert (read.position.x, read.position.y) == (0.0, 1.0)
+    assert "unreadable position.x" in wrong
+
+
+def test_a_reply_without_a_result_counts_as_failed() -> None:
+    reply, _ = decode(msgspec.msgpack.encode({"motion": 3}), MotionReply)
+    assert (reply.result, reply.motion, reply.reason in set(Reason)) == (False, 3, False)
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"hello", b"\xc1", b"\x93\x01\x02\x03", b"\x80", b"\x81\xa1a\x01", b"[" * 5000]
+)
+def test_bytes_without_a_field_of_the_message_are_undecodable(data: bytes) -> None:
+    for kind in (Status, Positions, CommandReply):
+        with pytest.raises(Undecodable):
+            decode(data, kind)
+
+
+def test_each_sender_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
+    reporter = Reporter()
+    with caplog.at_level(logging.WARNING, "beatrix_zenoh.client"):
+        for _ in range(3):
+            reporter.report("f00", "beatrix/bea/hw/stop", "ignored")
+        reporter.report("f00", "beatrix/bea/hw/info", "ignored")
+        reporter.report("", "beatrix/bea/hw/stop", "ignored")
+    assert [record.getMessage() for record in caplog.records] == [
+        "beatrix/bea/hw/stop from session f00: ignored",
+        "beatrix/bea/hw/stop: ignored",
+    ]
+
+
+def test_the_number_of_reported_senders_is_bounded() -> None:
+    reporter = Reporter()
+    for number in range(5000):
+        reporter.report(str(number), "beatrix/bea/hw/stop", "ignored")
+    assert len(reporter._reported) == 1000

@@ -1,0 +1,165 @@
+"""State of a Twin: from publications, or from queries if those are old; and the lag."""
+
+from __future__ import annotations
+
+import time
+from typing import cast
+
+import msgspec
+import pytest
+from statuses import READY
+
+from beatrix_zenoh import Monitor, NoAnswer, Refused, Robot
+from beatrix_zenoh._generated.messages import Head, Positions, Reason, Status, Steps, Vector3
+from beatrix_zenoh.client.lag import MotionBegin, lag_s
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.client.twin_state import TwinState
+from beatrix_zenoh.settings import Settings
+
+OFF = msgspec.structs.replace(READY, enabled=False)
+ZERO = Vector3(0.0, 0.0, 0.0)
+
+
+def positions(t_mono_ns: int = 0, short: float = 0.0) -> Positions:
+    """Arms at `short` rad, 0, 0."""
+    arms = Vector3(short, 0.0, 0.0)
+    return Positions(
+        seq=0,
+        t_mono_ns=t_mono_ns,
+        t_wall_ns=0,
+        position=arms,
+        velocity=ZERO,
+        commanded=arms,
+        steps=Steps(0, 0, 0),
+        head=Head(0.0, 0.0, 0.0),
+    )
+
+
+class Published:
+    """A fake client, Monitor and robot: published state, and replies of queries."""
+
+    def __init__(self, published: Status | None, queried: Status, age_s: float | None = 0.0) -> None:
+        self.settings = Settings("bea", "tcp/127.0.0.1:1", "ana")
+        self.replied_s: dict[tuple[str, str], float] = {}
+        self.presence, self.age_s = Presence.ON_LINE, age_s
+        self.place, self.twin = ("bea", "sim"), "sim"
+        self.queries = 0
+        self._published, self._queried = published, queried
+
+    def __str__(self) -> str:
+        return "bea (sim)"
+
+    def robot(self, name: str, twin: str) -> RobotState:
+        return RobotState(
+            robot=name,
+            twin=twin,
+            presence=self.presence,
+            status=self._published,
+            status_age_s=0.5,
+            positions=positions(),
+            positions_age_s=self.age_s,
+            hz=50.0,
+            events=(),
+            offsets=None,
+        )
+
+    def status(self) -> Status:
+        self.queries += 1
+        return self._queried
+
+
+def state_of(published: Published) -> TwinState:
+    state = TwinState(cast("Client", published), "bea")
+    state._monitor = cast("Monitor", published)
+    return state
+
+
+def test_a_new_published_state_needs_no_query() -> None:
+    published = Published(READY, OFF)
+    assert state_of(published).status(cast("Robot", published)) is READY
+    assert published.queries == 0
+
+
+@pytest.mark.parametrize(
+    ("status", "age_s", "presence"),
+    [
+        (READY, 0.2, Presence.ON_LINE),
+        (READY, None, Presence.SILENT),
+        (READY, 0.0, Presence.LOST),
+        (READY, 0.0, Presence.ABSENT),
+        (None, 0.0, Presence.ON_LINE),
+    ],
+)
+def test_an_old_or_missing_state_is_queried(
+    status: Status | None, age_s: float | None, presence: Presence
+) -> None:
+    published = Published(status, OFF, age_s)
+    published.presence = presence
+    assert state_of(published).status(cast("Robot", published)) is OFF
+    assert published.queries == 1
+
+
+def test_a_state_from_before_the_last_reply_is_waited_for_and_then_queried() -> None:
+    published = Published(READY, OFF)
+    robot = cast("Robot", published)
+    published.replied_s["bea", "sim"] = time.monotonic()
+    begin_s = time.monotonic()
+    assert state_of(published).status(robot) is READY  # its positions are always new
+    assert time.monotonic() - begin_s >= 0.03
+    published.replied_s["bea", "sim"] = time.monotonic() + 60
+    assert state_of(published).status(robot) is OFF
+    published.replied_s = {("bea", "hw"): time.monotonic() + 60}
+    assert state_of(published).status(robot) is READY
+
+
+def test_a_refusal_by_the_published_status_is_confirmed_by_a_query() -> None:
+    published = Published(OFF, READY)
+    state_of(published).check_may_move(cast("Robot", published))
+    assert published.queries == 1
+    both = Published(OFF, OFF)
+    with pytest.raises(Refused, match=r"^bea \(sim\): The motors are off") as refusal:
+        state_of(both).check_may_move(cast("Robot", both))
+    assert refusal.value.reason is Reason.NOT_ENABLED
+
+
+def test_another_seat_or_a_lost_board_forbids_switching() -> None:
+    held = msgspec.structs.replace(READY, holder="ben", moving=True)
+    published = Published(held, held)
+    with pytest.raises(Refused, match=r"ben drives this robot and its motion is running"):
+        state_of(published).check_may_switch(cast("Robot", published))
+    lost = msgspec.structs.replace(READY, board=msgspec.structs.replace(READY.board, connected=False))
+    published = Published(lost, lost)
+    with pytest.raises(NoAnswer):
+        state_of(published).check_may_switch(cast("Robot", published))
+
+
+class FakeRobot(MotionBegin):
+    """The test gives the positions."""
+
+    def __init__(self) -> None:
+        self._start = ArmAngles(0.0, 0.0, 0.0)
+        self._before = None
+        self.begin_ns = self.delay_ns = None
+
+    def path(self, begin_s: float, clock_s: float, delay_s: float) -> FakeRobot:
+        """Process positions of a robot that turns at 1 rad/s from `begin_s` on; its clock is `clock_s` ahead of ours."""
+        for index in range(100):
+            now_s = index * 0.02
+            source = positions(round((now_s + clock_s) * 1e9), max(0.0, now_s - begin_s))
+            self.see(Arrival(source, "bea", "sim", round((now_s + delay_s) * 1e9), 0))
+        return self
+
+
+@pytest.mark.parametrize("clock_s", [0.0, 7000.0, -12.0])
+def test_the_lag_is_found_whatever_the_clock_of_the_hardware(clock_s: float) -> None:
+    sim = FakeRobot().path(0.111, 0.0, 0.002)
+    hw = FakeRobot().path(1.234, clock_s, 0.003)
+    assert lag_s(sim, hw) == pytest.approx(1.123, abs=0.003)
+
+
+def test_a_robot_that_does_not_move_has_no_lag() -> None:
+    assert lag_s(FakeRobot().path(0.1, 0.0, 0.0), FakeRobot().path(9.0, 0.0, 0.0)) is None
+    assert lag_s(FakeRobot(), FakeRobot()) is None

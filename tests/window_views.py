@@ -1,0 +1,125 @@
+"""Views of the window's main states, from the real `State` and constructed worlds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import msgspec
+from worlds import absent, robot, status, world
+
+from beatrix_zenoh._generated.messages import Alternative, Detail, Fault, Head, Limit, Reason
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path
+from gui.state.actions import Action, Outcome
+from gui.state.intents import (
+    AimHead,
+    Intent,
+    Jog,
+    SavePose,
+    SendHead,
+    SetCameras,
+    SetDestination,
+    SetLanguage,
+    SetTheme,
+    Theme,
+)
+from gui.state.state import State
+from gui.state.views import View
+from gui.state.world import LinkPhase, PlanPhase, PlanProgress, World
+
+STATES = ("well", "preview", "refusal", "fault", "no-router", "driven")
+ARMS = (12.0, -4.5, 7.2)
+PATH = Path(
+    [i / 20 for i in range(21)],
+    [ArmAngles(0.0, 0.0, 0.0)] * 21,
+    [HeadAngles(i, 18 * math.sin(i / 8), i * 0.6) for i in range(21)],
+)
+
+
+def ready() -> World:
+    """Both robots are ready, and stand nearly alike."""
+    sim = posed("sim", ARMS, HeadAngles(12.0, -6.0, 4.0))
+    hw = posed("hw", (11.2, -4.1, 6.9), HeadAngles(9.0, -4.5, 3.1))
+    return world(sim, hw, names=("bea1", "bea2"))
+
+
+def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known: bool | str) -> RobotState:
+    """A robot that you drive, with this head orientation."""
+    made = robot(twin, arms=arms, known=status(twin, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
+    assert made.positions is not None
+    turned = msgspec.structs.replace(made.positions, head=Head(*map(math.radians, head)))
+    return replace(made, positions=turned)
+
+
+def reported(state: State, intent: Intent, now: World, refused: Detail | None = None) -> None:
+    """Send an intent and report that both robots have done or refused it."""
+    for action in state.handle(intent, now):
+        for twin in ("sim", "hw"):
+            state.report(outcome(action, twin, refused))
+
+
+def outcome(action: Action, twin: str, refused: Detail | None) -> Outcome:
+    """The end of a request at one robot."""
+    row: int = getattr(action, "row", 0)
+    if refused is None:
+        return Outcome(row, twin, accepted=True, done=True, duration_s=1.21)
+    message = "The head would tilt 40.0°; at most 35.0° is allowed."
+    return Outcome(
+        row, twin, accepted=False, done=True, reason=Reason.OUT_OF_REACH, message=message, detail=refused
+    )
+
+
+def driving(theme: Theme, language: str, now: World) -> State:
+    """A state with some requests in its history."""
+    state = State()
+    for intent in (
+        SetTheme(theme),
+        SetLanguage(language),
+        SetDestination("hw", checked=True),
+        SetCameras(on=True),
+    ):
+        state.handle(intent, now)
+    for name in ("nod", "left", "shy"):
+        state.handle(SavePose(name), now)
+    reported(state, Jog("short", 1), now)
+    reported(state, AimHead(20.0, -10.0, 5.0), now)
+    reported(state, SendHead(), now)
+    return state
+
+
+def example(state: str, theme: Theme, language: str) -> View:
+    """The view of one of STATES."""
+    now = ready()
+    deciding = driving(theme, language, now)
+    if state == "preview":
+        deciding.handle(AimHead(20.0, 14.0, 12.0), now)
+        deciding.handle(SendHead(), now)
+        plan = PlanProgress(PlanPhase.LEADING, "Possible.", 1.2, 2.0, 1.4, PATH)
+        now = replace(
+            now, plan=plan, sim=robot("sim", arms=(18.0, 2.0, 3.0), known=status("sim", moving=True))
+        )
+    elif state == "refusal":
+        deciding.handle(AimHead(20.0, 40.0, 0.0), now)
+        other = Alternative(head=Head(math.radians(20), math.radians(34), 0.0))
+        tilt = Detail(
+            limit=Limit.TILT,
+            at_goal=True,
+            value=math.radians(40),
+            high=math.radians(35),
+            unit="rad",
+            alternative=other,
+        )
+        reported(deciding, SendHead(), now, tilt)
+    elif state == "fault":
+        known = status("hw", enabled=False, calibrated=False, fault=Fault.EMERGENCY)
+        now = replace(now, hw=robot("hw", arms=ARMS, known=known))
+    elif state == "no-router":
+        now = world(absent("sim"), absent("hw"), phase=LinkPhase.NO_ROUTER, names=())
+    elif state == "driven":
+        taken = {
+            twin: robot(twin, arms=ARMS, known=status(twin, holder="ana", moving=True))
+            for twin in ("sim", "hw")
+        }
+        now = replace(now, sim=taken["sim"], hw=taken["hw"])
+    return deciding.view(now)

@@ -1,0 +1,142 @@
+"""A real window on a real link, used with mouse and keys."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
+from PyQt5.QtGui import QMouseEvent
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QWidget
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.settings import Settings
+from gui.run import linked_window
+from gui.state.saved import Saved
+from gui.state.state import State
+from gui.window import Window
+
+PATIENCE_S = 40.0
+PAUSE_MS = 5
+SIZE = (1366, 768)
+NEAR_DEG = 0.2
+HOME = (0.0, 0.0, 0.0)
+
+
+class Windowed:
+    """A user of a window: presses controls and reads what they show."""
+
+    def __init__(self, window: Window, state: State) -> None:
+        self.window, self.state = window, state
+
+    @property
+    def last(self) -> str:
+        """The last command with its outcome, as STOP shows it."""
+        return self.window.panels.stop_bar.last.text()
+
+    def press(self, button: QWidget) -> None:
+        """Click with the mouse."""
+        assert button.isVisible(), f"{button.accessibleName()} is hidden"
+        assert button.isEnabled(), f"{button.accessibleName()} is off: {button.toolTip()}"
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        self.until_shown()
+
+    def drag(self, widget: QWidget, start: QPoint, goal: QPoint) -> None:
+        """Drag with the mouse; QTest moves it without its buttons."""
+        steps = (
+            (QEvent.Type.MouseButtonPress, start),
+            (QEvent.Type.MouseMove, (start + goal) / 2),
+            (QEvent.Type.MouseMove, goal),
+            (QEvent.Type.MouseButtonRelease, goal),
+        )
+        left = Qt.MouseButton.LeftButton
+        for kind, place in steps:
+            held = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseButtonRelease else left
+            button = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseMove else left
+            event = QMouseEvent(
+                kind, QPointF(place), button, Qt.MouseButtons(held), Qt.KeyboardModifier.NoModifier
+            )
+            QApplication.sendEvent(widget, event)
+
+    def check(self, box: QAbstractButton, *, on: bool = True) -> None:
+        """Click a box unless it has the wanted state."""
+        if box.isChecked() != on:
+            QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
+        assert box.isChecked() is on
+
+    def send_to(self, *twins: str) -> None:
+        """Check these robots only."""
+        sending = self.window.panels.sending
+        self.check(sending.sim, on="sim" in twins)
+        self.check(sending.hw, on="hw" in twins)
+
+    def key(self, key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+        """Press a key as the platform does: in the popup, or in the focused widget."""
+        found: list[QWidget | None] = [QApplication.activePopupWidget(), QApplication.focusWidget()]
+        QTest.keyClick(next((widget for widget in found if widget is not None), self.window), key, modifiers)
+        self.until_shown()
+
+    def until_shown(self) -> None:
+        """Wait until the window shows the newest request, so that tests do not read older results."""
+        self.until(lambda: not self.window.refresh_pending, "the request is shown")
+
+    def type_number(self, box: QAbstractSpinBox, number: float) -> None:
+        """Type a number into a box, and Enter."""
+        box.setFocus()
+        self.until(box.hasFocus, "the box has the focus")
+        box.selectAll()
+        QTest.keyClicks(box, f"{number:g}")
+        QTest.keyClick(box, Qt.Key.Key_Return)
+
+    def until(self, holds: Callable[[], bool], what: str, timeout_s: float = PATIENCE_S) -> None:
+        """Process events of the window until a condition holds."""
+        deadline_s = time.monotonic() + timeout_s
+        while not holds():
+            assert time.monotonic() < deadline_s, f"not within {timeout_s} s: {what}; last: {self.last}"
+            QTest.qWait(PAUSE_MS)
+
+    def until_last(self, *words: str, timeout_s: float = PATIENCE_S) -> None:
+        """Wait until the last line has all these words."""
+        self.until(lambda: all(word in self.last for word in words), f"{words} in the last line", timeout_s)
+
+    def until_at(self, robot: Robot, *arms: float) -> None:
+        """Wait until a robot reports these angles (deg) of short, middle and long arm, and rests."""
+
+        def there() -> bool:
+            return near(robot.positions().arms, arms) and not robot.status().moving
+
+        self.until(there, f"{robot} at {arms}; it is at {robot.positions().arms}")
+
+    def until_ready(self, *twins: str) -> None:
+        """Wait until the window shows that these robots are ready."""
+        pills = self.window.panels.header.pills
+        self.until(lambda: all("ready" in pills[twin].state.text() for twin in twins), f"{twins} ready")
+
+
+def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:
+    """Whether all angles are within a tolerance, deg."""
+    return all(abs(angle - wanted) < by for angle, wanted in zip(arms, goal, strict=True))
+
+
+@contextmanager
+def windowed(
+    endpoint: str, robot: str = "bea", who: str = "ana", saved: Saved | None = None
+) -> Iterator[Windowed]:
+    """A shown and active window; closing it must take less than 3 s."""
+    state = State(saved or Saved())
+    with linked_window(Settings(robot, endpoint, who), state, name_given=True) as window:
+        window.resize(*SIZE)
+        window.show()
+        window.activateWindow()
+        made = Windowed(window, state)
+        made.until(window.isActiveWindow, "the window is active")
+        try:
+            yield made
+        finally:
+            window.close()
+            window.deleteLater()
+            closing_s = time.monotonic()
+    assert time.monotonic() - closing_s < 3.0, "it took too long to close"
