@@ -16,6 +16,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.classroom import class_file, provision
+from beatrix_zenoh.recording.viewer import free_port
 
 CLI = ("-m", "beatrix_zenoh.cli")
 ANSWER_S = 5.0
@@ -33,14 +34,12 @@ standby = "{standby}"
 """
 
 
-def free_port() -> int:
-    """A port that is free, and the next one, on IPv4 loopback."""
+def two_free_ports() -> int:
+    """A port that is free, as is the next one: the link to a second router has it."""
     while True:
-        with contextlib.ExitStack() as stack, contextlib.suppress(OSError, OverflowError):
-            first = stack.enter_context(socket.socket())
-            first.bind(("127.0.0.1", 0))
-            port: int = first.getsockname()[1]
-            stack.enter_context(socket.socket()).bind(("127.0.0.1", port + 1))
+        port = free_port()
+        with contextlib.suppress(OSError, OverflowError), socket.socket() as following:
+            following.bind(("127.0.0.1", port + 1))
             return port
 
 
@@ -97,7 +96,7 @@ class ClassRouter:
 
     def __init__(self, folder: Path, auth: str, standby: str = "") -> None:
         self.class_file = folder / "class.toml"
-        self.class_file.write_text(CLASS.format(auth=auth, port=free_port(), standby=standby))
+        self.class_file.write_text(CLASS.format(auth=auth, port=two_free_ports(), standby=standby))
         self.classroom = class_file.read(self.class_file)
         self.folder = folder / "8b"
         provision.init(self.classroom, self.folder)

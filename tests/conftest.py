@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 import re
 import signal
-import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -79,19 +78,6 @@ def no_settings_from_outside(
     for name in os.environ:
         if name.startswith(("BEATRIX_", "ZENOH_")):
             monkeypatch.delenv(name)
-
-
-@pytest.fixture
-def free_port() -> Callable[[], int]:
-    """Make TCP port numbers on 127.0.0.1 that nobody listens on."""
-
-    def make() -> int:
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port: int = probe.getsockname()[1]
-            return port
-
-    return make
 
 
 def running_threads() -> set[threading.Thread]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import queue
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -20,6 +19,7 @@ from beatrix_zenoh._generated.messages import Status
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.node import Node
+from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
@@ -44,9 +44,7 @@ def untraced() -> dict[str, str]:
 
 def free_endpoint() -> str:
     """A loopback endpoint nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -26,6 +25,7 @@ from beatrix_zenoh._generated.serial import MoveStraight
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.port import SerialPort
 
@@ -80,9 +80,7 @@ def cpu_s(pid: int) -> float:
 
 def free_endpoint() -> str:
     """Address of a router that is not running, on a free port of this computer."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 def spread_ms(seconds: list[float]) -> str:

@@ -9,7 +9,7 @@ from typing import Final
 
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
-from bench_node import Served, spread_ms
+from bench_node import Served, free_endpoint, spread_ms
 from PyQt5.QtCore import QEvent, QEventLoop, Qt
 from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtTest import QTest
@@ -17,7 +17,6 @@ from PyQt5.QtWidgets import QApplication, QWidget
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import Request
-from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 from gui.run import SIZE, linked_window, qt_application
 from gui.state.actions import Outcome
@@ -167,7 +166,7 @@ def measure(window: Window, endpoint: str) -> None:
 
 def main() -> None:
     """A router, a virtual robot with a pattern as cameras, and a window."""
-    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     robot = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:")
     application = qt_application()

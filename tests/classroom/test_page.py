@@ -7,10 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from class_router import CLI, free_port
+from class_router import CLI
 from shell import beatrix
 from stage import ROOT, Process
 
+from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import resolve
 
 

@@ -7,7 +7,6 @@ import re
 import signal
 import sys
 import urllib.request
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ from stage import Stage
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.recording.rrd.stream import Stream
-from beatrix_zenoh.recording.viewer import answers, program
+from beatrix_zenoh.recording.viewer import answers, free_port, program
 
 
 @pytest.fixture
@@ -24,7 +23,7 @@ def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv(name, raising=False)
 
 
-def test_live_robots_are_shown_in_a_browser(free_port: Callable[[], int]) -> None:
+def test_live_robots_are_shown_in_a_browser() -> None:
     port, page = free_port(), free_port()
     with Stage() as stage:
         words = ("view", "--web", "--connect", stage.endpoint, "--port", str(port), "--web-port", str(page))
@@ -66,7 +65,7 @@ def allowed_origin(port: int, origin: str) -> str | None:
 
 
 @pytest.mark.usefixtures("no_screen")
-def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path, free_port: Callable[[], int]) -> None:
+def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path) -> None:
     recording = tmp_path / "lesson.rrd"
     write_recording(recording)
     with Stage() as stage:
@@ -93,7 +92,7 @@ def test_a_file_that_is_no_recording_is_refused(tmp_path: Path) -> None:
     assert process.lines == [f"{recording} is empty. `beatrix record FILE.rrd` writes recordings."]
 
 
-def test_an_incomplete_recording_is_shown_with_a_note(tmp_path: Path, free_port: Callable[[], int]) -> None:
+def test_an_incomplete_recording_is_shown_with_a_note(tmp_path: Path) -> None:
     recording = tmp_path / "lesson.rrd"
     write_recording(recording)
     whole = recording.read_bytes()

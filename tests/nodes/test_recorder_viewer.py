@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, V
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_robot
 from beatrix_zenoh.recording.rrd.read import read
-from beatrix_zenoh.recording.viewer import HOST, Viewer, answers
+from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port
 
 SIM = ("bea", "sim")
 ROBOTS = RobotSet({SIM: Figure()})
@@ -73,7 +73,7 @@ def resident_mb() -> float:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def test_a_missing_viewer_is_reported_once(free_port: Callable[[], int]) -> None:
+def test_a_missing_viewer_is_reported_once() -> None:
     feed = Feed(free_port())
     for _ in range(5):
         assert not feed.feed()
@@ -84,7 +84,7 @@ def test_a_missing_viewer_is_reported_once(free_port: Callable[[], int]) -> None
     assert feed.output.close()
 
 
-def test_a_viewer_that_starts_later_gets_all_later_rows(free_port: Callable[[], int], tmp_path: Path) -> None:
+def test_a_viewer_that_starts_later_gets_all_later_rows(tmp_path: Path) -> None:
     port, kept = free_port(), tmp_path / "kept.rrd"
     feed = Feed(port)
     feed.feed()
@@ -107,7 +107,7 @@ def samples_in(path: Path) -> int:
         return 0
 
 
-def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again(free_port: Callable[[], int]) -> None:
+def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again() -> None:
     with server(port := free_port()) as viewer:
         feed = Feed(port)
         feed.until(ViewerState.CONNECTED)
@@ -125,7 +125,7 @@ def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again(free_port: Callable
         assert feed.output.close()
 
 
-def test_a_killed_viewer_is_found_again_when_it_is_restarted(free_port: Callable[[], int]) -> None:
+def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
     port = free_port()
     with server(port) as viewer:
         feed = Feed(port)
@@ -138,7 +138,7 @@ def test_a_killed_viewer_is_found_again_when_it_is_restarted(free_port: Callable
     assert [sentence.split()[0] for sentence in feed.said] == ["No", "The"]
 
 
-def test_close_does_not_wait_for_a_frozen_viewer(free_port: Callable[[], int], tmp_path: Path) -> None:
+def test_close_does_not_wait_for_a_frozen_viewer(tmp_path: Path) -> None:
     port = free_port()
     with Stage() as stage, server(port) as viewer:
         node = stage.hardware("bea")
@@ -156,7 +156,7 @@ def test_close_does_not_wait_for_a_frozen_viewer(free_port: Callable[[], int], t
         node.end()
 
 
-def test_the_viewer_is_not_reachable_from_other_computers(free_port: Callable[[], int]) -> None:
+def test_the_viewer_is_not_reachable_from_other_computers() -> None:
     with server(port := free_port()):
         sockets = Path("/proc/net/tcp").read_text() + Path("/proc/net/tcp6").read_text()
         local = [line.split()[1] for line in sockets.splitlines()[1:] if f":{port:04X}" in line.split()[1]]
@@ -166,13 +166,13 @@ def test_the_viewer_is_not_reachable_from_other_computers(free_port: Callable[[]
         assert HOST == "127.0.0.1"
 
 
-def test_the_error_of_a_killed_viewer_names_the_signal(free_port: Callable[[], int]) -> None:
+def test_the_error_of_a_killed_viewer_names_the_signal() -> None:
     with server(free_port()) as viewer:
         os.kill(viewer.pid, signal.SIGKILL)
         until(lambda: viewer.code is not None, "it has ended")
         assert viewer.ending() == "The Rerun viewer was ended by signal 9."
 
 
-def test_a_port_in_use_is_named(free_port: Callable[[], int]) -> None:
+def test_a_port_in_use_is_named() -> None:
     with server(port := free_port()), pytest.raises(Refused, match=f"Port {port} of this computer is taken"):
         Viewer(port)

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, refusal
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.access import ENDED_SESSIONS, QUIET_OLD_PROGRAM_S, TEXT_SESSION, Access, Action
 from beatrix_zenoh.node.lease import LINGER_S, QUIET_S, Caller
-
-ANA, BEN, BOSS = Caller("ana", "a1"), Caller("ben", "b1"), Caller(TEACHER, "t1")
-ANA_AGAIN = Caller("ana", "a2")
-OLD = Caller(OLD_PROGRAMS, TEXT_SESSION)
-NO_SESSION = Caller("me", "")
 
 
 @pytest.fixture
@@ -42,15 +37,6 @@ def stop(access: Access, session: str, now_s: float) -> Access:
     return access
 
 
-def refusal(access: Access, action: Action, caller: Caller, now_s: float, *, resting: bool = True) -> Reason:
-    """Return the reason of the refusal; OK if there is none."""
-    try:
-        access.authorize(action, caller, now_s, resting=resting)
-    except Refused as refused:
-        return refused.reason
-    return Reason.OK
-
-
 # -- lease ---------------------------------------------------------------------------------------
 
 
@@ -73,7 +59,7 @@ def refusal(access: Access, action: Action, caller: Caller, now_s: float, *, res
 def test_actions_of_each_caller_while_ana_holds_the_robot(
     access: Access, caller: Caller, action: Action, reason: Reason
 ) -> None:
-    assert refusal(begin_motion(access, ANA, 0), action, caller, 100) is reason
+    assert refusal(begin_motion(access, ANA, 0), caller, 100, action) is reason
 
 
 def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None:
@@ -88,14 +74,14 @@ def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None
 def test_the_lease_ends_exactly_linger_s_after_the_motion(access: Access) -> None:
     finish_motion(access, ANA, 10)
     assert access.holder(10 + LINGER_S - 0.001) == "ana"
-    assert refusal(access, Action.MOVE, BEN, 10 + LINGER_S - 0.001) is Reason.NOT_HOLDER
+    assert refusal(access, BEN, 10 + LINGER_S - 0.001) is Reason.NOT_HOLDER
     assert access.holder(10 + LINGER_S) == ""
-    assert refusal(access, Action.MOVE, BEN, 10 + LINGER_S) is Reason.OK
+    assert refusal(access, BEN, 10 + LINGER_S) is Reason.OK
 
 
 def test_the_teacher_becomes_the_holder(access: Access) -> None:
     begin_motion(begin_motion(access, ANA, 0), BOSS, 1)
-    assert refusal(access, Action.MOVE, ANA, 1) is Reason.NOT_HOLDER
+    assert refusal(access, ANA, 1) is Reason.NOT_HOLDER
 
 
 def test_undo_take_restores_the_previous_lease(access: Access) -> None:
@@ -111,7 +97,7 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
 
 def test_a_released_robot_is_free_at_once(access: Access) -> None:
     begin_motion(access, ANA, 0).release(0)
-    assert refusal(access, Action.MOVE, BEN, 0) is Reason.OK
+    assert refusal(access, BEN, 0) is Reason.OK
 
 
 # -- STOP ----------------------------------------------------------------------------------------
@@ -119,10 +105,10 @@ def test_a_released_robot_is_free_at_once(access: Access) -> None:
 
 def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access) -> None:
     begin_motion(access, ANA, 0).stop_pressed("b1", 1)
-    assert refusal(access, Action.MOVE, BOSS, 1, resting=True) is Reason.STOPPED
+    assert refusal(access, BOSS, 1, resting=True) is Reason.STOPPED
     access.stop_sent(1.1)
-    assert refusal(access, Action.MOVE, BOSS, 1.2, resting=False) is Reason.STOPPED
-    assert refusal(access, Action.MOVE, BOSS, 1.3, resting=True) is Reason.OK
+    assert refusal(access, BOSS, 1.2, resting=False) is Reason.STOPPED
+    assert refusal(access, BOSS, 1.3, resting=True) is Reason.OK
 
 
 def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> None:
@@ -137,53 +123,53 @@ def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> 
 def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> None:
     stop(begin_motion(access, ANA, 0), "b1", 1)
     for now_s in (1.5, 2.5, 3.5, 4.5):
-        assert refusal(access, Action.MOVE, ANA, now_s) is Reason.STOPPED
-    assert refusal(access, Action.MOVE, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
-    assert refusal(access, Action.MOVE, ANA, 4.5 + 2 * QUIET_S) is Reason.OK
+        assert refusal(access, ANA, now_s) is Reason.STOPPED
+    assert refusal(access, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
+    assert refusal(access, ANA, 4.5 + 2 * QUIET_S) is Reason.OK
 
 
 def test_a_program_that_moves_once_a_second_stays_stopped(access: Access) -> None:
     finish_motion(access, ANA, 0)
     stop(access, "b1", LINGER_S + 0.5)
     for second in range(10):
-        assert refusal(access, Action.MOVE, ANA, LINGER_S + 1 + second) is Reason.STOPPED
+        assert refusal(access, ANA, LINGER_S + 1 + second) is Reason.STOPPED
 
 
 def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access: Access) -> None:
     stop(begin_motion(access, ANA, 0), "b1", 1)
     begin_motion(access, BEN, 3)
-    assert refusal(access, Action.MOVE, ANA, 3.5) is Reason.NOT_HOLDER
+    assert refusal(access, ANA, 3.5) is Reason.NOT_HOLDER
     access.release(4)
-    assert refusal(access, Action.MOVE, ANA, 4.5) is Reason.STOPPED
+    assert refusal(access, ANA, 4.5) is Reason.STOPPED
 
 
 def test_the_session_that_pressed_stop_need_not_pause(access: Access) -> None:
     stop(begin_motion(access, ANA, 0), "a1", 1)
-    assert refusal(access, Action.MOVE, ANA, 1.1) is Reason.OK
+    assert refusal(access, ANA, 1.1) is Reason.OK
 
 
 def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_must_pause(
     access: Access,
 ) -> None:
     stop(begin_motion(access, ANA, 0), "a2", 1)
-    assert refusal(access, Action.MOVE, ANA, 1.1) is Reason.STOPPED
+    assert refusal(access, ANA, 1.1) is Reason.STOPPED
     begin_motion(access, ANA_AGAIN, 1.2)
-    assert refusal(access, Action.MOVE, ANA, 1.3) is Reason.STOPPED
+    assert refusal(access, ANA, 1.3) is Reason.STOPPED
 
 
 def test_a_second_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
     stop(stop(begin_motion(access, ANA, 0), "b1", 1), "a1", 1.1)
-    assert refusal(access, Action.MOVE, ANA, 1.2) is Reason.STOPPED
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
 def test_a_stop_by_another_session_begins_a_pause_after_the_own_stop(access: Access) -> None:
     stop(stop(begin_motion(access, ANA, 0), "a1", 1), "b1", 1.1)
-    assert refusal(access, Action.MOVE, ANA, 1.2) is Reason.STOPPED
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
 def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> None:
     stop(begin_motion(access, ANA, 0), "b1", 1).release(1)
-    assert refusal(access, Action.MOVE, BEN, 1.1) is Reason.OK
+    assert refusal(access, BEN, 1.1) is Reason.OK
 
 
 def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) -> None:
@@ -193,12 +179,12 @@ def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) 
     access.release(10)
     access.stop_pressed("b1", 10.1)
     access.stop_sent(10.1)
-    assert refusal(access, Action.MOVE, ANA_AGAIN, 10.3) is Reason.STOPPED
+    assert refusal(access, ANA_AGAIN, 10.3) is Reason.STOPPED
 
 
 def test_a_stop_without_a_session_also_pauses_a_caller_without_a_session(access: Access) -> None:
     stop(begin_motion(access, NO_SESSION, 0), "", 1)
-    assert refusal(access, Action.MOVE, NO_SESSION, 1.1) is Reason.STOPPED
+    assert refusal(access, NO_SESSION, 1.1) is Reason.STOPPED
 
 
 def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
@@ -207,24 +193,24 @@ def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> N
     access.stop_pressed("b1", 0)
     access.stop_sent(0.1)
     access.rested(0.2)
-    assert refusal(access, Action.MOVE, ANA, 0.3) is Reason.STOPPED
+    assert refusal(access, ANA, 0.3) is Reason.STOPPED
 
 
 def test_an_old_program_must_pause_until_it_is_quiet_or_opens_the_port_again(access: Access) -> None:
     stop(begin_motion(access, OLD, 0), "b1", 1)
     for now_s in (2, 5, 9):
-        assert refusal(access, Action.MOVE, OLD, now_s) is Reason.STOPPED
+        assert refusal(access, OLD, now_s) is Reason.STOPPED
     access.old_program_began()
-    assert refusal(access, Action.MOVE, OLD, 9.1) is Reason.OK
+    assert refusal(access, OLD, 9.1) is Reason.OK
     stop(begin_motion(access, OLD, 10), "b1", 11)
-    assert refusal(access, Action.MOVE, OLD, 11 + QUIET_OLD_PROGRAM_S - 0.1) is Reason.STOPPED
-    assert refusal(access, Action.MOVE, OLD, 11 + 2 * QUIET_OLD_PROGRAM_S) is Reason.OK
+    assert refusal(access, OLD, 11 + QUIET_OLD_PROGRAM_S - 0.1) is Reason.STOPPED
+    assert refusal(access, OLD, 11 + 2 * QUIET_OLD_PROGRAM_S) is Reason.OK
 
 
 def test_an_old_program_may_move_at_once_after_its_own_stop(access: Access) -> None:
     begin_motion(access, OLD, 0).stop_pressed(TEXT_SESSION, 1)
-    assert refusal(access, Action.MOVE, OLD, 1, resting=False) is Reason.OK
-    assert refusal(access, Action.MOVE, BOSS, 1, resting=False) is Reason.STOPPED
+    assert refusal(access, OLD, 1, resting=False) is Reason.OK
+    assert refusal(access, BOSS, 1, resting=False) is Reason.STOPPED
 
 
 # -- emergency latch ----------------------------------------------------------------------------
@@ -248,7 +234,7 @@ def test_actions_under_the_emergency_latch(
 ) -> None:
     begin_motion(access, ANA, 0).stop_pressed("b1", 1, emergency=True)
     access.stop_sent(1)
-    assert refusal(access, action, caller, 100) is reason
+    assert refusal(access, caller, 100, action) is reason
 
 
 def test_the_refusal_under_the_latch_lists_reset_first(access: Access) -> None:
@@ -266,7 +252,7 @@ def test_only_reset_clears_the_latch(access: Access) -> None:
     assert access.latched
     access.reset(3)
     assert not access.latched
-    assert refusal(access, Action.ENABLE, ANA, 3) is Reason.OK
+    assert refusal(access, ANA, 3, Action.ENABLE) is Reason.OK
 
 
 def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Access) -> None:
@@ -290,11 +276,11 @@ def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: A
 
 def test_requests_of_an_ended_session_are_refused_until_it_is_back(access: Access) -> None:
     assert not access.session_changed(ANA, alive=False)
-    assert refusal(access, Action.MOVE, ANA, 0) is Reason.CLIENT_LOST
-    assert refusal(access, Action.ENABLE, ANA, 0) is Reason.CLIENT_LOST
-    assert refusal(access, Action.STOP, ANA, 0) is Reason.OK
+    assert refusal(access, ANA, 0) is Reason.CLIENT_LOST
+    assert refusal(access, ANA, 0, Action.ENABLE) is Reason.CLIENT_LOST
+    assert refusal(access, ANA, 0, Action.STOP) is Reason.OK
     access.session_changed(ANA, alive=True)
-    assert refusal(access, Action.MOVE, ANA, 0) is Reason.OK
+    assert refusal(access, ANA, 0) is Reason.OK
 
 
 def test_only_the_end_of_the_moving_session_is_a_lost_client(access: Access) -> None:
@@ -307,7 +293,7 @@ def test_only_the_end_of_the_moving_session_is_a_lost_client(access: Access) -> 
 def test_a_token_under_another_seat_ends_no_session(access: Access) -> None:
     begin_motion(access, ANA, 0)
     assert not access.session_changed(Caller("ben", ANA.session), alive=False)
-    assert refusal(access, Action.MOVE, ANA, 0) is Reason.OK
+    assert refusal(access, ANA, 0) is Reason.OK
 
 
 def test_the_end_of_a_session_without_a_motion_is_not_a_lost_client(access: Access) -> None:
@@ -317,11 +303,11 @@ def test_the_end_of_a_session_without_a_motion_is_not_a_lost_client(access: Acce
 def test_a_caller_without_a_session_never_ends(access: Access) -> None:
     begin_motion(access, NO_SESSION, 0)
     assert not access.session_changed(NO_SESSION, alive=False)
-    assert refusal(access, Action.MOVE, NO_SESSION, 1) is Reason.OK
+    assert refusal(access, NO_SESSION, 1) is Reason.OK
 
 
 def test_only_the_newest_ended_sessions_are_remembered(access: Access) -> None:
     for number in range(ENDED_SESSIONS + 1):
         access.session_changed(Caller("x", f"s{number}"), alive=False)
-    assert refusal(access, Action.MOVE, Caller("x", "s0"), 0) is Reason.OK
-    assert refusal(access, Action.MOVE, Caller("x", "s1"), 0) is Reason.CLIENT_LOST
+    assert refusal(access, Caller("x", "s0"), 0) is Reason.OK
+    assert refusal(access, Caller("x", "s1"), 0) is Reason.CLIENT_LOST

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import pytest
+from callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
-from beatrix_zenoh.node.access import QUIET_OLD_PROGRAM_S, TEXT_SESSION, Access, Action
+from beatrix_zenoh.names import TEACHER
+from beatrix_zenoh.node.access import QUIET_OLD_PROGRAM_S, Access, Action
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
 # Counting coverage triples the time of these; test_access.py covers the same code.
 pytestmark = pytest.mark.no_cover
 
-ANA, ANA_AGAIN = Caller("ana", "a1"), Caller("ana", "a2")
-BEN, BEN_AGAIN = Caller("ben", "b1"), Caller("ben", "b2")
-BOSS, OLD, NO_SESSION = Caller(TEACHER, "t1"), Caller(OLD_PROGRAMS, TEXT_SESSION), Caller("me", "")
 CALLERS = st.sampled_from([ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, OLD, NO_SESSION])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from callers import ANA, ANA_AGAIN, BEN, BOSS, CLEO, refusal
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
@@ -11,28 +12,10 @@ from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.lease import IDLE_S, LINGER_S, WAITING_MAX, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
-ANA, ANA_AGAIN, BEN, CLEO = (
-    Caller("ana", "a1"),
-    Caller("ana", "a2"),
-    Caller("ben", "b1"),
-    Caller("cleo", "c1"),
-)
-BOSS = Caller(TEACHER, "t1")
-
 
 @pytest.fixture
 def access() -> Access:
     return Access()
-
-
-def refusal(
-    access: Access, caller: Caller, now_s: float, lease: int = 0, action: Action = Action.MOVE
-) -> Reason:
-    try:
-        access.authorize(action, caller, now_s, lease=lease)
-    except Refused as refused:
-        return refused.reason
-    return Reason.OK
 
 
 @pytest.mark.parametrize(

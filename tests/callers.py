@@ -1,0 +1,37 @@
+"""Callers of the access rules, and what they read."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.node.access import TEXT_SESSION, Access, Action
+from beatrix_zenoh.node.lease import Caller
+
+ANA: Final = Caller("ana", "a1")
+ANA_AGAIN: Final = Caller("ana", "a2")
+BEN: Final = Caller("ben", "b1")
+BEN_AGAIN: Final = Caller("ben", "b2")
+CLEO: Final = Caller("cleo", "c1")
+BOSS: Final = Caller(TEACHER, "t1")
+OLD: Final = Caller(OLD_PROGRAMS, TEXT_SESSION)
+NO_SESSION: Final = Caller("me", "")
+
+
+def refusal(
+    access: Access,
+    caller: Caller,
+    now_s: float,
+    action: Action = Action.MOVE,
+    *,
+    resting: bool = True,
+    lease: int = 0,
+) -> Reason:
+    """The reason for which an action is refused; OK if it is not."""
+    try:
+        access.authorize(action, caller, now_s, resting=resting, lease=lease)
+    except Refused as refused:
+        return refused.reason
+    return Reason.OK
