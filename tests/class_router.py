@@ -21,9 +21,9 @@ from beatrix_zenoh.recording.viewer import free_port
 CLI = ("-m", "beatrix_zenoh.cli")
 ANSWER_S = 5.0
 CLASS = """
-name = "8b"
-addresses = ["127.0.0.1"]
-seats = ["ana", "ben"]
+name = "{name}"
+addresses = ["{address}"]
+seats = {seats}
 robots = ["bea1", "bea2"]
 teacher = "Ada <Lovelace>"
 auth = "{auth}"
@@ -91,14 +91,34 @@ class Heard:
         self._end()
 
 
-class ClassRouter:
-    """The router of class 8b: seats ana and ben, robots bea1 and bea2, a teacher."""
+def class_text(
+    *,
+    auth: str = "password",
+    port: int = 7447,
+    standby: str = "",
+    name: str = "8b",
+    address: str = "127.0.0.1",
+    seats: str = '["ana", "ben"]',
+) -> str:
+    """A class file: robots bea1 and bea2, a teacher."""
+    return CLASS.format(auth=auth, port=port, standby=standby, name=name, address=address, seats=seats)
 
-    def __init__(self, folder: Path, auth: str, standby: str = "") -> None:
+
+class ClassRouter:
+    """The router of a class on a computer: seats ana and ben, robots bea1 and bea2, a teacher.
+
+    `options` are those of `class_text`.
+    """
+
+    def __init__(
+        self, folder: Path, auth: str, standby: str = "", inside: tuple[str, ...] = (), **options: str
+    ) -> None:
+        self._inside = inside
         self.class_file = folder / "class.toml"
-        self.class_file.write_text(CLASS.format(auth=auth, port=two_free_ports(), standby=standby))
+        text = class_text(auth=auth, port=two_free_ports(), standby=standby, **options)
+        self.class_file.write_text(text)
         self.classroom = class_file.read(self.class_file)
-        self.folder = folder / "8b"
+        self.folder = folder / self.classroom.name
         provision.init(self.classroom, self.folder)
         self.process = self.start()
         self._sessions: dict[str, Bus] = {}
@@ -106,7 +126,7 @@ class ClassRouter:
 
     def start(self, file: Path | None = None) -> Process:
         """Start the router, or the one of another file."""
-        process = Process(*CLI, "router", "--class", str(file or self.class_file))
+        process = Process(*CLI, "router", "--class", str(file or self.class_file), inside=self._inside)
         process.expect("ready")
         return process
 

@@ -60,10 +60,16 @@ class Process:
     """A child process whose output lines are read as they come."""
 
     def __init__(
-        self, *command: str, listens: bool = False, traced: bool = True, folder: Path = ROOT
+        self,
+        *command: str,
+        listens: bool = False,
+        traced: bool = True,
+        folder: Path = ROOT,
+        inside: tuple[str, ...] = (),
     ) -> None:
+        """Start Python; `inside` is a command that starts it elsewhere, such as in a network namespace."""
         self._child = subprocess.Popen(
-            [sys.executable, *command],
+            [*inside, sys.executable, *command],
             stdin=subprocess.PIPE if listens else None,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from class_router import CLASS
+from class_router import class_text
 from shell import beatrix
 
 from beatrix_zenoh import account
@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import WrongUsage
 @pytest.fixture(params=["password", "certificate"])
 def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     path = tmp_path / "class.toml"
-    path.write_text(CLASS.format(auth=request.param, port=7447, standby=""))
+    path.write_text(class_text(auth=request.param))
     return path
 
 
@@ -95,7 +95,7 @@ def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
 def test_a_wrong_class_file_is_refused_by_its_field(
     tmp_path: Path, change: dict[str, str], sentence: str
 ) -> None:
-    text = CLASS.format(auth="password", port=7447, standby="")
+    text = class_text()
     for old, new in change.items():
         assert old in text
         text = text.replace(old, new)

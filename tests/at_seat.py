@@ -1,0 +1,100 @@
+"""A program at a seat of a class: evaluates each line of its input, and prints `= result` or `! error`.
+
+It uses the account of its folder, as the programs of a student do.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from functools import cache
+from pathlib import Path
+
+from beatrix_zenoh import Robot as OneRobot
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.settings import resolve
+
+PATIENCE_S = 10.0
+HEARD: Counter[tuple[str, str]] = Counter()
+"""Publications by key and session of the publisher."""
+ASKED: list[str] = []
+"""Keys of queries that reached a queryable of this seat."""
+
+
+@cache
+def client() -> Client:
+    """The session of this program."""
+    return Client(resolve())
+
+
+@cache
+def robot(name: str) -> OneRobot:
+    """A robot of the class."""
+    return OneRobot(name, "hw", client=client(), timeout_s=PATIENCE_S)
+
+
+def ready(name: str) -> str:
+    """Make a robot ready to move."""
+    robot(name).make_ready()
+    return name
+
+
+def begin(name: str, yaw: float, speed: float = 10.0) -> str:
+    """Begin a motion, deg and deg/s."""
+    robot(name).look(yaw=yaw, speed=speed, wait=False)
+    return name
+
+
+def yaw(name: str) -> float:
+    """Commanded angle of the short arm, to a tenth of a degree."""
+    return round(robot(name).positions().commanded.short, 1)
+
+
+def listen(*keys: str) -> int:
+    """Subscribe to keys."""
+    for key in keys:
+        client().bus.subscribe(key, lambda received: HEARD.update([(received.key, received.session)]))
+    return len(keys)
+
+
+def heard() -> list[tuple[str, str]]:
+    """What has come."""
+    return list(HEARD)
+
+
+def spy(key: str) -> str:
+    """Serve a key of others."""
+    client().bus.serve(key, lambda incoming: ASKED.append(incoming.key))
+    return key
+
+
+def asked() -> list[str]:
+    """Queries that came."""
+    return ASKED
+
+
+def can_connect(account: str, endpoint: str = "") -> bool:
+    """Whether the router of the account's class, or another, accepts the account in a file; raises if not."""
+    shown = accounts.load(Path(account))
+    with zbus.connect(endpoint or shown.connect, account=shown):
+        return True
+
+
+def main() -> None:
+    """Read lines until the end of the input."""
+    print("ready", flush=True)
+    for line in sys.stdin:
+        try:
+            result = eval(line, globals())
+        except Exception as error:  # noqa: BLE001  # the test reads it
+            print("!", type(error).__name__, str(error).replace("\n", " "), flush=True)
+        else:
+            print("=", repr(result), flush=True)
+    if client.cache_info().currsize:
+        client().close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""Thirty seats and one robot: one of them drives it, and a seat that is gone does not."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import msgspec
+import pytest
+from cable import Cable
+from class_router import ClassRouter
+from seat import PROGRAM, Seat, use_account
+from stage import PATIENCE_S, Process, until
+
+from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.node import Node
+from beatrix_zenoh.settings import Settings
+from hw_node.body import VirtualHardware
+
+SEATS = 30
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A class with one of its robots on line."""
+    with ClassRouter(tmp_path_factory.mktemp("class"), "password", seats=str(SEATS)) as made:
+        account = made.account("bea1")
+        node = Node(
+            Sessions(lambda: zbus.connect(account.connect, account=account)), "bea1", VirtualHardware("bea1")
+        ).start()
+        yield made
+        node.close()
+
+
+def robot_of(router: ClassRouter, seat: str) -> Robot:
+    """The robot through a session of a seat."""
+    account = router.account(seat)
+    client = Client(Settings("bea1", account.connect, seat, account=account))
+    return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
+
+
+def test_one_of_thirty_simultaneous_takes_wins_and_the_others_read_its_name(router: ClassRouter) -> None:
+    gate = threading.Barrier(SEATS)
+
+    def take(robot: Robot) -> Refused | None:
+        gate.wait(PATIENCE_S)
+        try:
+            lease.ask(robot, LeaseAction.TAKE)
+        except Refused as refused:
+            return refused
+        return None
+
+    robots = [robot_of(router, seat) for seat in router.classroom.seats]
+    try:
+        with ThreadPoolExecutor(SEATS) as pool:
+            ends = list(pool.map(take, robots))
+        holder = robots[0].status().holder
+        winners = [
+            seat for seat, refused in zip(router.classroom.seats, ends, strict=True) if refused is None
+        ]
+        assert winners == [holder]
+        for refused in filter(None, ends):
+            assert refused.reason is Reason.NOT_HOLDER
+            assert f"{holder} has taken this robot" in refused.message
+            assert refused.detail is not None
+            assert refused.detail.holder == holder
+    finally:
+        for robot in robots:
+            robot.client.close()
+
+
+@pytest.mark.parametrize("fault", ["killed", "frozen", "unplugged"])
+def test_a_holder_that_is_gone_loses_the_robot_to_the_seat_that_waits(
+    router: ClassRouter, tmp_path: Path, fault: str
+) -> None:
+    account = router.account("seat01")
+    with Cable("127.0.0.1", router.classroom.port) as cable:
+        path = tmp_path / "seat01.toml"
+        path.write_text(msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}").text())
+        use_account(tmp_path, path)
+        holder = Seat(Process(PROGRAM, folder=tmp_path, listens=True, traced=False))
+        faults: dict[str, Callable[[], None]] = {
+            "killed": lambda: holder.process.send(signal.SIGKILL),
+            "frozen": lambda: holder.process.send(signal.SIGSTOP),
+            "unplugged": cable.unplug,
+        }
+        next_one = robot_of(router, "seat02")
+        try:
+            next_one.make_ready()
+            start = next_one.positions().commanded.short
+            holder.expect_ready()
+            holder.does("bool(robot('bea1').lease())")
+            holder.does(f"begin('bea1', {-150 if start > 0 else 150})")
+            lease.ask(next_one, LeaseAction.WAIT)
+            until(lambda: abs(next_one.positions().commanded.short - start) > 1, "moving")
+            faults[fault]()
+            until(lambda: not next_one.status().moving, "the robot stops")
+            until(lambda: next_one.status().holder == "seat02", "the lease is free, and handed over")
+            assert abs(next_one.positions().commanded.short) < 140, "it has not arrived"
+            assert not next_one.status().moving
+            lease.ask(next_one, LeaseAction.GIVE_BACK)
+        finally:
+            holder.process.end(signal.SIGKILL)
+            next_one.client.close()

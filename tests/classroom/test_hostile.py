@@ -1,0 +1,95 @@
+"""Hostile and broken traffic at the router's port, and a seat that floods: the lesson goes on, and STOP stops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import hostile
+import msgspec
+import pytest
+from cable import Cable
+from class_router import CLI, ClassRouter
+from seat import use_account
+from stage import PATIENCE_S, ROOT, Process, ready, until
+
+from beatrix_zenoh import Interrupted, Robot
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.settings import Settings
+
+STOPS = 3
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A class with one of its robots on line."""
+    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as made:
+        node = start(tmp_path_factory.mktemp("bea1"), made.path("bea1"), *CLI, "hw", "--port", "virtual:")
+        yield made
+        assert node.end() == 0
+
+
+def start(folder: Path, account: Path, *command: str) -> Process:
+    """Start a program that uses an account."""
+    use_account(folder, account)
+    process = Process(*command, folder=folder, traced=False)
+    process.expect("ready")
+    return process
+
+
+@pytest.fixture(scope="module")
+def teacher(router: ClassRouter) -> Iterator[Robot]:
+    """The robot through the session of the teacher, which may move it again just after its own STOP."""
+    account = router.account("teacher")
+    with Client(Settings("bea1", account.connect, "teacher", account=account)) as client:
+        yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
+
+
+def moves_and_stops(robot: Robot) -> None:
+    """The robot moves, and STOP ends the motion."""
+    start = robot.positions().commanded.short
+    motion = robot.look(yaw=-90.0 if start > 0 else 90.0, speed=30, wait=False)
+    until(lambda: abs(robot.positions().commanded.short - start) > 1, "moving")
+    assert robot.stop().result
+    with pytest.raises(Interrupted):
+        motion.wait()
+    assert not robot.status().moving
+
+
+def recorded_session(router: ClassRouter) -> bytes:
+    """What a program of ana sends that turns the robot."""
+    account = router.account("ana")
+    with Cable("127.0.0.1", router.classroom.port) as cable:
+        endpoint = f"tcp/127.0.0.1:{cable.port}"
+        account = msgspec.structs.replace(account, connect=endpoint)
+        with Client(Settings("bea1", endpoint, "ana", account=account)) as client:
+            Robot("bea1", "hw", client=client).look(yaw=1, speed=60)
+        return bytes(max(cable.recorded, key=len))
+
+
+def test_hostile_traffic_moves_nothing_and_stops_nothing(router: ClassRouter, teacher: Robot) -> None:
+    recorded = recorded_session(router)
+    before = teacher.status().motion
+    seats = teacher.client.bus.tokens(keys.seat("ana", "*"))
+    with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
+        until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
+        assert teacher.status().motion == before, "none of them has moved the robot"
+        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, "nor opened a session"
+        for _ in range(STOPS):
+            moves_and_stops(teacher)
+    moves_and_stops(teacher)
+    moved = {event.seat for event in teacher.past_events() if event.kind is EventKind.MOTION}
+    assert moved == {"ana", "teacher"}
+    assert sum(event.seat == "ana" for event in teacher.past_events() if event.kind is EventKind.MOTION) == 2
+
+
+def test_stop_stops_beside_a_seat_that_floods(router: ClassRouter, teacher: Robot, tmp_path: Path) -> None:
+    flooding = start(tmp_path, router.path("ben"), str(ROOT / "tools/hostile.py"), "bea1")
+    try:
+        for _ in range(STOPS):
+            moves_and_stops(teacher)
+    finally:
+        flooding.end()
+    moves_and_stops(teacher)

@@ -1,0 +1,177 @@
+"""Several computers, two classes: each reaches the router only, and no class hears or moves anything of the other."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+from class_router import CLI, ClassRouter
+from hosts import LISTENING, Host, School, sockets
+from seat import PROGRAM, Seat, use_account
+from stage import Process
+
+CONNECT = "__import__('socket').create_connection(('{}', {}), 5)"
+MULTICAST = "__import__('socket').socket(2, 2).sendto(b'x', ('224.0.0.224', 7446))"
+
+
+@dataclass
+class Lesson:
+    """Class 8a with the robots bea1 and bea2, class 8b with a robot bea1, and their seats."""
+
+    school: School
+    routers: dict[str, ClassRouter]
+    hosts: dict[str, Host]
+    """computers of robots and seats by name and class"""
+    seats: dict[str, Seat]
+
+    @property
+    def processes(self) -> list[Process]:
+        """Of all robots and seats."""
+        return [process for host in self.hosts.values() for process in host.processes]
+
+
+@pytest.fixture(scope="module")
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
+    """Both routers run on one computer, at two ports; each robot and each seat has a computer of its own."""
+    with School(tmp_path_factory.mktemp("school")) as school:
+        routers = {
+            name: ClassRouter(
+                tmp_path_factory.mktemp(name),
+                auth,
+                inside=school.router.inside,
+                name=name,
+                address=school.address,
+            )
+            for name, auth in (("8a", "password"), ("8b", "certificate"))
+        }
+        made = Lesson(school, routers, {}, {})
+        try:
+            for place in ("bea1 8a", "bea2 8a", "bea1 8b"):
+                computer(made, place).start(*CLI, "hw", "--port", "virtual:")
+            for place in ("ana 8a", "ben 8a", "ana 8b"):
+                made.seats[place] = Seat(computer(made, place).start(PROGRAM, listens=True))
+            for process in made.processes:
+                process.expect("ready")
+            yield made
+        finally:
+            school.close()
+            for router in routers.values():
+                router.close()
+
+
+def computer(lesson: Lesson, place: str) -> Host:
+    """A computer whose programs use the account of a name in a class."""
+    name, class_name = place.split()
+    lesson.hosts[place] = lesson.school.host(place)
+    use_account(lesson.hosts[place].folder, lesson.routers[class_name].path(name))
+    return lesson.hosts[place]
+
+
+def test_seats_of_a_class_meet_its_robots_and_no_others(lesson: Lesson) -> None:
+    ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
+    for seat in (ana, ben):
+        assert seat.does("client().bus.robots(PATIENCE_S)") == [("bea1", "hw"), ("bea2", "hw")]
+    assert other.does("client().bus.robots(PATIENCE_S)") == [("bea1", "hw")]
+    ana.does("ready('bea1')")
+    ana.does("begin('bea1', 20, 60)")
+    ana.until("yaw('bea1') == 20", "arrived")
+    assert other.does("yaw('bea1')") == 0, "the robot of the same name in the other class"
+    assert "ana drives this robot" in ben.refused("begin('bea1', 0)")
+
+
+def test_stop_of_all_robots_stops_those_of_the_own_class(lesson: Lesson) -> None:
+    ana, other = lesson.seats["ana 8a"], lesson.seats["ana 8b"]
+    for seat, robot in ((ana, "bea2"), (other, "bea1")):
+        seat.does(f"ready({robot!r})")
+        seat.does(f"begin({robot!r}, 170)")
+    ana.does("client().bus.put('beatrix/*/*/stop', b'', 'text/plain')")
+    ana.until("not robot('bea2').status().moving", "stopped")
+    assert other.does("robot('bea1').status().moving")
+    other.does("robot('bea1').stop().result")
+
+
+def test_nobody_hears_what_is_not_theirs(lesson: Lesson) -> None:
+    ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
+    for seat in (ana, other):
+        seat.does("listen('**', '@/**', '**/@alive', 'beatrix/**')")
+        for key in ("**", "beatrix/**", "beatrix/*/*/cmd/**", "beatrix/bea2/hw/cmd/*/command"):
+            seat.does(f"spy({key!r})")
+    ben.until("robot('bea2').home() is None", "a motion of another seat, when the robot is free")
+    for seat, robots in ((ana, {"bea1", "bea2"}), (other, {"bea1"})):
+        seat.until(f"{{key.split('/')[1] for key, _ in heard()}} == {robots}", "their own robots")
+        keys = [key for key, _ in seat.does("heard()")]  # type: ignore[attr-defined]
+        assert all(key.startswith("beatrix/") and "/hw/state/" in key for key in keys), keys
+        assert len(set(keys)) == len(keys), "each from one robot: none of the other class"
+        assert seat.does("asked()") == []
+
+
+def test_an_account_is_of_one_class_only(lesson: Lesson) -> None:
+    for place, own, other in (("ana 8a", "8a", "8b"), ("ana 8b", "8b", "8a")):
+        seat = lesson.seats[place]
+        assert seat.does(f"can_connect({str(lesson.routers[own].path('ana'))!r})")
+        foreign = lesson.routers[other].classroom.connect
+        assert "NoAnswer" in seat.refused(
+            f"can_connect({str(lesson.routers[own].path('ana'))!r}, {foreign!r})"
+        )
+
+
+def test_no_computer_but_the_routers_listens_and_none_sends_datagrams(lesson: Lesson) -> None:
+    for process in lesson.processes:
+        found = sockets(process.pid)
+        assert found, "it is connected"
+        assert {table for table, _ in found} <= {"tcp", "tcp6"}, "neither multicast nor a name service"
+        assert LISTENING not in {state for _, state in found}
+    for router in lesson.routers.values():
+        assert sockets(router.process.pid).count(("tcp", LISTENING)) == 1
+        assert {table for table, _ in sockets(router.process.pid)} == {"tcp"}
+
+
+def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
+    if not lesson.school.isolated:
+        assert "refused" in lesson.seats["ana 8a"].refused(CONNECT.format("127.0.0.1", 7446))
+        return  # no namespaces here: the other tests have run on one computer
+    for place, seat in lesson.seats.items():
+        for other, host in lesson.hosts.items():
+            if other != place:
+                assert "unreachable" in seat.refused(CONNECT.format(host.address, 7447)), (place, other)
+        assert "unreachable" in seat.refused(MULTICAST)
+
+
+def test_a_seat_that_is_unplugged_loses_its_robot_and_comes_back(lesson: Lesson) -> None:
+    ana, ben = lesson.seats["ana 8a"], lesson.seats["ben 8a"]
+    ana.until("bool(begin('bea1', 150))", "a long motion")
+    ben.until("yaw('bea1') > 25", "moving")
+    lesson.school.unplug(lesson.hosts["ana 8a"])
+    ben.until("not robot('bea1').status().moving and not robot('bea1').status().holder", "stopped, and free")
+    assert ben.does("yaw('bea1') < 100"), "it has not arrived"
+    ben.does("begin('bea1', 0)")
+    lesson.school.plug(lesson.hosts["ana 8a"])
+    ana.until("robot('bea1').status().holder == 'ben'", "the seat is back")
+    ben.does("robot('bea1').stop().result")
+
+
+def test_a_router_restarted_in_mid_lesson_moves_nothing_and_all_come_back(lesson: Lesson) -> None:
+    ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
+    ana.until("bool(begin('bea1', 150))", "a motion")
+    rest = ben.does("yaw('bea2')")
+    other.until("bool(begin('bea1', 150))", "a motion in the other class")
+    ana.until("yaw('bea1') > 25", "moving")
+    router = lesson.routers["8a"]
+    router.process.end(signal.SIGKILL)
+    router.start_again()
+    try:
+        for seat in (ana, ben):
+            seat.until("len(client().bus.robots()) == 2", "both robots")
+            seat.until("not robot('bea1').status().moving", "stopped by itself")
+        where = ben.does("yaw('bea1')")
+        assert isinstance(where, float)
+        assert where < 140
+        ben.until("ready('bea2') == 'bea2'", "the seat is known again")
+        assert ben.does("yaw('bea2')") == rest, "it has not moved"
+        assert ana.does("yaw('bea1')") == where, "nor goes the motion on"
+        ana.until("bool(begin('bea1', 0))", "the lesson goes on")
+        assert other.does("robot('bea1').status().moving"), "the other class has not noticed"
+    finally:
+        router.process.end()  # a test ends what it has started, so this is the last test of this lesson

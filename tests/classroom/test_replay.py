@@ -1,0 +1,67 @@
+"""A recorded session that is sent to the router again opens nothing and moves nothing."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from collections.abc import Iterator
+
+import hostile
+import msgspec
+import pytest
+from cable import Cable
+from class_router import Answering, ClassRouter, replies, settled
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+
+COMMAND = keys.command("bea1", "hw", "ana")
+PATIENCE_S = 20.0
+
+
+@pytest.fixture(params=["password", "certificate"])
+def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
+        yield made
+
+
+def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
+    """Send the pieces one by one, each after what the router says to the one before; return how much it has said."""
+    said = 0
+    with (
+        contextlib.suppress(ConnectionError),
+        socket.create_connection(("127.0.0.1", router.classroom.port), PATIENCE_S) as connection,
+    ):
+        for piece in pieces[:-1]:
+            connection.sendall(piece)
+            connection.settimeout(0.3)
+            with contextlib.suppress(TimeoutError):
+                said += len(connection.recv(4096))
+        connection.settimeout(PATIENCE_S)
+        connection.sendall(pieces[-1])
+        while data := connection.recv(4096):  # until the router closes it
+            said += len(data)
+    return said
+
+
+def test_a_replayed_session_opens_nothing(router: ClassRouter) -> None:
+    served = Answering(router.session("bea1"), keys.command("bea1", "hw", "*"))
+    settled(router.session("bea1"))
+    account = router.account("ana")
+    with Cable("127.0.0.1", router.classroom.port) as cable:
+        endpoint = f"{router.classroom.protocol}/127.0.0.1:{cable.port}"
+        relayed = msgspec.structs.replace(account, connect=endpoint)
+        with zbus.connect(endpoint, account=relayed) as session:
+            token = keys.seat("ana", session.session_id)
+            session.declare_token(token)
+            assert replies(session, COMMAND), "the recording has a request that is carried out"
+            recorded = bytes(max(cable.recorded, key=len))
+            for pieces in ([recorded], hostile.frames(recorded)[:3]):
+                send_again(router, pieces)
+            assert replies(session, COMMAND), "nor does it end the session that it copies"
+    teacher = router.session("teacher")
+    for pieces in ([recorded], hostile.frames(recorded)):
+        assert send_again(router, pieces) > 0, "the router begins a handshake, and ends it"
+        assert token not in teacher.tokens(keys.seat("*", "*"), PATIENCE_S)
+    assert served.asked == [COMMAND] * 2, "the recorded request has not come again"
+    assert replies(router.session("ana"), COMMAND)

@@ -1,0 +1,147 @@
+"""The computers of a school: each reaches the router's computer, and no other.
+
+Each is a network namespace where this computer permits them: linked to the router's by a cable of its own, without a
+route to any other address, and without multicast. Elsewhere all of them are processes on loopback.
+"""
+
+from __future__ import annotations
+
+import functools
+import signal
+import subprocess
+from pathlib import Path
+from typing import Final, Self
+
+from stage import Process, until
+
+ROUTER: Final = "10.99.0.1"
+HOST: Final = "10.99.0.{}"
+NAMESPACE: Final = ("unshare", "--map-root-user", "--net")
+PROBE: Final = "ip link add a type veth peer name b"
+TABLES: Final = ("tcp", "tcp6", "udp", "udp6")
+LISTENING: Final = "0A"
+"""State of a socket in /proc/net/tcp."""
+
+
+@functools.cache
+def isolates() -> bool:
+    """Whether this computer permits network namespaces with cables between them."""
+    try:
+        done = subprocess.run([*NAMESPACE, "sh", "-c", PROBE], capture_output=True, check=False)
+    except OSError:
+        return False
+    return done.returncode == 0
+
+
+class Host:
+    """A computer: its processes have its network and its folder."""
+
+    def __init__(self, folder: Path, number: int, inside: tuple[str, ...]) -> None:
+        self.folder, self.number, self.inside = folder, number, inside
+        self.processes: list[Process] = []
+
+    def start(self, *command: str, listens: bool = False) -> Process:
+        """Start a Python program."""
+        process = Process(*command, listens=listens, traced=False, folder=self.folder, inside=self.inside)
+        self.processes.append(process)
+        return process
+
+    @property
+    def address(self) -> str:
+        """The address of this computer."""
+        return HOST.format(self.number) if self.inside else "127.0.0.1"
+
+
+class School:
+    """The computers, and the cables between them and the router's."""
+
+    def __init__(self, folder: Path) -> None:
+        self.isolated = isolates()
+        self._folder = folder
+        self._namespaces: list[subprocess.Popen[bytes]] = []
+        self.hosts: list[Host] = []
+        self.router = self._host("router")
+
+    @property
+    def address(self) -> str:
+        """The router's address."""
+        return ROUTER if self.isolated else "127.0.0.1"
+
+    def host(self, name: str) -> Host:
+        """A computer whose cable is plugged in."""
+        host = self._host(name)
+        if self.isolated:
+            cable, own, pid = f"cable{host.number}", HOST.format(host.number), self._namespaces[-1].pid
+            self._network(
+                self.router,
+                f"link add {cable} type veth peer name eth0 netns {pid}",
+                f"addr add {ROUTER} peer {own} dev {cable}",
+                f"link set {cable} multicast off up",
+            )
+            self._network(
+                host,
+                "link set lo up",
+                f"addr add {own} peer {ROUTER} dev eth0",
+                "link set eth0 multicast off up",
+            )
+        return host
+
+    def unplug(self, host: Host) -> None:
+        """Pull the cable of a computer; without namespaces, suspend its processes, which others cannot tell from it."""
+        self._connect(host, "down", signal.SIGSTOP)
+
+    def plug(self, host: Host) -> None:
+        """Plug the cable in again."""
+        self._connect(host, "up", signal.SIGCONT)
+
+    def _connect(self, host: Host, state: str, number: signal.Signals) -> None:
+        if self.isolated:
+            self._network(self.router, f"link set cable{host.number} {state}")
+        else:
+            for process in host.processes:
+                process.send(number)
+
+    def _host(self, name: str) -> Host:
+        folder = self._folder / name
+        folder.mkdir()
+        inside: tuple[str, ...] = ()
+        if self.isolated:  # `cat` keeps the namespace until this process closes its input, or ends
+            make = (*self.router.inside, "unshare", "--net") if self.hosts else NAMESPACE
+            keeper = subprocess.Popen([*make, "cat"], stdin=subprocess.PIPE)
+            self._namespaces.append(keeper)
+            until(lambda: Path(f"/proc/{keeper.pid}/comm").read_text() == "cat\n", "a namespace")
+            inside = ("nsenter", "--preserve-credentials", "--user", "--net", "--target", str(keeper.pid))
+        self.hosts.append(Host(folder, len(self.hosts) + 1, inside))
+        return self.hosts[-1]
+
+    def _network(self, host: Host, *lines: str) -> None:
+        """Change the network of a computer; each line is a command of ip(8)."""
+        subprocess.run(
+            [*host.inside, "ip", "-batch", "-"], input="\n".join(lines), text=True, check=True, timeout=10
+        )
+
+    def close(self) -> None:
+        """End all processes and networks."""
+        for host in reversed(self.hosts):
+            for process in reversed(host.processes):
+                process.end()
+        for keeper in self._namespaces:
+            keeper.communicate(timeout=10)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def sockets(pid: int) -> list[tuple[str, str]]:
+    """Protocol and state of all internet sockets of a process, from /proc."""
+    links = [str(path.readlink()) for path in Path(f"/proc/{pid}/fd").iterdir() if path.is_symlink()]
+    own = {link.partition("[")[2].rstrip("]") for link in links if link.startswith("socket:")}
+    rows = [
+        (table, line.split())
+        for table in TABLES
+        for line in Path(f"/proc/{pid}/net/{table}").read_text().splitlines()[1:]
+    ]
+    return [(table, fields[3]) for table, fields in rows if fields[9] in own]

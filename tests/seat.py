@@ -1,0 +1,57 @@
+"""A seat of a class: a program (at_seat.py) that does what a test says."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from stage import ROOT, Process, until
+
+PROGRAM = str(ROOT / "tests/at_seat.py")
+
+
+def use_account(folder: Path, account: Path) -> None:
+    """Let programs in a folder use an account."""
+    (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
+
+
+class Seat:
+    """The program of a seat."""
+
+    def __init__(self, process: Process) -> None:
+        self.process = process
+
+    def expect_ready(self) -> None:
+        """Wait until it reads lines."""
+        self.process.expect("ready")
+
+    def line(self, expression: str) -> str:
+        """Let it evaluate an expression; return `= result` or `! error`."""
+        self.process.say(expression)
+        return self.process.expect(("= ", "! "))
+
+    def does(self, expression: str) -> object:
+        """Let it evaluate an expression that must succeed."""
+        said = self.line(expression)
+        assert said.startswith("= "), f"{expression}: {said}"
+        value: object = ast.literal_eval(said.removeprefix("= "))
+        return value
+
+    def refused(self, expression: str) -> str:
+        """Let it evaluate an expression that must fail; return the error."""
+        said = self.line(expression)
+        assert said.startswith("! "), f"{expression}: {said}"
+        return said.removeprefix("! ")
+
+    def until(self, expression: str, what: str) -> None:
+        """Wait until an expression is true; errors count as false."""
+        said: list[str] = []
+
+        def holds() -> bool:
+            said.append(self.line(expression))
+            return said[-1] == "= True"
+
+        try:
+            until(holds, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; {expression}: {said[-1]}") from None

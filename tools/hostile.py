@@ -1,0 +1,132 @@
+"""Hostile and broken traffic at the port of a router, and a seat that floods a robot.
+
+`python tools/hostile.py ROBOT` floods the robot with motions and positions as the account of this computer.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import socket
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterator
+from typing import Final, Self
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import PoseQuery
+from beatrix_zenoh.settings import resolve
+
+KINDS: Final = ("random", "garbage frame", "truncated", "replayed", "mutated", "oversize", "http")
+HALF_OPEN: Final = 150
+"""Connections that stay open and never say anything."""
+PAUSE_S: Final = 0.002
+"""Between two attacks of one kind, s."""
+LONGEST: Final = 65535
+"""Largest length that Zenoh's frames on TCP can announce: two bytes, little-endian."""
+
+
+def frames(stream: bytes) -> list[bytes]:
+    """Split what a client has sent over TCP into Zenoh's frames."""
+    found = []
+    while len(stream) >= 2:
+        end = 2 + int.from_bytes(stream[:2], "little")
+        found.append(stream[:end])
+        stream = stream[end:]
+    return found
+
+
+def payload(kind: str, recorded: bytes, dice: random.Random) -> bytes:
+    """Return what an attack sends; `recorded` is what a client has sent in an earlier session."""
+    match kind:
+        case "random":
+            sent = dice.randbytes(dice.randrange(1, 2000))
+        case "garbage frame":
+            noise = dice.randbytes(dice.randrange(1, 200))
+            sent = len(noise).to_bytes(2, "little") + noise
+        case "truncated":
+            sent = recorded[: dice.randrange(1, len(recorded))]
+        case "mutated":
+            changed = bytearray(recorded)
+            for _ in range(dice.randrange(1, 8)):
+                changed[dice.randrange(len(changed))] = dice.randrange(256)
+            sent = bytes(changed)
+        case "oversize":
+            sent = (LONGEST.to_bytes(2, "little") + bytes(LONGEST)) * 8
+        case "http":
+            sent = b"GET / HTTP/1.1\r\nHost: router\r\n\r\n"
+        case _:
+            sent = recorded
+    return sent
+
+
+class Attack:
+    """Threads that attack a router's port until `close`; `recorded` is what a client has sent in an earlier session."""
+
+    def __init__(self, host: str, port: int, recorded: bytes) -> None:
+        self.sent: Counter[str] = Counter()
+        """attacks by kind"""
+        self._address, self._recorded = (host, port), recorded
+        self._over = threading.Event()
+        self._half_open = list(self._silent_connections())
+        self._threads = [
+            threading.Thread(target=self._run, args=(kind, random.Random(number)))
+            for number, kind in enumerate(KINDS)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def _silent_connections(self) -> Iterator[socket.socket]:
+        for _ in range(HALF_OPEN):
+            self.sent["half-open"] += 1
+            yield socket.create_connection(self._address, 5.0)
+
+    def _run(self, kind: str, dice: random.Random) -> None:
+        while not self._over.wait(PAUSE_S):
+            with contextlib.suppress(OSError), socket.create_connection(self._address, 5.0) as connection:
+                connection.settimeout(0.05)
+                connection.sendall(payload(kind, self._recorded, dice))
+                connection.recv(100)
+            self.sent[kind] += 1
+
+    def close(self) -> None:
+        """End all attacks."""
+        self._over.set()
+        for thread in self._threads:
+            thread.join()
+        for connection in self._half_open:
+            connection.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def flood(robot: str) -> None:
+    """Send motions to a robot, and positions of the own robot to everyone, as fast as Zenoh accepts them."""
+    settings = resolve()
+    key = keys.pose(robot, "hw", settings.who)
+    payloads = [codec.encode(PoseQuery(yaw=yaw)) for yaw in (0.9, 1.0)]
+    own = keys.positions(settings.robot, "sim")
+    with zbus.connect(settings.connect, account=settings.account) as bus:
+        print("ready", flush=True)
+        waiting: list[zbus.Query] = []
+        number = 0
+        while True:
+            waiting.append(bus.query(key, payloads[number % 2], codec.MSGPACK, timeout_s=5.0))
+            bus.put(own, bytes(1000), codec.MSGPACK)
+            number += 1
+            if len(waiting) > 500:
+                waiting.pop(0).close()
+            if not bus.connected:  # the router has disconnected this client
+                time.sleep(0.01)
+
+
+if __name__ == "__main__":
+    flood(sys.argv[1])
