@@ -20,7 +20,9 @@ class BeatrixError(Exception):
     the alternative in degrees.
     """
 
-    def __init__(self, reason: Reason, message: str, detail: Detail | None = None) -> None:
+    def __init__(self, reason: Reason, message: str = "", detail: Detail | None = None) -> None:
+        """Make the sentence from reason and detail if no message is given."""
+        message = message or sentences.render(reason, detail)
         super().__init__(message)
         self.reason = reason
         self.message = message
@@ -29,10 +31,6 @@ class BeatrixError(Exception):
 
 class Refused(BeatrixError):
     """A request that the robot, or a check before sending, has refused; nothing has moved."""
-
-    def __init__(self, reason: Reason, message: str = "", detail: Detail | None = None) -> None:
-        """Make the sentence from reason and detail if no message is given."""
-        super().__init__(reason, message or sentences.render(reason, detail), detail)
 
 
 class WrongUsage(Refused):
@@ -44,7 +42,7 @@ class Interrupted(BeatrixError):
 
 
 class NoAnswer(BeatrixError):
-    """No answer: no router, no robot of this name, or no reply in time."""
+    """No answer; `reason` says why: see docs/how-to/no-answer.md."""
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import queue
+import shutil
 import signal
 import socket
 from pathlib import Path
@@ -140,6 +141,11 @@ class ClassRouter:
         self.process = self.start()
         self._processes.append(self.process)
 
+    def make_anew(self) -> None:
+        """Make the accounts anew, as after the loss of the folder; for a router that starts later."""
+        shutil.rmtree(self.folder)
+        provision.init(self.classroom, self.folder)
+
     def path(self, name: str) -> Path:
         """The file of an account."""
         return next(self.folder.glob(f"*s/{name}.toml"))
@@ -151,9 +157,13 @@ class ClassRouter:
         """The session of an account, one for each of its programs."""
         label = f"{name} {program}"
         if label not in self._sessions:
-            account = self.account(name)
-            self._sessions[label] = zbus.connect(account.connect, label=label, account=account)
+            self._sessions[label] = self.open(name, label)
         return self._sessions[label]
+
+    def open(self, name: str, label: str = "") -> Bus:
+        """A new session of an account, which the caller closes."""
+        account = self.account(name)
+        return zbus.connect(account.connect, label=label, account=account)
 
     def close(self) -> None:
         for session in self._sessions.values():
@@ -166,6 +176,14 @@ class ClassRouter:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def start_node(folder: Path, account: Path) -> Process:
+    """Serve the robot of an account, which a file `beatrix.toml` names."""
+    (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
+    node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
+    node.expect("ready")
+    return node
 
 
 def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:

@@ -9,6 +9,7 @@ from typing import Self
 from stage import until
 
 from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.settings import Settings
@@ -33,12 +34,18 @@ class Linked:
     """A link that was started, closed at the end of a `with` block."""
 
     def __init__(
-        self, endpoint: str, robot: str = "bea", who: str = "ana", *, name_given: bool = True
+        self,
+        endpoint: str,
+        robot: str = "bea",
+        who: str = "ana",
+        *,
+        name_given: bool = True,
+        account: Account | None = None,
     ) -> None:
         self.outcomes: list[Outcome] = []
         self.pictures: list[tuple[str, str]] = []
         self.link = Link(
-            Settings(robot, endpoint, who),
+            Settings(robot, endpoint, who, account=account),
             self.outcomes.append,
             lambda twin, image: self.pictures.append((twin, image.eye)),
             name_given=name_given,

@@ -28,7 +28,7 @@ from gui.state.state import State
 from gui.state.views import View
 from gui.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
-STATES = ("well", "preview", "refusal", "fault", "no-router", "driven")
+STATES = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
 ARMS = (12.0, -4.5, 7.2)
 PATH = Path(
     [i / 20 for i in range(21)],
@@ -116,6 +116,8 @@ def example(state: str, theme: Theme, language: str) -> View:
         now = replace(now, hw=robot("hw", arms=ARMS, known=known))
     elif state == "no-router":
         now = world(absent("sim"), absent("hw"), phase=LinkPhase.NO_ROUTER, names=())
+    elif state == "refused":
+        now = world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED, names=())
     elif state == "driven":
         taken = {
             twin: robot(twin, arms=ARMS, known=status(twin, holder="ana", moving=True))

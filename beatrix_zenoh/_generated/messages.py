@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "3d794ba4"
+CONTRACT: Final = "6f00c9a4"
 """Hash of messages and keys."""
 
 
@@ -65,8 +65,18 @@ class Reason(StrEnum):
     """The firmware is of another version than the node, or was built for another robot."""
     NO_ANSWER = "NO_ANSWER"
     """No answer: the robot is not on line."""
+    NO_SUCH_ROBOT = "NO_SUCH_ROBOT"
+    """No robot of this name is on line, but others are."""
+    NODE_LOST = "NODE_LOST"
+    """The robot was on line and is not any more: its node has crashed, ended, frozen or lost its router."""
+    NODE_FROZEN = "NODE_FROZEN"
+    """The robot is on line, but its node neither answers nor publishes."""
     TIMED_OUT = "TIMED_OUT"
-    """The robot did not answer in time."""
+    """The robot is on line, but did not answer in time."""
+    ACCESS_DENIED = "ACCESS_DENIED"
+    """The router's access rules refuse this request from this account."""
+    ACCOUNT_REFUSED = "ACCOUNT_REFUSED"
+    """The router does not accept the account of this program."""
     NO_ROUTER = "NO_ROUTER"
     """There is no Zenoh router at this endpoint."""
     NAME_TAKEN = "NAME_TAKEN"
@@ -100,7 +110,12 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.EMERGENCY: "EMERGENCY_STOP is latched; send RESET first.",
     Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
     Reason.NO_ANSWER: "No answer: the robot is not on line.",
-    Reason.TIMED_OUT: "The robot did not answer in time.",
+    Reason.NO_SUCH_ROBOT: "No robot of this name is on line, but others are.",
+    Reason.NODE_LOST: "The robot was on line and is not any more: its node has crashed, ended, frozen or lost its router.",
+    Reason.NODE_FROZEN: "The robot is on line, but its node neither answers nor publishes.",
+    Reason.TIMED_OUT: "The robot is on line, but did not answer in time.",
+    Reason.ACCESS_DENIED: "The router's access rules refuse this request from this account.",
+    Reason.ACCOUNT_REFUSED: "The router does not accept the account of this program.",
     Reason.NO_ROUTER: "There is no Zenoh router at this endpoint.",
     Reason.NAME_TAKEN: "A robot of this name is already on line.",
     Reason.SHUTDOWN: "The node is closing.",
@@ -357,7 +372,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     known: list[str] = []
     """values that are allowed instead"""
     holder: str = ""
-    """seat that holds the robot"""
+    """seat that holds the robot; of ACCESS_DENIED the account that is refused"""
     wait_s: float | None = None
     """time after which the same request may succeed [s]"""
     needs: list[str] = []

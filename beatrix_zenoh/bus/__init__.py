@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from beatrix_zenoh.bus.credentials import without_rights as without_rights
 from beatrix_zenoh.bus.endpoint import endpoints as endpoints
 from beatrix_zenoh.bus.endpoint import is_listening as is_listening
 from beatrix_zenoh.bus.endpoint import is_local as is_local
@@ -9,6 +10,7 @@ from beatrix_zenoh.bus.endpoint import parse_endpoint as parse_endpoint
 from beatrix_zenoh.bus.endpoint import probe as probe
 from beatrix_zenoh.bus.query import Query as Query
 from beatrix_zenoh.bus.query import Reply as Reply
+from beatrix_zenoh.bus.query import intersects as intersects
 from beatrix_zenoh.bus.router import open_router as open_router
 from beatrix_zenoh.bus.session import CLOSED as CLOSED
 from beatrix_zenoh.bus.session import Bus as Bus

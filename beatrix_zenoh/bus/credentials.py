@@ -92,18 +92,35 @@ def refusal(endpoint: str, account: Account | None) -> str:
             f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
             "`beatrix join FILE` with the file of your seat. Or the program that listens there is not a router."
         )
-    who = f"The router at {endpoint} refuses account {account.name} of class {account.class_name}"
-    anew = f"Ask for a new {account.name}.toml, then `beatrix join {account.name}.toml`."
     if account.password:
-        return (
-            f"{who}: it does not know the account, or the password is wrong, because it is another class's router, it was "
-            f"started before the account was made, or the class was made anew. {anew}"
+        return _refused(
+            endpoint,
+            account,
+            "it does not know the account, or the password is wrong, because it is another class's router, it was "
+            "started before the account was made, or the class was made anew",
         )
     causes = [_certificate_trouble(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
         filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
     )
-    return f"{who}: {cause}. {anew}"
+    return _refused(endpoint, account, cause)
+
+
+def without_rights(endpoint: str, account: Account) -> str:
+    """Return the sentence about a router that accepts the certificate of an account for which it has no rules."""
+    return _refused(
+        endpoint,
+        account,
+        "it accepts the certificate and drops all messages, because the class has no seat or robot of this name any more, or "
+        "the router was started before the account was made",
+    )
+
+
+def _refused(endpoint: str, account: Account, cause: str) -> str:
+    return (
+        f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
+        f"{account.name}.toml, then `beatrix join {account.name}.toml`."
+    )
 
 
 def _certificate_trouble(endpoint: str, own: Identity) -> str:

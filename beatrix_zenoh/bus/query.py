@@ -32,6 +32,11 @@ def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
     return PRIORITIES[priority]
 
 
+def intersects(one: str, other: str) -> bool:
+    """Return whether a key matches both key expressions, which may contain `*` and `**`."""
+    return zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
+
+
 @dataclass(frozen=True)
 class Reply:
     """One reply: its key, payload, encoding, whether it is an error reply, and the session of its sender."""

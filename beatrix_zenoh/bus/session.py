@@ -283,6 +283,13 @@ class Bus:
             and (time.monotonic() - begin < timeout_s)
         )
 
+    def router_passes(self, token: str) -> bool:
+        """Return whether the router has accepted a token of this session, and reports tokens to it.
+
+        Zenoh returns a session's own tokens from the session itself, and once more from the router.
+        """
+        return len(self.tokens(token)) > 1
+
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
         """Report tokens that appear and disappear, first the existing ones; return a function that ends this.
 
@@ -355,7 +362,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
     """Open a session as client of the router at `endpoint`, for example `tcp/127.0.0.1:7447`, or at one of several.
 
     Raises:
-        NoAnswer: NO_ROUTER, with what to do.
+        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
         WrongUsage: BAD_VALUE, no endpoint, or the certificate of the account has expired.
     """
     for one in endpoints(endpoint):
@@ -372,15 +379,19 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         **credentials.settings(account),
     }
 
-    def open_session() -> zenoh.Session:
+    def check_listening() -> None:
         try:
             probe(endpoint)
         except NoAnswer as error:
             raise credentials.no_router(error, account) from error
+
+    def open_session() -> zenoh.Session:
+        check_listening()
         begin = time.monotonic()
         try:
-            return opened(settings, lambda: credentials.refusal(endpoint, account))
+            return opened(settings, lambda: credentials.refusal(endpoint, account), Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
+            check_listening()  # a router that ends closes the connections that it has accepted
             if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
                 raise
             plain = account is not None and not account.password

@@ -48,12 +48,14 @@ COMMON = {
 """Settings of sessions and router."""
 
 
-def opened(settings: Mapping[str, object], explain: Callable[[], str]) -> zenoh.Session:
+def opened(
+    settings: Mapping[str, object], explain: Callable[[], str], reason: Reason = Reason.NO_ROUTER
+) -> zenoh.Session:
     """Open a session with Zenoh's defaults, except COMMON and `settings`.
 
     Raises:
         WrongUsage: BAD_VALUE, the environment variable ZENOH_RUNTIME cannot be parsed.
-        NoAnswer: NO_ROUTER, with the text of `explain` and Zenoh's text without source locations.
+        NoAnswer: `reason`, with the text of `explain` and Zenoh's text without source locations.
     """
     name, example = RUNTIME
     given = os.environ.get(name, example)
@@ -70,4 +72,4 @@ def opened(settings: Mapping[str, object], explain: Callable[[], str]) -> zenoh.
         return zenoh.open(config)
     except zenoh.ZError as error:
         cause = str(error).partition(" at /")[0]
-        raise NoAnswer(Reason.NO_ROUTER, f"{explain()} ({cause})") from error
+        raise NoAnswer(reason, f"{explain()} ({cause})") from error

@@ -16,6 +16,7 @@ from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve
 
@@ -100,10 +101,15 @@ def _govern(
 ) -> None:
     """Carry out `act` at every robot on line, or at those of the names; exit with the code of the first failure."""
     with Client(resolve(None, connect, who)) as client:
-        places = [place for place in client.bus.robots() if not wanted or place[0] in wanted]
+        present = client.robots()
+        places = [place for place in present if not wanted or place[0] in wanted]
         if not places:
             named = f" of the name {', '.join(wanted)}" if wanted else ""
-            raise NoAnswer(Reason.NO_ANSWER, f"No robot{named} is on line at {client.bus.endpoint}.")
+            others = f" On line: {', '.join(map(title, present))}." if present else ""
+            raise NoAnswer(
+                Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
+                f"No robot{named} is on line at {client.bus.endpoint}.{others}",
+            )
         rows, code = [], 0
         for robot in (Robot(name, twin, client=client) for name, twin in places):
             try:

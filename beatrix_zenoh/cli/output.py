@@ -9,15 +9,25 @@ import msgspec
 
 from beatrix_zenoh._generated.messages import Reason
 
-FAILED, USAGE, NO_ANSWER, TIMED_OUT, INTERRUPTED, UNREAD = 1, 2, 3, 4, 130, 141
+FAILED, USAGE, INTERRUPTED, UNREAD = 1, 2, 130, 141
 """Exit codes; 0 is done. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""
-CODES = {Reason.NO_ANSWER: NO_ANSWER, Reason.NO_ROUTER: NO_ANSWER, Reason.TIMED_OUT: TIMED_OUT}
+CODES = {
+    Reason.NO_ROUTER: 3,
+    Reason.TIMED_OUT: 4,
+    Reason.NO_ANSWER: 5,
+    Reason.NO_SUCH_ROBOT: 6,
+    Reason.ACCOUNT_REFUSED: 7,
+    Reason.ACCESS_DENIED: 8,
+    Reason.NODE_LOST: 9,
+    Reason.NODE_FROZEN: 10,
+}
+"""Exit codes of requests without an answer, a code for each cause; docs/reference/exit-codes.md explains them."""
 STDOUT = 1
 GAP = "  "
 
 
 def exit_code(reason: Reason) -> int:
-    """Exit code of a failure."""
+    """Return the exit code of a failure."""
     return CODES.get(reason, FAILED)
 
 

@@ -13,7 +13,7 @@ import typer
 from beatrix_zenoh import names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
-from beatrix_zenoh.cli.output import FAILED, NO_ANSWER, note, print_json, say
+from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.cli.view import leave, open_viewer
 from beatrix_zenoh.client.session import Client
@@ -207,7 +207,7 @@ def report(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: 
     else:
         note("No robot was on line: the recording is empty. `beatrix ls` shows the robots on line.")
     if not robots:
-        return NO_ANSWER
+        return exit_code(Reason.NO_ANSWER)
     return 0 if good else FAILED
 
 

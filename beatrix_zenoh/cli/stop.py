@@ -17,10 +17,15 @@ from beatrix_zenoh.cli.targets import Selection, is_named
 from beatrix_zenoh.client.group_stop import STOP_S, request_stop
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import absent_reason, publishing
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve_valid
 
-SILENT = "did not answer: it is frozen, or its connection is. Switch its power off if it moves."
+SILENT = {
+    Reason.NODE_FROZEN: "did not answer and publishes no positions: it is frozen, or its connection is. Switch its power off "
+    "if it moves.",
+    Reason.TIMED_OUT: "did not answer, but publishes positions: it is very busy. Press again; switch its power off if it moves.",
+}
 ALL = "*"
 
 Emergency = Annotated[
@@ -78,16 +83,18 @@ def stop(
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings) as client:
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
-        present = client.bus.robots()  # after sending STOP, and before a frozen robot loses its token
+        present = client.robots()  # after sending STOP, and before a frozen robot loses its token
+        found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
         deadline = time.monotonic() + STOP_S
         replies = dict(
             reply for request in requests for reply in request.replies(deadline - time.monotonic())
         )
-    found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
+        silent = [place for place in found if place not in replies]
+        busy = publishing(client.bus, silent) if silent else set()
     if not (found or replies or wrong_names):
         raise nothing_to_stop(settings.connect, asked, present)
-    missing = absent(asked, twin, {*found, *replies}, settings.connect)
-    show([*outcomes_of(replies, found), *missing, *wrong_names], as_json=as_json)
+    missing = absent(asked, twin, {*found, *replies}, present, settings.connect)
+    show([*outcomes_of(replies, found, busy), *missing, *wrong_names], as_json=as_json)
 
 
 @contextlib.contextmanager
@@ -115,14 +122,17 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
     """The error if no robot of the names given is on line."""
     found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
     hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
+    reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
-        Reason.NO_ANSWER,
+        Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
         f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint}",
     )
 
 
-def outcomes_of(replies: dict[Place, CommandReply], found: Sequence[Place]) -> list[Outcome]:
-    """Outcomes of the robots that replied, then of those on line that did not."""
+def outcomes_of(
+    replies: dict[Place, CommandReply], found: Sequence[Place], busy: set[Place]
+) -> list[Outcome]:
+    """Outcomes of the robots that replied, then of those on line that did not; `busy` are those that publish."""
     ended = [
         Outcome(
             *place, reply.reason, reply.message, 0 if reply.reason is Reason.OK else exit_code(reply.reason)
@@ -130,12 +140,16 @@ def outcomes_of(replies: dict[Place, CommandReply], found: Sequence[Place]) -> l
         for place, reply in replies.items()
     ]
     silent = [place for place in found if place not in replies]
+    reasons = [Reason.TIMED_OUT if place in busy else Reason.NODE_FROZEN for place in silent]
     return ended + [
-        Outcome(*place, Reason.TIMED_OUT, SILENT, exit_code(Reason.TIMED_OUT)) for place in silent
+        Outcome(*place, reason, SILENT[reason], exit_code(reason))
+        for place, reason in zip(silent, reasons, strict=True)
     ]
 
 
-def absent(asked: Sequence[str], twin: str, places: set[Place], endpoint: str) -> list[Outcome]:
+def absent(
+    asked: Sequence[str], twin: str, places: set[Place], present: Sequence[Place], endpoint: str
+) -> list[Outcome]:
     """Outcomes of the names that no robot on line has."""
     stopped = {robot for robot, _ in places}
     side = "" if twin == ALL else f" ({twin})"
@@ -143,9 +157,10 @@ def absent(asked: Sequence[str], twin: str, places: set[Place], endpoint: str) -
         f"{side} is not on line at {endpoint}, so it was not stopped. `beatrix ls` shows the robots on line."
     )
     return [
-        Outcome(robot, "", Reason.NO_ANSWER, robot + text, exit_code(Reason.NO_ANSWER))
+        Outcome(robot, "", reason, robot + text, exit_code(reason))
         for robot in asked
         if robot not in (ALL, *stopped)
+        for reason in [absent_reason(robot, present)]
     ]
 
 

@@ -13,6 +13,7 @@ from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import absent_reason
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings, resolve
 
@@ -60,7 +61,7 @@ def open_targets(
     """
     settings = resolve(selection.name, selection.connect, selection.who)
     with Client(settings) as client:
-        present = client.bus.robots()
+        present = client.robots()
         name = settings.robot
         if not is_named(selection, settings) and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)
@@ -107,7 +108,7 @@ def select_twins(name: str, which: Which | None, present: Present, endpoint: str
         missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]
         if missing:
             raise NoAnswer(
-                Reason.NO_ANSWER,
+                absent_reason(name, present),
                 f"--on both needs both robots. Not on line at {endpoint}: {', '.join(missing)}. "
                 "`beatrix ls` shows the robots on line.",
             )

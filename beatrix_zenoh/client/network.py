@@ -11,6 +11,7 @@ from typing import Final
 
 import msgspec
 
+from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.session import Client
@@ -18,6 +19,8 @@ from beatrix_zenoh.errors import NoAnswer
 
 RECORDS: Final = re.compile(r"@/[0-9a-f]+/router/(subscriber|queryable|publisher)/(.+)")
 """Keys of the router's admin space: what is declared, and its key expression."""
+FIELDS: Final = {"queryable": "serves", "publisher": "publishes", "subscriber": "subscribes"}
+"""The field of a program for each kind of declaration."""
 ANSWER_S: Final = 2.0
 
 
@@ -44,7 +47,7 @@ class Program:
             {
                 short(published)
                 for published in node.publishes
-                if any(matches(subscribed, published) for subscribed in self.subscribes)
+                if any(zbus.intersects(subscribed, published) for subscribed in self.subscribes)
             }
         )
 
@@ -53,12 +56,12 @@ def read(client: Client) -> list[Program]:
     """All programs at the client's router: nodes, seats, others; each sorted by title.
 
     Raises:
-        NoAnswer: NO_ANSWER, the router does not let this seat read its admin space.
+        NoAnswer: ACCESS_DENIED, the router does not let this seat read its admin space.
     """
     declared = _declarations(client)
     if not any(declared.values()):
         raise NoAnswer(
-            Reason.NO_ANSWER,
+            Reason.ACCESS_DENIED,
             f"The router at {client.bus.endpoint} does not let this seat list its programs. In a class only the seat `teacher` may.",
         )
     seats = _seats(client)
@@ -71,9 +74,7 @@ def read(client: Client) -> list[Program]:
         program = programs[session]
         if kind != "subscriber" and parts is not None and "*" not in (parts.robot or "*"):
             program.robot = parts.robot, parts.twin
-        {"queryable": program.serves, "publisher": program.publishes, "subscriber": program.subscribes}[
-            kind
-        ].add(key)
+        getattr(program, FIELDS[kind]).add(key)
     for session, title in seats.items():
         programs.setdefault(session, Program(title))
     return _merged(list(programs.values()))
@@ -122,9 +123,3 @@ def _merged(programs: list[Program]) -> list[Program]:
 def short(key: str) -> str:
     """A key without `beatrix`, robot and twin: `state/positions`."""
     return "/".join(key.split("/")[3:]) or key
-
-
-def matches(expression: str, key: str) -> bool:
-    """Return whether a key expression with `*` and `**` matches a key without wildcards."""
-    pattern = re.escape(expression).replace(r"/\*\*", "(?:/.*)?").replace(r"\*\*/", "(?:.*/)?")
-    return re.fullmatch(pattern.replace(r"\*\*", ".*").replace(r"\*", "[^/]*"), key) is not None

@@ -1,4 +1,4 @@
-"""Queries to one robot or to many, and error messages for missing replies.
+"""Queries to one robot or to many.
 
 A query reaches every matching queryable, also of foreign programs: only replies on the robot's own key count.
 """
@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import msgspec
 
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh._generated.messages import CommandReply, MotionReply
 from beatrix_zenoh.bus import Query, Reply
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.client.silence import Unanswered
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
@@ -25,13 +24,6 @@ STALE_S = 0.02
 """After a restart of a node, queries of an open session may have no route for this long (zenoh#2767)."""
 LATE_S = 2.0
 """Extra lifetime of a query after its caller's time limit: a motion that is accepted late must be stopped."""
-ROUTER_S = 0.3
-"""A router that needs longer for a query of tokens counts as frozen."""
-NOTICE_S = 0.2
-"""Zenoh ends the queries of a lost connection before it reports the loss."""
-BACK_S = 0.6
-"""A lost connection is restored within this time if the router answers."""
-
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
 """Name and twin of a robot."""
@@ -74,7 +66,7 @@ class Request:
         self._client, self._place, self._key = client, place, key
         self._payload = None if request is None else codec.encode(request)
         self._lasts_s = lasts_s + LATE_S
-        self._losses = client.losses
+        self._unanswered = Unanswered(client, place, client.losses)
         self._heard = self._repeated = False
         self._query = self._ask()
 
@@ -85,12 +77,12 @@ class Request:
         """The robot's next reply, waiting up to `timeout_s`.
 
         Raises:
-            NoAnswer: NO_ANSWER, NO_ROUTER, TIMED_OUT, or SHUTDOWN if this program has closed the client.
+            NoAnswer: the reason that `silence` finds, or SHUTDOWN if this program has closed the client.
         """
         try:
             return self.reply(kind, timeout_s)
         except TimeoutError:
-            raise self._too_late(timeout_s) from None
+            raise self._unanswered.explain(timeout_s, heard=self._heard) from None
 
     def reply(self, kind: type[M], timeout_s: float) -> M:
         """Return as `next`, but raise TimeoutError if no reply came within `timeout_s`."""
@@ -100,10 +92,11 @@ class Request:
             if answer is None and not (self._heard or self._repeated or self._client.bus.closed):
                 answer = self._again(deadline)
             if answer is None:
-                raise self._silence()
+                raise self._unanswered.explain(heard=self._heard)
             reply = _read(self._client, self._key, answer, kind)
             if reply is not None:
                 self._heard = True
+                self._client.seen.add(self._place)
                 if isinstance(reply[1], MotionReply | CommandReply):
                     self._client.replied_s[self._place] = time.monotonic()
                 return reply[1]
@@ -115,78 +108,6 @@ class Request:
         self._query.close()
         self._query = self._ask()
         return self._query.next(deadline - time.monotonic())
-
-    def _too_late(self, timeout_s: float) -> NoAnswer:
-        bus = self._client.bus
-        if bus.closed:
-            return self._silence()
-        answers = bus.router_answers(ROUTER_S)
-        if answers:  # a connection that is lost just now also ends the query
-            time.sleep(NOTICE_S)
-        if self._lost():
-            return self._silence()
-        if not answers:
-            return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
-        return NoAnswer(
-            Reason.TIMED_OUT,
-            f"{self._name} did not answer within {timeout_s:.1f} s: it is frozen or very busy.",
-        )
-
-    def _silence(self) -> NoAnswer:
-        bus = self._client.bus
-        if bus.closed:
-            return NoAnswer(
-                Reason.SHUTDOWN,
-                f"This program closed its connection before {self._name} had answered. Robots stop the motions of a "
-                "closed connection.",
-            )
-        if not zbus.is_listening(bus.endpoint):
-            return NoAnswer(
-                Reason.NO_ROUTER,
-                f"The router at {bus.endpoint} is lost, so the robots stop their motions. This program reconnects when the "
-                "router returns.",
-            )
-        present = [] if self._lost() else bus.robots()
-        if self._heard and not self._lost():
-            time.sleep(NOTICE_S)
-        return self._interrupted() if self._lost() else self._absence(present)
-
-    def _interrupted(self) -> NoAnswer:
-        """The error for a lost connection to a router that is still there."""
-        bus = self._client.bus
-        deadline = time.monotonic() + BACK_S
-        while not bus.connected:
-            if time.monotonic() > deadline:
-                return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
-            time.sleep(STALE_S)
-        return NoAnswer(
-            Reason.NO_ROUTER,
-            f"The connection to the router at {bus.endpoint} was lost although the router is running: this program was "
-            "suspended or very busy, or the network was interrupted. Robots stop the motions of a lost connection. "
-            "This program reconnects by itself: send the request again.",
-        )
-
-    def _lost(self) -> bool:
-        """Return whether the connection is lost now, or was lost since the query was sent."""
-        return not self._client.bus.connected or self._client.losses != self._losses
-
-    def _absence(self, present: list[Place]) -> NoAnswer:
-        robot, twin = self._place
-        if self._place in present:
-            text = f"{self._name} is on line but did not answer: refused by the router, or just closing."
-        else:
-            others = ", ".join(f"{robot} ({twin})" for robot, twin in present) or "no robot"
-            text = (
-                f"{self._name} is not on line at {self._client.bus.endpoint}. On line: {others}. "
-                f"Start it with `beatrix {twin} --name {robot}`, or choose with --name and --on."
-            )
-            if self._heard and twin == "hw":
-                text += " The board stops by itself, half a second after the last frame of its node."
-        return NoAnswer(Reason.NO_ANSWER, text)
-
-    @property
-    def _name(self) -> str:
-        return f"{self._place[0]} ({self._place[1]})"
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after every reply; it must not block."""

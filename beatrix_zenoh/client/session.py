@@ -35,6 +35,10 @@ class Client:
         self.bus: Bus = zbus.connect(settings.connect, label=settings.who, account=settings.account)
         self.losses = 0
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""
+        self.seen: set[Place] = set()
+        """Robots that were on line or have answered since the session began."""
+        self.token = ""
+        """Liveliness token of the seat; empty: not announced."""
         self.replied_s: dict[Place, float] = {}
         """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may not
         show its effect."""
@@ -46,7 +50,8 @@ class Client:
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
         if announce:
-            self.bus.declare_token(keys.seat(settings.who, self.bus.session_id))
+            self.token = keys.seat(settings.who, self.bus.session_id)
+            self.bus.declare_token(self.token)
 
     @property
     def media(self) -> Bus:
@@ -74,7 +79,7 @@ class Client:
         """Query one robot and return its reply.
 
         Raises:
-            NoAnswer: NO_ANSWER, NO_ROUTER or TIMED_OUT; the message names the robots on line.
+            NoAnswer: the reason that `silence` finds; if the robot is not on line, the message names those that are.
             WrongUsage: SHUTDOWN, the client was closed.
         """
         query = Request(self, (robot, twin), key, request, timeout_s)
@@ -82,6 +87,12 @@ class Client:
             return query.next(kind, timeout_s)
         finally:
             query.close()
+
+    def robots(self) -> list[Place]:
+        """Return name and twin of every robot on line."""
+        present = self.bus.robots()
+        self.seen.update(present)
+        return present
 
     def ask_all(self, key: str, kind: type[M], timeout_s: float) -> dict[Place, M]:
         """The replies within `timeout_s` of all robots that match a key with wildcards."""

@@ -103,7 +103,7 @@ class TwinState:
         for twin in TWINS:
             if (self._name, twin) not in present:
                 raise NoAnswer(
-                    Reason.NO_ANSWER,
+                    Reason.NODE_LOST,
                     f"{self._name} ({twin}) is no longer on line. Start it, make it ready, and preview again.",
                 )
 

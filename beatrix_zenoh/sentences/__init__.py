@@ -87,6 +87,12 @@ def _field_case(detail: Detail) -> str:
     return "known" if detail.known else "field"
 
 
+def _absence_case(detail: Detail) -> str:
+    if detail.field in detail.known:
+        return "present"
+    return "absent" if detail.known else "alone"
+
+
 def _needs_case(detail: Detail) -> str:
     return "upright" if "CALIBRATE" in detail.needs else ""
 
@@ -112,5 +118,11 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.TEACHER_ONLY, None): lambda detail: "seat" if detail.holder else "",
     (Reason.BUSY, None): _seat_case,
     (Reason.STOPPED, None): _seat_case,
+    (Reason.NO_ANSWER, None): _absence_case,
+    (Reason.NO_SUCH_ROBOT, None): lambda _: "absent",
+    (Reason.NODE_LOST, None): lambda _: "robot",
+    (Reason.NODE_FROZEN, None): lambda _: "robot",
+    (Reason.TIMED_OUT, None): lambda _: "robot",
+    (Reason.ACCESS_DENIED, None): lambda _: "robot",
 }
 """Functions that choose the case of a reason and a limit with several sentences."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from beatrix_zenoh._generated.messages import Limit, Reason
+from beatrix_zenoh.sentences import silences
 from beatrix_zenoh.sentences.language import Language
 
 _TILT = "at most {high} is allowed."
@@ -166,21 +167,11 @@ ENGLISH: Final = Language(
             "The firmware is of another version than the node, or was built for another robot. Close the program that uses the board, "
             "then run `beatrix flash`."
         ),
-        (
-            Reason.NO_ANSWER,
-            None,
-            "",
-        ): "No robot answered. Run `beatrix ls` to see which robots are on line.",
-        (Reason.TIMED_OUT, None, ""): "The robot did not answer in time. Try again.",
         (Reason.TIMED_OUT, Limit.DURATION, ""): (
             "This motion would take {value}; a preview looks at most {high} ahead. Choose a higher speed or a shorter motion."
         ),
-        (
-            Reason.NO_ROUTER,
-            None,
-            "",
-        ): "There is no Zenoh router at this endpoint. Start one with `beatrix router`.",
         (Reason.NAME_TAKEN, None, ""): "A robot of this name is already on line. Choose another name.",
         (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then try again.",
+        **silences.ENGLISH,
     },
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from beatrix_zenoh._generated.messages import Limit, Reason
+from beatrix_zenoh.sentences import silences
 from beatrix_zenoh.sentences.language import Language
 
 _TILT = "höchstens {high} sind erlaubt."
@@ -237,21 +238,10 @@ GERMAN: Final = Language(
             "Die Firmware hat eine andere Version als der Knoten oder wurde für einen anderen Roboter gebaut. Beende, was "
             "die Platine benutzt, dann rufe `beatrix flash` auf."
         ),
-        (
-            Reason.NO_ANSWER,
-            None,
-            "",
-        ): "Kein Roboter hat geantwortet. `beatrix ls` zeigt, welche da sind.",
-        (Reason.TIMED_OUT, None, ""): "Der Roboter hat nicht rechtzeitig geantwortet. Versuche es wieder.",
         (Reason.TIMED_OUT, Limit.DURATION, ""): (
             "Diese Bewegung würde {value} dauern; eine Vorschau sieht höchstens {high} voraus. Wähle eine höhere "
             "Geschwindigkeit oder eine kürzere Bewegung."
         ),
-        (
-            Reason.NO_ROUTER,
-            None,
-            "",
-        ): "An dieser Adresse ist kein Zenoh-Router. Starte einen mit `beatrix router`.",
         (
             Reason.NAME_TAKEN,
             None,
@@ -262,5 +252,6 @@ GERMAN: Final = Language(
             None,
             "",
         ): "Der Knoten schließt. Starte ihn wieder, dann versuche es noch einmal.",
+        **silences.GERMAN,
     },
 )

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.session import Client
@@ -58,6 +59,7 @@ class Connection:
         self._on_session, self._chosen = on_session, name_given
         self._router_present = True
         self._trouble = ""
+        self._refused = False
         self._lock = threading.Lock()
         self._closed = False
         self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
@@ -65,9 +67,11 @@ class Connection:
 
     @property
     def phase(self) -> LinkPhase:
-        """Whether the router answers."""
+        """Whether the router answers, and accepts the account."""
+        if self.session is None and self._trouble:
+            return LinkPhase.REFUSED if self._refused else LinkPhase.NO_ROUTER
         if self.session is None:
-            return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
+            return LinkPhase.CONNECTING
         return LinkPhase.ON_LINE if self._router_present else LinkPhase.NO_ROUTER
 
     @property
@@ -138,6 +142,7 @@ class Connection:
         try:
             client = Client(self.settings)
         except BeatrixError as error:
+            self._refused = error.reason is Reason.ACCOUNT_REFUSED
             self._trouble = error.message
             return
         try:
@@ -145,7 +150,7 @@ class Connection:
             monitor = Monitor(client, events=EVENTS)
         except BeatrixError as error:  # the router was lost meanwhile
             client.close()
-            self._trouble = error.message
+            self._refused, self._trouble = False, error.message
             return
         with self._lock:
             if not self._closed:

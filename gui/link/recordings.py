@@ -8,6 +8,8 @@ import time
 from datetime import datetime
 from pathlib import Path
 
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.cli.processes import POLL_S, READY_S, Child
 from beatrix_zenoh.errors import BeatrixError
 from gui.link.processes import Processes
@@ -15,7 +17,7 @@ from gui.link.worker import Worker
 from gui.state.world import RecordingProgress
 
 FOLDER = "recordings"
-NO_ROBOT = 3
+NO_ROBOT = exit_code(Reason.NO_ANSWER)
 """Exit code of a recorder that no robot has published to."""
 
 

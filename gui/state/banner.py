@@ -32,9 +32,11 @@ def view(world: World, texts: Texts) -> BannerView | None:
         return BannerView(texts("banner.connecting", endpoint=world.endpoint))
     start = ButtonView(texts("next.start"), texts("next.start_tip"), StartSimulation())
     others = [name for name in world.names if name != world.robot][:CHOICES]
-    if world.phase is LinkPhase.NO_ROUTER:
-        tooltip = f"{texts('next.retry_tip')} {world.trouble}".strip()
-        retry = ButtonView(texts("next.retry"), tooltip, Retry())
+    tooltip = f"{texts('next.retry_tip')} {world.trouble}".strip()
+    retry = ButtonView(texts("next.retry"), tooltip, Retry())
+    if world.phase is LinkPhase.REFUSED:
+        found = BannerView(texts("banner.refused", endpoint=world.endpoint), (retry,))
+    elif world.phase is LinkPhase.NO_ROUTER:
         found = BannerView(texts("banner.no_router", endpoint=world.endpoint), (start, retry))
     elif others:
         choose = [_choose(name, texts) for name in others]

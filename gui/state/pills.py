@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh import sentences
@@ -117,20 +117,28 @@ def _working(status: Status, seat: str, texts: Texts) -> Finding:
 
 
 def _absent(world: World, twin: str, texts: Texts) -> Finding:
-    starting = world.starting and twin == "sim"
+    found = _why_absent(world, twin, texts)
+    if twin == "sim" and world.starting:
+        found = replace(found, reason=texts("reason.starting"))
+    if twin == "sim" and world.phase is not LinkPhase.REFUSED:
+        return replace(found, next_step="START")
+    offline = world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED)
+    return replace(found, next_step="RETRY" if offline else "")
+
+
+def _why_absent(world: World, twin: str, texts: Texts) -> Finding:
     if world.phase is LinkPhase.CONNECTING:
         text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
-    else:
-        text = texts("condition.absent")
-        if world.phase is LinkPhase.NO_ROUTER:
-            reason = texts("reason.no_router", endpoint=world.endpoint)
-        else:
-            reason = texts(f"reason.absent_{twin}", robot=world.robot)
-    if starting:
-        reason = texts("reason.starting")
-    if twin == "sim":
-        return Finding(Condition.ABSENT, text, reason, "START")
-    return Finding(Condition.ABSENT, text, reason, "RETRY" if world.phase is LinkPhase.NO_ROUTER else "")
+        return Finding(Condition.ABSENT, text, reason)
+    if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
+        key = "reason.no_router" if world.phase is LinkPhase.NO_ROUTER else "reason.refused"
+        return Finding(Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint))
+    if world.twin(twin).status is not None:
+        reason = texts("reason.lost", robot=world.robot)
+        return Finding(Condition.ABSENT, texts("condition.lost"), reason)
+    return Finding(
+        Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{twin}", robot=world.robot)
+    )
 
 
 def fault_of(status: Status) -> Fault:

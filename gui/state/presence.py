@@ -57,7 +57,8 @@ def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str
     if not twins:
         memory.refuse(place, "off.unchecked")
     elif world.phase is not LinkPhase.ON_LINE:
-        memory.refuse(place, "cannot.router", endpoint=world.endpoint)
+        key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
+        memory.refuse(place, key, endpoint=world.endpoint)
     elif absent := [twin for twin in twins if not on_line(world, twin)]:
         key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
         memory.refuse(place, key, robot=world.robot)

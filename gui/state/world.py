@@ -18,6 +18,8 @@ class LinkPhase(StrEnum):
     CONNECTING = "connecting"
     NO_ROUTER = "no router"
     """no router answers; the link tries again by itself"""
+    REFUSED = "refused"
+    """the router does not accept the account of the window; the link tries again by itself"""
     ON_LINE = "on line"
 
 

@@ -16,6 +16,7 @@ ROBOTS: Final[dict[str, str]] = {
     "off.starting": "A simulation is starting.",
     "off.playing": "{title} is playing: press STOP to end it.",
     "cannot.router": "Nothing was sent: no router answers at {endpoint}. Start a simulation here, or start the router.",
+    "cannot.refused": "Nothing was sent: the router at {endpoint} does not accept the account of this window.",
     "cannot.sim": "Nothing was sent: the simulation of {robot} is not on line. Start one here, or clear Simulation.",
     "cannot.hw": (
         "Nothing was sent: the hardware of {robot} is not on line. Connect its cable and run `beatrix hw`, or clear "
@@ -32,6 +33,7 @@ ROBOTS: Final[dict[str, str]] = {
     "cannot.row": "This row cannot be sent again. Choose one of your own motions or commands.",
     # -- state of a robot
     "condition.absent": "not on line",
+    "condition.lost": "lost",
     "condition.silent": "silent",
     "condition.disabled": "motors off",
     "condition.not_calibrated": "not calibrated",
@@ -47,6 +49,11 @@ ROBOTS: Final[dict[str, str]] = {
     "reason.fault": "The robot is of another version and reports a fault that this window does not know.",
     "reason.connecting": "The window looks for a router at {endpoint}.",
     "reason.no_router": "No router answers at {endpoint}, so no robot can be seen.",
+    "reason.refused": "The router at {endpoint} does not accept the account of this window, so no robot can be seen.",
+    "reason.lost": (
+        "{robot} was on line and is not any more: its node has crashed, ended or frozen, or has lost the router. Its arms "
+        "stop by themselves. Start it again."
+    ),
     "reason.absent_sim": "No simulation of {robot} is on line. Start one on this computer.",
     "reason.absent_hw": (
         "No hardware of {robot} is on line. Connect its cable, switch it on and run `beatrix hw` on its computer."
@@ -85,6 +92,9 @@ ROBOTS: Final[dict[str, str]] = {
     # -- banner
     "banner.connecting": "Looking for a router at {endpoint}.",
     "banner.no_router": "No router answers at {endpoint}. Start a simulation here, or start the router and try again.",
+    "banner.refused": (
+        "The router at {endpoint} refuses this window's account. `beatrix join` your seat's file, then start the window again."
+    ),
     "banner.starting": "A simulation is starting on this computer.",
     "banner.no_robot": "No robot is on line. Start a simulation here, or start a robot with `beatrix up`.",
     "banner.other_robots": "{robot} is not on line, but other robots are. Choose one, or start a simulation here.",

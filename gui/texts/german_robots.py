@@ -20,6 +20,7 @@ ROBOTS: Final[dict[str, str]] = {
     "cannot.router": (
         "Nichts wurde gesendet: Unter {endpoint} antwortet kein Router. Starte hier eine Simulation oder den Router."
     ),
+    "cannot.refused": "Nichts wurde gesendet: Der Router {endpoint} nimmt das Konto dieses Fensters nicht an.",
     "cannot.sim": (
         "Nichts wurde gesendet: Die Simulation von {robot} ist nicht da. Starte hier eine, oder nimm den Haken bei "
         "Simulation weg."
@@ -39,6 +40,7 @@ ROBOTS: Final[dict[str, str]] = {
     "cannot.row": "Diese Zeile kann nicht noch einmal gesendet werden. Wähle eine eigene Bewegung oder einen eigenen Befehl.",
     # -- state of a robot
     "condition.absent": "nicht da",
+    "condition.lost": "verloren",
     "condition.silent": "stumm",
     "condition.disabled": "Motoren aus",
     "condition.not_calibrated": "nicht kalibriert",
@@ -54,6 +56,13 @@ ROBOTS: Final[dict[str, str]] = {
     "reason.fault": "Der Roboter hat eine andere Version und meldet einen Fehler, den dieses Fenster nicht kennt.",
     "reason.connecting": "Das Fenster sucht einen Router unter {endpoint}.",
     "reason.no_router": "Unter {endpoint} antwortet kein Router, also ist kein Roboter zu sehen.",
+    "reason.refused": (
+        "Der Router {endpoint} nimmt das Konto dieses Fensters nicht an, also ist kein Roboter zu sehen."
+    ),
+    "reason.lost": (
+        "{robot} war da und ist es nicht mehr: Sein Knoten ist abgestürzt, beendet oder eingefroren, oder er hat den Router "
+        "verloren. Seine Arme halten von selbst an. Starte ihn wieder."
+    ),
     "reason.absent_sim": "Keine Simulation von {robot} ist da. Starte eine auf diesem Rechner.",
     "reason.absent_hw": (
         "Keine Hardware von {robot} ist da. Stecke ihr Kabel ein, schalte sie an und rufe auf ihrem Rechner `beatrix hw` "
@@ -102,6 +111,10 @@ ROBOTS: Final[dict[str, str]] = {
     "banner.no_router": (
         "Unter {endpoint} antwortet kein Router. Starte hier eine Simulation, oder starte den Router und versuche es noch "
         "einmal."
+    ),
+    "banner.refused": (
+        "Der Router {endpoint} nimmt dieses Konto nicht an. `beatrix join` mit der Datei deines Platzes, dann das Fenster neu "
+        "starten."
     ),
     "banner.starting": "Eine Simulation startet auf diesem Rechner.",
     "banner.no_robot": "Kein Roboter ist da. Starte hier eine Simulation, oder einen Roboter mit `beatrix up`.",

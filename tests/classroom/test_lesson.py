@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from class_router import CLI, ClassRouter
-from stage import Process, ready
+from class_router import ClassRouter, start_node
+from stage import ready
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
@@ -24,14 +24,6 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         yield made
         for node in nodes:
             assert node.end() == 0
-
-
-def start_node(folder: Path, account: Path) -> Process:
-    """Serve the robot of an account, which a file `beatrix.toml` names."""
-    (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
-    node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
-    node.expect("ready")
-    return node
 
 
 @pytest.fixture
@@ -51,8 +43,9 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
     for name in ("bea1", "ana"):
         ready(Robot(name, "hw", client=ana)).look(yaw=5)
     assert Robot("ana", "hw", client=clients["ben"]).status().holder == "ana"
-    with pytest.raises(NoAnswer, match="refused by the router"):
+    with pytest.raises(NoAnswer, match="refused by the router: account ben") as denied:
         Robot("ana", "hw", client=clients["ben"]).look(yaw=0)
+    assert denied.value.reason is Reason.ACCESS_DENIED
     with pytest.raises(Refused, match="ana drives this robot"):
         Robot("bea1", "hw", client=clients["ben"]).look(yaw=0)
     Robot("ana", "hw", client=clients["ben"]).stop()

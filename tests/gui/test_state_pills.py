@@ -86,7 +86,12 @@ def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
 
 
 @pytest.mark.parametrize(
-    ("phase", "text"), [(LinkPhase.CONNECTING, "connecting"), (LinkPhase.NO_ROUTER, "not on line")]
+    ("phase", "text"),
+    [
+        (LinkPhase.CONNECTING, "connecting"),
+        (LinkPhase.NO_ROUTER, "not on line"),
+        (LinkPhase.REFUSED, "not on line"),
+    ],
 )
 def test_without_a_router_no_robot_is_on_line(phase: LinkPhase, text: str) -> None:
     found = pill(world(phase=phase))
@@ -100,6 +105,32 @@ def test_the_router_is_tried_again_from_the_pill_of_the_hardware() -> None:
     assert next_step is not None
     assert next_step.intent == Retry()
     assert pill(world(hw=absent("hw")), "hw").next_step is None
+
+
+def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
+    now = replace(
+        world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED), trouble="The router refuses ana."
+    )
+    for twin in ("sim", "hw"):
+        next_step = pill(now, twin).next_step
+        assert next_step is not None
+        assert next_step.intent == Retry()
+    state = State()
+    for language, text in (("en", "refuses this window's account"), ("de", "nimmt dieses Konto nicht an")):
+        state.handle(SetLanguage(language), now)
+        banner = state.view(now).banner
+        assert banner is not None
+        assert text in banner.text
+        assert "The router refuses ana." in banner.buttons[0].tooltip
+        assert [button.intent for button in banner.buttons] == [Retry()]
+
+
+def test_a_robot_that_was_on_line_is_lost_and_one_that_was_not_is_absent() -> None:
+    gone = replace(absent("hw"), status=status("hw"))
+    found = pill(world(hw=gone), "hw")
+    assert (found.condition, found.text) == (Condition.ABSENT, "lost")
+    assert "is not any more" in found.reason
+    assert pill(world(hw=absent("hw")), "hw").text == "not on line"
 
 
 def test_a_simulation_that_starts_is_not_started_again() -> None:

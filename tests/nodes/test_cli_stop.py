@@ -40,7 +40,7 @@ def test_stop_takes_several_names_and_both_twins(shell: Shell) -> None:
 
 def test_stop_without_a_robot_of_the_configured_name_explains_how_to_stop_all(shell: Shell) -> None:
     done = shell.run("stop", BEATRIX_ROBOT="bea9")
-    assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (3, True)
+    assert (done.returncode, f"{NAME} (hw)" in done.stderr) == (6, True)
     assert "`beatrix stop --all` stops every robot." in done.stderr
 
 
@@ -74,7 +74,7 @@ def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> 
 
 def test_stop_with_a_name_that_is_not_on_line_stops_the_others_and_then_fails(shell: Shell) -> None:
     done = shell.run("stop", "--name", "bea7", "--name", NAME)
-    assert (done.returncode, done.stdout.count("the arms rest")) == (3, 2)
+    assert (done.returncode, done.stdout.count("the arms rest")) == (6, 2)
     assert "bea7 is not on line" in done.stderr
 
 
@@ -92,8 +92,8 @@ def test_with_both_robots_the_refusing_one_is_named(shell: Shell) -> None:
     assert f"\n{NAME} (hw): The motors are off" in done.stderr
 
 
-def test_stop_without_a_robot_is_exit_code_three(shell: Shell) -> None:
-    assert shell.run("stop", "--name", "bea7").returncode == 3
+def test_stop_of_an_unknown_robot_has_its_own_exit_code(shell: Shell) -> None:
+    assert shell.run("stop", "--name", "bea7").returncode == 6
 
 
 def test_the_choice_of_hardware_without_a_simulation_is_reported(shell: Shell) -> None:

@@ -260,4 +260,4 @@ def test_a_robot_may_come_and_go(stage: Stage, tmp_path: Path) -> None:
 
 def test_a_recording_without_robots_is_reported(stage: Stage, tmp_path: Path) -> None:
     words = ("record", str(tmp_path / "none.rrd"), "--name", "absent", "--seconds", "0.2")
-    assert "No robot was on line" in run(stage, *words, "--connect", stage.endpoint, code=3)
+    assert "No robot was on line" in run(stage, *words, "--connect", stage.endpoint, code=5)

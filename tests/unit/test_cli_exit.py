@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from importlib import metadata
@@ -16,7 +17,7 @@ from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.output import columns
+from beatrix_zenoh.cli.output import CODES, columns
 from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.cli.verbs import VERBS
 from beatrix_zenoh.errors import WrongUsage
@@ -41,9 +42,14 @@ def run_failing_verb(error: BaseException, *words: str) -> int:
         (WrongUsage(Reason.BAD_VALUE, "rejected locally"), 2),
         (Interrupted(Reason.STOPPED, "stopped"), 1),
         (NoAnswer(Reason.BOARD_LOST, "no board"), 1),
-        (NoAnswer(Reason.NO_ANSWER, "no robot"), 3),
-        (NoAnswer(Reason.NO_ROUTER, "no router"), 3),
-        (NoAnswer(Reason.TIMED_OUT, "too late"), 4),
+        (NoAnswer(Reason.NO_ROUTER), 3),
+        (NoAnswer(Reason.TIMED_OUT), 4),
+        (NoAnswer(Reason.NO_ANSWER), 5),
+        (NoAnswer(Reason.NO_SUCH_ROBOT), 6),
+        (NoAnswer(Reason.ACCOUNT_REFUSED), 7),
+        (NoAnswer(Reason.ACCESS_DENIED), 8),
+        (NoAnswer(Reason.NODE_LOST), 9),
+        (NoAnswer(Reason.NODE_FROZEN), 10),
         (typer.BadParameter("nonsense"), 2),
         (typer.Exit(4), 4),
         (KeyboardInterrupt(), 130),
@@ -51,6 +57,18 @@ def run_failing_verb(error: BaseException, *words: str) -> int:
 )
 def test_every_failure_has_its_exit_code(error: BaseException, code: int) -> None:
     assert run_failing_verb(error) == code
+
+
+@pytest.mark.parametrize(
+    ("page", "row"),
+    [("reference/exit-codes.md", r"^\| (\d+) \| `(\w+)`"), ("how-to/no-answer.md", r"`(\w+)` \| (\d+) \|")],
+)
+def test_the_pages_list_the_exit_code_of_each_silence(page: str, row: str) -> None:
+    text = (Path(__file__).parents[2] / "docs" / page).read_text(encoding="utf-8")
+    pairs = [sorted(found) for found in re.findall(row, text, re.MULTILINE)]
+    assert {(int(code), reason) for code, reason in pairs} >= {
+        (code, str(reason)) for reason, code in CODES.items()
+    }
 
 
 def test_a_failure_is_one_sentence_on_stderr(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh import Refused, codec, refusals, sentences
+from beatrix_zenoh import BeatrixError, NoAnswer, Refused, codec, refusals, sentences
 from beatrix_zenoh._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.sentences import LANGUAGES, figures
 
@@ -56,7 +56,7 @@ def speed(value: float, other: float) -> Refused:
     return Refused(Reason.SPEED_LIMIT, detail=detail)
 
 
-REFUSALS = [
+REFUSALS: list[BeatrixError] = [
     refusals.not_enabled(),
     refusals.not_calibrated(),
     refusals.emergency_latched(),
@@ -103,11 +103,19 @@ REFUSALS = [
     *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
     speed(RAD(0.01), RAD(0.022)),
     speed(RAD(100), RAD(90)),
+    NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)")),
+    NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"])),
+    NoAnswer(Reason.NO_SUCH_ROBOT, detail=Detail(field="ana (hw)", known=["bea1 (sim)", "bea2 (hw)"])),
+    NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (hw)"])),
+    NoAnswer(Reason.NODE_LOST, detail=Detail(field="ana (hw)")),
+    NoAnswer(Reason.NODE_FROZEN, detail=Detail(field="ana (hw)", value=2.0, unit="s")),
+    NoAnswer(Reason.TIMED_OUT, detail=Detail(field="ana (hw)", value=0.5, unit="s")),
+    NoAnswer(Reason.ACCESS_DENIED, detail=Detail(field="ana (hw)", holder="ben")),
     *(Refused(reason) for reason in Reason),
 ]
 
 
-def key_of(refusal: Refused) -> tuple[Reason, Limit | None, str]:
+def key_of(refusal: BeatrixError) -> tuple[Reason, Limit | None, str]:
     detail = refusal.detail
     if detail is None:
         return refusal.reason, None, ""

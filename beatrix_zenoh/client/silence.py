@@ -1,0 +1,194 @@
+"""Why a query had no answer: found from the connection, the liveliness tokens and what else the robot sends.
+
+Zenoh 1.10 does not say it: a query to an absent robot, to one that has crashed, and one that the router's access rules
+refuse all end without a reply. The checks here need up to 2 s, so they run only after a query has failed.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import sentences
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Detail, Reason
+from beatrix_zenoh.bus import Bus, Received
+from beatrix_zenoh.errors import NoAnswer
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.request import Place
+    from beatrix_zenoh.client.session import Client
+
+ROUTER_S = 0.3
+"""A router that needs longer for a query of tokens counts as frozen."""
+NOTICE_S = 0.2
+"""Zenoh ends the queries of a lost connection before it reports the loss."""
+BACK_S = 0.6
+"""A lost connection is restored within this time if the router answers."""
+POLL_S = 0.02
+ABSENT_S = 1.0
+"""A query that reaches no node ends sooner; after this time its node has taken it, and ended."""
+POSITIONS_S = 0.5
+"""A node that publishes no positions for this long is frozen (they come every 20 ms)."""
+CLOCK_S = 1.0
+"""Time limit of the query that every account may send."""
+
+
+@dataclass(frozen=True)
+class Unanswered:
+    """A query to one robot, from its sending on."""
+
+    client: Client
+    place: Place
+    losses: int
+    """losses of the router before it"""
+    began_s: float = field(default_factory=time.monotonic)
+
+    def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
+        """Return the error of a query that had no answer within `limit_s` or, with None, that ended without a reply.
+
+        `heard`: it had an earlier reply.
+        """
+        waited_s = time.monotonic() - self.began_s
+        error = self._disconnected(limit_s, heard=heard)
+        if error is not None:
+            return error
+        known = heard or waited_s > ABSENT_S or self.place in self.client.seen
+        present = self.client.robots()
+        if self._lost():
+            return self._interrupted()
+        if self.place not in present:
+            return self._lost_node() if known else self._absent(present)
+        return self._refused() if limit_s is None else self._late(limit_s)
+
+    # -- the router ---------------------------------------------------------------------------------
+
+    def _disconnected(self, limit_s: float | None, *, heard: bool) -> NoAnswer | None:
+        """Return the error if the connection or the router is lost or frozen; arguments as of `explain`."""
+        bus = self.client.bus
+        if bus.closed:
+            return NoAnswer(
+                Reason.SHUTDOWN,
+                f"This program closed its connection before {title(self.place)} had answered. Robots stop the motions of a "
+                "closed connection.",
+            )
+        if limit_s is None and not zbus.is_listening(bus.endpoint):
+            return self._no_router()
+        answers = limit_s is None or bus.router_answers(ROUTER_S)
+        if answers and (heard or limit_s is not None):
+            time.sleep(NOTICE_S)
+        if self._lost():
+            return self._interrupted() if zbus.is_listening(bus.endpoint) else self._no_router()
+        return None if answers else NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+
+    def _lost(self) -> bool:
+        """Return whether the connection is lost now, or was lost since the query was sent."""
+        return not self.client.bus.connected or self.client.losses != self.losses
+
+    def _no_router(self) -> NoAnswer:
+        return NoAnswer(
+            Reason.NO_ROUTER,
+            f"The router at {self.client.bus.endpoint} is lost, so the robots stop their motions. This program reconnects "
+            "when the router returns.",
+        )
+
+    def _interrupted(self) -> NoAnswer:
+        """Return the error of a lost connection to a router that is still there."""
+        bus = self.client.bus
+        deadline_s = time.monotonic() + BACK_S
+        while not bus.connected:
+            if time.monotonic() > deadline_s:
+                return self._not_back()
+            time.sleep(POLL_S)
+        return NoAnswer(
+            Reason.NO_ROUTER,
+            f"The connection to the router at {bus.endpoint} was lost although the router is running: this program was "
+            "suspended or very busy, or the network was interrupted. Robots stop the motions of a lost connection. "
+            "This program reconnects by itself: send the request again.",
+        )
+
+    def _not_back(self) -> NoAnswer:
+        """Return the error of a connection that does not return: the accounts may have changed with the router."""
+        bus, account = self.client.bus, self.client.settings.account
+        try:
+            if account is not None:
+                zbus.connect(bus.endpoint, account=account).close()
+        except NoAnswer as error:
+            return error
+        return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+
+    # -- the robot ----------------------------------------------------------------------------------
+
+    def _lost_node(self) -> NoAnswer:
+        return NoAnswer(Reason.NODE_LOST, detail=Detail(field=title(self.place)))
+
+    def _absent(self, present: Collection[Place]) -> NoAnswer:
+        client, account = self.client, self.client.settings.account
+        token = client.token
+        if account is not None and token and not present and not client.bus.router_passes(token):
+            return NoAnswer(Reason.ACCOUNT_REFUSED, zbus.without_rights(client.bus.endpoint, account))
+        return absence(self.place, present, client.bus.endpoint)
+
+    def _refused(self) -> NoAnswer:
+        """Return the error of a query that ended without a reply although the robot is on line."""
+        account = self.client.settings.account
+        if account is not None and self._reads_clock():
+            detail = Detail(field=title(self.place), holder=account.name)
+            return NoAnswer(Reason.ACCESS_DENIED, detail=detail)
+        name = title(self.place)
+        return NoAnswer(Reason.NO_ANSWER, detail=Detail(field=name, known=[name]))
+
+    def _reads_clock(self) -> bool:
+        """Return whether the robot answers a query that every account may send."""
+        query = self.client.bus.query(keys.clock(*self.place), timeout_s=CLOCK_S)
+        try:
+            return query.next(CLOCK_S) is not None
+        except TimeoutError:
+            return False
+        finally:
+            query.close()
+
+    def _late(self, limit_s: float) -> NoAnswer:
+        publishes = publishing(self.client.bus, [self.place])
+        detail = Detail(field=title(self.place), value=limit_s, unit="s")
+        return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN, detail=detail)
+
+
+def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
+    """Return those of the robots that publish positions; waits POSITIONS_S if one of them does not."""
+    topics = {keys.positions(*place): place for place in places}
+    found: set[Place] = set()
+    everyone = threading.Event()
+
+    def receive(received: Received) -> None:
+        found.add(topics[received.key])
+        if len(found) == len(topics):
+            everyone.set()
+
+    subscriptions = [bus.subscribe(topic, receive) for topic in topics]
+    everyone.wait(POSITIONS_S)
+    for end in subscriptions:
+        end()
+    return found
+
+
+def title(place: Place) -> str:
+    """Return name and twin as users read them: `bea1 (hw)`."""
+    return f"{place[0]} ({place[1]})"
+
+
+def absent_reason(name: str, present: Collection[Place]) -> Reason:
+    """Return NO_SUCH_ROBOT if only robots of other names are on line, NO_ANSWER if none or the other twin is."""
+    other = present and all(robot != name for robot, _ in present)
+    return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
+
+
+def absence(place: Place, present: Collection[Place], endpoint: str) -> NoAnswer:
+    """Return the error of a robot that is not on line, with the robots that are."""
+    reason = absent_reason(place[0], present)
+    detail = Detail(field=title(place), known=[title(other) for other in present])
+    return NoAnswer(reason, f"{sentences.render(reason, detail)} The router is {endpoint}.", detail)

@@ -1,0 +1,254 @@
+"""Each cause of a missing answer has its own reason, sentence and exit code, in SDK, command line and window."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import pytest
+from class_router import Answering, ClassRouter, settled, start_node
+from linked import Linked
+from shell import beatrix
+from stage import PATIENCE_S, Process, free_endpoint, until
+
+from beatrix_zenoh import NoAnswer, Robot
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.keys import POSITIONS_HZ
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.cli.output import exit_code
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.settings import Settings
+from gui.state.state import State
+from gui.state.world import LinkPhase
+
+HW = "hw"
+
+
+class Lesson:
+    """A class with the robot bea1 on line; other robots are started by the tests."""
+
+    def __init__(self, router: ClassRouter, folder: Path) -> None:
+        self.router, self.folder = router, folder
+
+    def file(self, account: Account) -> Path:
+        """Write an account file."""
+        path = self.folder / f"{account.name}.toml"
+        path.write_text(account.text())
+        return path
+
+
+@pytest.fixture(scope="module")
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
+    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as router:
+        made = Lesson(router, tmp_path_factory.mktemp("lesson"))
+        node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
+        yield made
+        assert node.end() == 0
+
+
+@dataclass
+class Case:
+    """A request that gets no answer: the account that sends it, and the robot."""
+
+    account: Account
+    name: str = "bea1"
+    twin: str = HW
+
+
+@contextlib.contextmanager
+def no_router(lesson: Lesson) -> Iterator[Case]:
+    yield Case(msgspec.structs.replace(lesson.router.account("ana"), connect=free_endpoint()))
+
+
+@contextlib.contextmanager
+def wrong_account(lesson: Lesson) -> Iterator[Case]:
+    yield Case(msgspec.structs.replace(lesson.router.account("ana"), password="abcd-abcd"))
+
+
+@contextlib.contextmanager
+def denied(lesson: Lesson) -> Iterator[Case]:
+    """The own robot of another seat."""
+    with connected(lesson, "ana") as bus:
+        for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
+            Answering(bus, key)
+        bus.declare_token(keys.alive("ana", HW))
+        settled(bus)
+        yield Case(lesson.router.account("ben"), "ana")
+
+
+@contextlib.contextmanager
+def absent(lesson: Lesson) -> Iterator[Case]:
+    """The simulation of a robot whose hardware is on line."""
+    yield Case(lesson.router.account("ana"), twin="sim")
+
+
+@contextlib.contextmanager
+def unknown(lesson: Lesson) -> Iterator[Case]:
+    yield Case(lesson.router.account("ana"), "bea7")
+
+
+NODE = """
+import sys, threading
+from pathlib import Path
+from beatrix_zenoh import account, bus
+from beatrix_zenoh._generated import keys
+own, kept = account.load(Path(sys.argv[1])), []
+session = bus.connect(own.connect, account=own)
+session.serve(keys.command("bea2", "hw", "*"), kept.append)
+session.declare_token(keys.alive("bea2", "hw"))
+session.tokens(keys.alive("bea2", "hw"))
+print("ready", flush=True)
+threading.Event().wait()
+"""
+
+
+@contextlib.contextmanager
+def crashed(lesson: Lesson) -> Iterator[Case]:
+    """A node that is killed when it has got the request, and before it answers."""
+    script = lesson.folder / "node.py"
+    script.write_text(NODE)
+    node = Process(str(script), str(lesson.router.path("bea2")), traced=False)
+
+    def kill(incoming: Incoming) -> None:
+        os.kill(node.pid, signal.SIGKILL)
+        incoming.finish()
+
+    with connected(lesson, "bea2") as spy:
+        try:
+            node.expect("ready")
+            spy.serve(keys.command("bea2", HW, "*"), kill)
+            settled(spy)
+            yield Case(lesson.router.account("ana"), "bea2")
+        finally:
+            node.end(signal.SIGKILL)
+
+
+@contextlib.contextmanager
+def frozen(lesson: Lesson) -> Iterator[Case]:
+    """A node whose Python hangs, while Zenoh's threads keep its token."""
+    with hanging(lesson):
+        yield Case(lesson.router.account("ana"), "bea2")
+
+
+@contextlib.contextmanager
+def busy(lesson: Lesson) -> Iterator[Case]:
+    """A node that publishes, and does not get round to answer."""
+    with hanging(lesson) as bus:
+        end = threading.Event()
+
+        def publish() -> None:
+            while not end.wait(1 / POSITIONS_HZ):
+                bus.put(keys.positions("bea2", HW), b"", "application/msgpack")
+
+        publisher = threading.Thread(target=publish)
+        publisher.start()
+        try:
+            yield Case(lesson.router.account("ana"), "bea2")
+        finally:
+            end.set()
+            publisher.join()
+
+
+@contextlib.contextmanager
+def hanging(lesson: Lesson) -> Iterator[Bus]:
+    """A node of bea2 that answers nothing."""
+    kept: list[Incoming] = []
+    with connected(lesson, "bea2") as bus:
+        bus.serve(keys.command("bea2", HW, "*"), kept.append)
+        bus.declare_token(keys.alive("bea2", HW))
+        settled(bus)
+        yield bus
+        for incoming in kept:
+            incoming.finish()
+
+
+@contextlib.contextmanager
+def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
+    """A session of an account, closed at the end of the case."""
+    with contextlib.closing(lesson.router.open(name)) as bus:
+        yield bus
+
+
+TABLE = [
+    (no_router, Reason.NO_ROUTER, "No router of class 8b at"),
+    (wrong_account, Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
+    (
+        denied,
+        Reason.ACCESS_DENIED,
+        "ana (hw) is on line, but this request was refused by the router: account ben",
+    ),
+    (absent, Reason.NO_ANSWER, "bea1 (sim) is not on line. On line: bea1 (hw)"),
+    (
+        unknown,
+        Reason.NO_SUCH_ROBOT,
+        "bea7 (hw) is not on line, and no robot has this name. On line: bea1 (hw)",
+    ),
+    (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer on line: its node has crashed"),
+    (frozen, Reason.NODE_FROZEN, "bea2 (hw) is on line but did not answer within"),
+    (busy, Reason.TIMED_OUT, "bea2 (hw) did not answer within"),
+]
+Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
+
+
+def enable(case: Case, timeout_s: float) -> None:
+    """Send the request of a case by the SDK."""
+    account = case.account
+    with Client(Settings("", account.connect, account.name, account=account)) as client:
+        client.robots()  # a node can only be lost if it was on line
+        Robot(case.name, case.twin, client=client, timeout_s=timeout_s).enable()
+
+
+@pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
+def test_the_sdk_raises_each_silence_with_its_reason(
+    lesson: Lesson, make: Provoke, reason: Reason, sentence: str
+) -> None:
+    with make(lesson) as case, pytest.raises(NoAnswer) as caught:
+        enable(case, PATIENCE_S if reason is Reason.NODE_LOST else 0.5)
+    assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
+
+
+@pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
+def test_the_command_line_ends_with_the_exit_code_of_each_silence(
+    lesson: Lesson, make: Provoke, reason: Reason, sentence: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(lesson.folder)
+    with make(lesson) as case:
+        monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
+        done = beatrix("enable", "--name", case.name, "--on", case.twin)
+    assert (done.returncode, sentence in done.stderr) == (exit_code(reason), True), done.stderr
+    assert done.stdout == ""
+
+
+def test_each_silence_has_an_exit_code_of_its_own() -> None:
+    codes = [exit_code(reason) for _, reason, _ in TABLE]
+    assert len({*codes, 0, 1, 2}) == len(TABLE) + 3
+
+
+def test_the_window_says_that_the_router_refuses_the_account(lesson: Lesson) -> None:
+    with wrong_account(lesson) as case, Linked(case.account.connect, account=case.account) as linked:
+        world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "it is refused")
+        banner = State().view(world).banner
+        assert banner is not None
+        assert "refuses this window's account" in banner.text
+        assert "refuses account ana of class 8b" in world.trouble
+
+
+def test_accounts_that_changed_while_a_program_runs_are_named(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path, "password") as router:
+        account = router.account("ana")
+        with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
+            router.process.end(signal.SIGKILL)
+            router.make_anew()
+            router.start_again()
+            until(lambda: not client.bus.connected, "it is refused")
+            with pytest.raises(NoAnswer) as caught:
+                Robot("bea1", HW, client=client).status()
+    assert caught.value.reason is Reason.ACCOUNT_REFUSED
