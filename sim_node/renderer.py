@@ -106,12 +106,11 @@ def encode(image: Image) -> bytes:
 def main(words: Sequence[str]) -> None:
     """Answer requests until standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the node handles Ctrl-C and ends this process
-    with contextlib.suppress(AttributeError, OSError):
-        os.nice(NICE)
     painter = open_painter(msgspec.json.decode(words[0], type=RobotData), words[1])
     requests, pictures = sys.stdin.buffer, sys.stdout.buffer
     pictures.write(f"{READY}\n".encode())
     pictures.flush()
+    lowered = False
     while len(request := requests.read(_REQUEST.size)) == _REQUEST.size:
         fields = _REQUEST.unpack(request)
         wanted, numbers = fields[: len(names.VIEWS)], fields[len(names.VIEWS) :]
@@ -121,6 +120,10 @@ def main(words: Sequence[str]) -> None:
             jpeg = encode(paint_view(painter, view))
             pictures.write(_LENGTH.pack(len(jpeg)) + jpeg)
             pictures.flush()
+        if not lowered:  # not before the first picture: a client waits for it
+            lowered = True
+            with contextlib.suppress(AttributeError, OSError):
+                os.nice(NICE)
 
 
 if __name__ == "__main__":

@@ -8,13 +8,15 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from witness import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
+from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
 # No deadline: a busy machine is no fault of the code, and pytest's timeout holds. Other examples are drawn in each run.
 settings.register_profile("house", deadline=None, max_examples=50)
@@ -23,8 +25,17 @@ settings.load_profile("house")
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
 SECONDS_TO_GO = 3.0
 """How long threads and processes may take to end after their test."""
-LONG_LIVED = ("multiprocessing.resource_tracker", "multiprocessing.forkserver")
-"""Processes that Python keeps for itself."""
+COMPUTING_WORKER = "gw0"
+"""Process of `make test` that executes the tests that compute."""
+FEWEST_WORKERS = 3
+"""With fewer processes every process executes tests of both kinds."""
+NICE = 10
+"""Added to the niceness of COMPUTING_WORKER."""
+LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
+"""Processes of all tests, and those that Python keeps for itself."""
+WITNESS = pytest.StashKey[Witness]()
+BEGIN_S = pytest.StashKey[float]()
+"""Begin of a test, monotonic clock."""
 
 
 def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
@@ -42,10 +53,17 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def computes(nodeid: str) -> bool:
+    """Return whether a test uses a processor without pause; robots of the other tests move in real time."""
+    return nodeid.startswith(("tests/unit/", "tests/firmware/", "tests/avr/"))
+
+
 class Sharing(LoadScopeScheduling):  # type: ignore[misc]
     """Keeps tests that share robots, or a build, in one process; else each process would start its own.
 
     Marks do not do it: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
+
+    The first process executes the tests that compute, at low priority, so that they do not delay the robots of the others.
     """
 
     def _split_scope(self, nodeid: str) -> str:
@@ -54,11 +72,60 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
             return body[1]
         return nodeid if file.startswith("tests/unit/") else file
 
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        """Assign the next scope of the process's own kind; the others help the first process at the end."""
+        first = node.gateway.id == COMPUTING_WORKER and self.numnodes >= FEWEST_WORKERS
+        scope = next(
+            (scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first), None
+        )
+        if scope is not None:
+            self.workqueue.move_to_end(scope, last=False)
+        elif first:
+            node.shutdown()
+            return
+        super()._assign_work_unit(node)
+
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Sharing | None:
     """Return the order of `make test`."""
     return Sharing(config, log) if config.getoption("dist") == "loadgroup" else None
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Lower the priority of the process whose tests compute; start the witness of the others."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    if worker == COMPUTING_WORKER and workers >= FEWEST_WORKERS:
+        os.nice(NICE)
+    elif worker or session.config.getoption("numprocesses", None) is None:
+        session.config.stash[WITNESS] = Witness()
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """End the witness."""
+    if witness := session.config.stash.get(WITNESS, None):
+        witness.close()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Note when the test begins."""
+    item.stash[BEGIN_S] = time.monotonic()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Skip a failed test about robots during which this computer stood still: it has no result."""
+    report = yield
+    witness = item.config.stash.get(WITNESS, None)
+    if report.failed and witness and not computes(item.nodeid):
+        stood_s = witness.longest_s(item.stash[BEGIN_S])
+        if stood_s:
+            report.outcome = "skipped"
+            path, line, _ = item.location
+            report.longrepr = path, line or 0, f"no result: this computer stood still for {stood_s:.2f} s"
+    return report
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -68,7 +68,10 @@ class FakeCamera:
     def asked(self) -> str:
         """Size, format, period and buffers that it streams with; empty if it does not."""
         path = self.path.with_name(f"{self.path.name}.asked")
-        return path.read_text() if path.exists() else ""
+        try:
+            return path.read_text()
+        except FileNotFoundError:  # the other process removes it at any time
+            return ""
 
     def close(self) -> None:
         """Free the pipe."""

@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.record_robots import clock_s
 
 POLL_S: Final = 0.02
 """Period of checks while no target is due."""
-LATE_S: Final = 0.5
+LATE_S: Final = 1.0
 """A later target is not sent: this program was suspended, and the robot rests somewhere on the path."""
 THERE_DEG: Final = 0.1
 """Tolerance of the position at the start of the path; a microstep is 0.086 deg."""

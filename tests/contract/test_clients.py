@@ -182,7 +182,7 @@ class Flood:
         self._robot.info()  # answered after the queries that are still arriving
 
 
-@pytest.mark.bodies("sim", "in-process", "mega")
+@pytest.mark.bodies("sim", "in-process")
 def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     stream = other.positions_stream()

@@ -28,11 +28,11 @@ from gui.widgets.plots import CAPACITY
 from gui.window import Window
 
 HOUR_S = 3600
-HZ = 20
-"""Refreshes a second; positions come 50 times a second."""
-ROUNDS = 500
+HZ = 2
+"""Refreshes a second; a tenth of the window's, which fill the same rows several times."""
+ROUNDS = 300
 """Requests of this window in the hour."""
-COUNTED = (60, 280, ROUNDS)
+COUNTED = (60, 180, ROUNDS)
 """Rounds at which counting starts, and at which memory is measured."""
 EVENTS = 70
 """Events kept of each robot; every third request has one of another seat."""

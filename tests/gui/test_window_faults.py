@@ -24,7 +24,7 @@ SOON_S = 0.5
 """After it can be known."""
 SILENCE_S = 0.4
 """Without positions: a robot that misses fewer may be on a busy network."""
-GAP_S = 1.0
+GAP_S = 0.5
 """Longest time between two ticks of the window's timer, of 50 ms, on a computer that is not busy."""
 pytestmark = pytest.mark.usefixtures("qtbot")
 

@@ -31,6 +31,7 @@ HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
 """Libraries that belong to a whole package; the others belong to one module of beatrix_zenoh."""
 SLEEPERS = {
     "tests/nodes/test_legacy.py": "programs of 2023 send at their own pace, and what is not sent is no event",
+    "tests/witness.py": "it measures how late it wakes up",
 }
 """Test files that may sleep, and the reason why they cannot wait for an event."""
 BUILT = {"_generated", "build", "dist", "demo-out"}

@@ -1,0 +1,25 @@
+"""The witness of delays of this computer."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+
+from stage import until
+from witness import STALL_S, Witness
+
+
+def test_a_process_that_was_kept_waiting_reports_for_how_long() -> None:
+    witness = Witness()
+    try:
+        until(lambda: witness.began, "it measures")
+        begin_s = time.monotonic()
+        os.kill(witness.pid, signal.SIGSTOP)
+        threading.Event().wait(2 * STALL_S)
+        os.kill(witness.pid, signal.SIGCONT)
+        until(lambda: witness.longest_s(begin_s) > STALL_S, "it reports the delay")
+        assert witness.longest_s(time.monotonic()) == 0.0
+    finally:
+        witness.close()

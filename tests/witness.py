@@ -1,0 +1,76 @@
+"""A process that measures how long this computer keeps a process waiting that wants to run.
+
+Robots move in real time. If the computer, or the host of a virtual one, stops all processes for a while, a test about them
+has no result: it is skipped if it fails, and the skip says how long the computer stood still.
+
+`python tests/witness.py` prints, at its begin and for each time that it woke up later than STALL_S, the monotonic time and its delay, s.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+STALL_S = 0.25
+"""Longer than a busy computer keeps a process waiting that seldom runs."""
+PERIOD_S = 0.02
+
+
+class Witness:
+    """The running process, and the delays that it has measured."""
+
+    def __init__(self) -> None:
+        self._stalls: list[tuple[float, float]] = []
+        self._child = subprocess.Popen(
+            [sys.executable, "-S", str(Path(__file__).resolve())], stdout=subprocess.PIPE, text=True
+        )
+        self.pid = self._child.pid
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._child.stdout is not None
+        for line in self._child.stdout:
+            woke_s, late_s = map(float, line.split())
+            self._stalls.append((woke_s, late_s))
+
+    @property
+    def began(self) -> bool:
+        """Whether it measures."""
+        return bool(self._stalls)
+
+    def longest_s(self, since_s: float) -> float:
+        """The longest delay since a time of the monotonic clock (s); 0 if there was none above STALL_S."""
+        return max((late_s for woke_s, late_s in self._stalls if woke_s >= since_s), default=0.0)
+
+    def close(self) -> None:
+        """End the process."""
+        self._child.kill()
+        self._child.wait()
+        self._reader.join()
+        assert self._child.stdout is not None
+        self._child.stdout.close()
+
+
+def main() -> None:
+    """Measure until the process is killed, or the process that started it has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = os.getppid()
+    due_s = time.monotonic()
+    print(due_s, 0.0, flush=True)
+    while os.getppid() == parent:
+        due_s += PERIOD_S
+        time.sleep(max(0.0, due_s - time.monotonic()))
+        woke_s = time.monotonic()
+        if woke_s - due_s > STALL_S:
+            print(woke_s, woke_s - due_s, flush=True)
+            due_s = woke_s
+
+
+if __name__ == "__main__":
+    main()
