@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Callable
 from enum import StrEnum
 from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import LeaseAction, LeaseReply, Reason
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
 from beatrix_zenoh.cli.output import exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
-from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.govern import govern
+from beatrix_zenoh.client.queries import number
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import title
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 
@@ -62,12 +63,12 @@ def lease(
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """Stop every robot and let only the teacher move it. For the seat `teacher`."""
-    _govern(leases.freeze, name, connect, who, as_json=as_json)
+    _govern(LeaseAction.FREEZE, 0.0, name, connect, who, as_json=as_json)
 
 
 def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """Let every seat move the robots again. For the seat `teacher`."""
-    _govern(leases.unfreeze, name, connect, who, as_json=as_json)
+    _govern(LeaseAction.UNFREEZE, 0.0, name, connect, who, as_json=as_json)
 
 
 def limit(
@@ -78,13 +79,13 @@ def limit(
     as_json: Json = False,
 ) -> None:
     """Limit the speed of every robot. For the seat `teacher`."""
-    most = None if speed == "off" else _number(speed)
-    _govern(lambda robot: leases.limit_speed(robot, most), name, connect, who, as_json=as_json)
+    most = 0.0 if speed == "off" else math.radians(_number(speed))
+    _govern(LeaseAction.LIMIT, most, name, connect, who, as_json=as_json)
 
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return number("speed", float(text), "deg/s")
     except ValueError:
         raise WrongUsage(
             Reason.BAD_VALUE, f"{text!r} is no speed: give deg/s, for example 20, or off."
@@ -92,14 +93,15 @@ def _number(text: str) -> float:
 
 
 def _govern(
-    act: Callable[[Robot], LeaseReply],
+    action: LeaseAction,
+    speed: float,
     wanted: list[str] | None,
     connect: str | None,
     who: str | None,
     *,
     as_json: bool,
 ) -> None:
-    """Carry out `act` at every robot on line, or at those of the names; exit with the code of the first failure."""
+    """Send a lease query (`speed` in rad/s) to all robots on line, or to those of the names; exit with the first failure's code."""
     with Client(resolve(None, connect, who)) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
@@ -111,23 +113,14 @@ def _govern(
                 f"No robot{named} is on line at {client.bus.endpoint}.{others}",
             )
         rows, code = [], 0
-        for robot in (Robot(name, twin, client=client) for name, twin in places):
-            try:
-                reason, text = Reason.OK, act(robot).message
-            except BeatrixError as error:
-                reason, text = error.reason, error.message
-                code = code or exit_code(reason)
+        for (robot, twin), result in govern(client, places, action, speed).items():
+            reason, text = result.reason, result.message
+            code = code or (0 if reason is Reason.OK else exit_code(reason))
             rows.append(
-                {
-                    "robot": robot.name,
-                    "on": robot.twin,
-                    "result": reason is Reason.OK,
-                    "reason": reason,
-                    "message": text,
-                }
+                {"robot": robot, "on": twin, "result": reason is Reason.OK, "reason": reason, "message": text}
             )
             if not as_json:
-                (say if reason is Reason.OK else note)(f"{robot}: {text}")
+                (say if reason is Reason.OK else note)(f"{robot} ({twin}): {text}")
     if as_json:
         print_json({"result": not code, "robots": rows})
     if code:

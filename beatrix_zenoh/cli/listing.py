@@ -108,12 +108,14 @@ def problems(status: Status | None) -> list[str]:
     if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
         return [*status.warnings, *lease_notes(status)]
     fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which this version does not know.")
-    return [fault, *status.warnings]
+    return [fault, *status.warnings, *lease_notes(status)]
 
 
 def lease_notes(status: Status) -> list[str]:
-    """Return sentences with the seat that has taken the robot, the waiting seats and the teacher's speed limit."""
-    notes = [f"{status.holder} has taken it."] if status.lease else []
+    """Return a sentence each: the teacher has frozen the robot, a seat has taken it, seats wait for it, its speed limit."""
+    notes = ["The teacher has frozen it."] if status.frozen else []
+    if status.lease:
+        notes.append(f"{status.holder} has taken it.")
     if status.waiting:
         notes.append(f"Waiting for it: {', '.join(status.waiting)}.")
     if status.speed_limit:
@@ -143,13 +145,20 @@ def state_row(status: Status) -> dict[str, object]:
         "enabled": status.enabled,
         "calibrated": status.calibrated,
         "moving": status.moving,
+        **lease_row(status),
+        "fault": status.fault,
+        "warnings": status.warnings,
+    }
+
+
+def lease_row(status: Status) -> dict[str, object]:
+    """The seats that hold the robot or wait for it, and what the teacher has set, as JSON."""
+    return {
         "driver": status.holder,
         "lease": status.lease,
         "waiting": status.waiting,
         "frozen": status.frozen,
         "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
-        "fault": status.fault,
-        "warnings": status.warnings,
     }
 
 

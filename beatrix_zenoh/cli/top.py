@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh.cli.listing import problems, state
+from beatrix_zenoh.cli.listing import lease_row, problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.seats import Seats
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.settings import resolve
 
@@ -38,6 +38,8 @@ class Row(NamedTuple):
     hz: float
     silent_s: float | None
     driver: str
+    lease: dict[str, object]
+    """as JSON"""
     problems: list[str]
 
 
@@ -64,29 +66,6 @@ def top(
             print_tables(monitor, seats)
 
 
-class Seats:
-    """The seats that are connected to the router."""
-
-    def __init__(self, client: Client) -> None:
-        self._sessions: dict[str, str] = {}
-        client.bus.watch_tokens(keys.seat("*", "*"), self._seen)
-
-    def _seen(self, key: str, alive: bool) -> None:
-        """Handle a session of a seat that has begun or ended, on Zenoh's thread."""
-        parts = keys.parse(key)
-        if parts is not None and alive:
-            self._sessions[parts.session] = parts.who
-        elif parts is not None:
-            self._sessions.pop(parts.session, None)
-
-    def names(self) -> list[str]:
-        """Each seat once, sorted."""
-        return sorted({*self._sessions.copy().values()})
-
-    def __str__(self) -> str:
-        return f"seats: {', '.join(self.names())}"
-
-
 def rows_of(monitor: Monitor) -> list[Row]:
     """The rows of all robots on line now."""
     return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
@@ -104,6 +83,7 @@ def row_of(robot: RobotState) -> Row:
         hz=robot.hz,
         silent_s=silent,
         driver="" if status is None else status.holder,
+        lease={} if status is None else lease_row(status),
         problems=[f"no positions for {silent:.1f} s"] if silent and lost else problems(status),
     )
 
@@ -120,11 +100,16 @@ def notes(rows: list[Row]) -> list[str]:
     return [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
 
 
+def seats_line(seats: Seats) -> str:
+    """The seats that are connected to the router, on one line."""
+    return f"seats: {', '.join(seats.names())}"
+
+
 def text(rows: list[Row], seats: Seats) -> str:
     """The table as text, for a pipe."""
     if not rows:
-        return f"{NO_ROBOT}\n{seats}"
-    return "\n".join([columns(HEADS, [cells(row) for row in rows]), *notes(rows), str(seats)])
+        return f"{NO_ROBOT}\n{seats_line(seats)}"
+    return "\n".join([columns(HEADS, [cells(row) for row in rows]), *notes(rows), seats_line(seats)])
 
 
 def as_dict(row: Row) -> dict[str, object]:
@@ -139,6 +124,7 @@ def as_dict(row: Row) -> dict[str, object]:
         "hz": round(row.hz, 2),
         "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
         "driver": row.driver,
+        **row.lease,
         "warnings": row.problems,
     }
 
@@ -172,7 +158,7 @@ def screen_table(rows: list[Row], seats: Seats, endpoint: str) -> RenderableType
     for row in rows:
         table.add_row(*cells(row), style=colour(row))
     lines = notes(rows) if rows else [NO_ROBOT]
-    foot = Text(f"\n{seats}\nsilent: time since its last positions. Ctrl-C ends.", style="dim")
+    foot = Text(f"\n{seats_line(seats)}\nsilent: time since its last positions. Ctrl-C ends.", style="dim")
     return Group(table, *(Text(line, style="yellow") for line in lines), foot)
 
 

@@ -10,6 +10,7 @@ from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
 from beatrix_zenoh.client.monitor import Monitor as Monitor
 from beatrix_zenoh.client.motion import Motion as Motion
 from beatrix_zenoh.client.plan import Plan as Plan
+from beatrix_zenoh.client.request import Place as Place
 from beatrix_zenoh.client.robot import Robot as Robot
 from beatrix_zenoh.client.robot import stop_together as stop_together
 from beatrix_zenoh.client.robot_state import Presence as Presence

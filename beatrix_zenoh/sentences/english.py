@@ -104,7 +104,7 @@ ENGLISH: Final = Language(
         ): "A speed of {value} for the {arms} arm is too fast; {low} to {high} is allowed.",
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} has taken this robot. Wait for it with `beatrix lease wait`; STOP is open to every seat."
+            "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60`; STOP is open to every seat."
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",

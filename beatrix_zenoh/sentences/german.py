@@ -137,7 +137,7 @@ GERMAN: Final = Language(
         ): f"Eine Geschwindigkeit von {{value}} des {{arms}} Arms ist zu groß; {_YAW}",
         (Reason.NOT_HOLDER, None, ""): "Ein anderer Platz steuert den Roboter. Versuche es später.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease wait`; STOP steht jedem Platz offen."
+            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60`; STOP steht jedem Platz offen."
         ),
         (
             Reason.NOT_HOLDER,

@@ -43,6 +43,7 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
         (NAME, "hw", True),
     }
     assert {row["state"] for row in free.json("ls")["robots"]} == {"frozen"}
+    assert "The teacher has frozen it." in free.good("top", "--once")
     refused = free.run("look", "--yaw", "5", "--on", "sim")
     assert (refused.returncode, "frozen" in refused.stderr) == (1, True)
     free.good("unfreeze", "--who", "teacher")
@@ -50,5 +51,5 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
     refused = free.run("look", "--yaw", "5", "--speed", "60", "--on", "sim")
     assert (refused.returncode, "20.0°/s" in refused.stderr) == (1, True)
     free.good("limit", "off", "--who", "teacher")
-    assert {row["speed_limit_deg_s"] for row in free.json("ls")["robots"]} == {0.0}
+    assert {row["speed_limit_deg_s"] for row in free.json("top", "--once")["robots"]} == {0.0}
     assert free.run("limit", "slow", "--who", "teacher").returncode == 2

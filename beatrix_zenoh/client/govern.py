@@ -1,0 +1,40 @@
+"""Lease queries to many robots at once: a robot that does not answer delays no other robot."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason
+from beatrix_zenoh.client.request import Place, Request
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+
+ANSWER_S = 2.0
+"""Time limit of all replies together."""
+
+
+def govern(
+    client: Client, places: Iterable[Place], action: LeaseAction, speed: float = 0.0
+) -> dict[Place, LeaseReply | BeatrixError]:
+    """Send a lease query to robots (`speed`, of LIMIT, in rad/s); return the reply or the error of each of them."""
+    query = LeaseQuery(action=action, speed=speed)
+    who = client.settings.who
+    requests = {place: Request(client, place, keys.lease(*place, who), query, ANSWER_S) for place in places}
+    deadline_s = time.monotonic() + ANSWER_S
+    return {place: _result(request, place, deadline_s) for place, request in requests.items()}
+
+
+def _result(request: Request, place: Place, deadline_s: float) -> LeaseReply | BeatrixError:
+    """Return the reply that arrives until `deadline_s` (monotonic clock, s), or the error."""
+    try:
+        reply = request.reply(LeaseReply, max(0.0, deadline_s - time.monotonic()))
+    except TimeoutError:
+        text = "{} ({}) did not answer: it is frozen or very busy.".format(*place)
+        return NoAnswer(Reason.TIMED_OUT, text)
+    except BeatrixError as error:
+        return error
+    finally:
+        request.close()
+    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)
