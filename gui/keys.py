@@ -23,6 +23,7 @@ class Keys(QObject):
     undo = pyqtSignal()
     record = pyqtSignal()
     help = pyqtSignal()
+    page = pyqtSignal()
 
     def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
         """Create the filter, not yet installed; `stop_bar` returns the STOP button, which also works while a popup is open."""
@@ -71,8 +72,8 @@ class Keys(QObject):
         key, focus = event.key(), QApplication.focusWidget()
         if key in STOP_KEYS:
             return self._stop
-        if key == Qt.Key.Key_F1:
-            return self.help.emit
+        if key in (Qt.Key.Key_F1, Qt.Key.Key_F2):
+            return self.help.emit if key == Qt.Key.Key_F1 else self.page.emit
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             if key == Qt.Key.Key_R:
                 return self.record.emit

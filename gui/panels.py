@@ -1,4 +1,4 @@
-"""The arrangement of all widgets in one language: header, banner, three columns, STOP."""
+"""The arrangement of all widgets in one language: header, banner, three columns or the page of the class, STOP."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
-from gui.state.intents import ALL_ARMS, ARMS, ShowTab, Tab, Theme
+from gui.state.intents import ALL_ARMS, ARMS, Page, ShowTab, Tab, Theme
 from gui.state.views import HistoryRowView, RefusalView, View
 from gui.state.world import World
 from gui.texts import Texts
 from gui.theme import style_of
 from gui.widgets.arms import Arms
 from gui.widgets.banner import Banner
+from gui.widgets.class_page import ClassPage
 from gui.widgets.commands import Commands
 from gui.widgets.eyes import Eyes, OutsideView
 from gui.widgets.head import Head
@@ -53,10 +54,12 @@ class Panels(QWidget):
         self.sending, self.commands = Sending(texts), Commands(texts)
         self.history, self.poses = History(texts), Poses(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
-        self.body = QWidget()
+        self.body, self.class_page = QWidget(), ClassPage(texts)
+        self.class_page.hide()
+        self.pages = QWidget()
         self._lay_out()
-        self.refusal, self.trouble = Refusal(texts, self.body), Trouble(texts, self.body)
-        self.key_sheet = KeySheet(texts, self.body)
+        self.refusal, self.trouble = Refusal(texts, self.pages), Trouble(texts, self.pages)
+        self.key_sheet = KeySheet(texts, self.pages)
         self._connect()
 
     def _lay_out(self) -> None:
@@ -84,7 +87,11 @@ class Panels(QWidget):
         inner.setSpacing(4)
         inner.addWidget(self.header)
         inner.addWidget(self.banner)
-        inner.addWidget(self.body, 1)
+        pages = QVBoxLayout(self.pages)
+        pages.setContentsMargins(0, 0, 0, 0)
+        pages.addWidget(self.body)
+        pages.addWidget(self.class_page)
+        inner.addWidget(self.pages, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
@@ -96,6 +103,7 @@ class Panels(QWidget):
         for part in (
             self.header,
             self.banner,
+            self.class_page,
             self.head,
             self.arms,
             self.sending,
@@ -144,7 +152,7 @@ class Panels(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._theme = theme
-        for part in (self.head, self.history, self.heads, self.eyes, self.plots):
+        for part in (self.head, self.history, self.heads, self.eyes, self.plots, self.class_page):
             part.show_theme(theme)
         self._arrange()
 
@@ -160,11 +168,20 @@ class Panels(QWidget):
         self.poses.show_view(view.poses)
         self.heads.show_view(view.eyes)
         self.eyes.show_view(view.eyes)
+        self.class_page.show_view(view.class_page)
+        self._show_page(view.page)
         self.stop_bar.show_view(view.stop)
         self.stop_bar.show_last(view.last)
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal)
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
         self._show_notice()
+
+    def _show_page(self, page: Page) -> None:
+        shows_class = page is Page.CLASS
+        if self.class_page.isHidden() == shows_class:
+            self.body.setVisible(not shows_class)
+            self.class_page.setVisible(shows_class)
+            (self.class_page.list if shows_class else self.head.pad).setFocus()
 
     def show_outcome(self, rows: tuple[HistoryRowView, ...], last: str) -> None:
         """Show the outcome of a request, and nothing else."""
@@ -184,8 +201,9 @@ class Panels(QWidget):
         if self._question:
             self.refusal.show_question(self._question, self.commands)
         else:
-            place = None if self._refusal is None else self._place(self._refusal.place)
-            self.refusal.show_view(self._refusal, place)
+            shown = None if self.body.isHidden() else self._refusal
+            place = None if shown is None else self._place(shown.place)
+            self.refusal.show_view(shown, place)
 
     def _place(self, name: str) -> QWidget:
         """Return the widget that a refusal is shown beside."""

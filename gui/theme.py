@@ -66,6 +66,7 @@ class Style:
             Condition.READY: self.good,
             Condition.MOVING: self.good,
             Condition.DRIVEN: self.warn,
+            Condition.FROZEN: self.warn,
             Condition.FAULT: self.bad,
         }[condition]
 
@@ -206,7 +207,9 @@ QMenu, QListView, QTreeView, QComboBox QAbstractItemView {{ background: {style.f
 QMenu::item {{ padding: {style.px(4)}px {style.px(20)}px; }}
 QMenu::item:selected {{ background: {style.accent}; color: {style.accent_text}; }}
 QMenu::item:disabled {{ color: {style.dim}; background: {style.field}; }}
-QListView:focus {{ border: 1px solid {style.accent}; }}
+QListView:focus, QTreeView:focus {{ border: 1px solid {style.accent}; }}
+QHeaderView::section {{ background: {style.raised}; color: {style.text}; border: none;
+  border-right: 1px solid {style.line}; padding: {style.px(3)}px {style.px(4)}px; }}
 """
 
 

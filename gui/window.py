@@ -12,8 +12,8 @@ from beatrix_zenoh.client import CameraImage
 from gui.keys import Keys
 from gui.link import Link
 from gui.panels import Panels
-from gui.state.actions import Action, Outcome, Ready, Send, SendCommand
-from gui.state.intents import Intent, SendHead, Stop, Tab, ToggleRecording, Undo
+from gui.state.actions import Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.state.intents import Intent, SendHead, Stop, Tab, TogglePage, ToggleRecording, Undo
 from gui.state.state import State
 from gui.state.views import View
 from gui.texts import Texts
@@ -22,7 +22,7 @@ from gui.theme import apply_theme, style_of
 PERIOD_MS = 50
 REFRESH_DELAY_MS = 10
 """Between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
-ANSWERED = (Send, SendCommand, Ready)
+ANSWERED = (Send, SendCommand, SendLease, Ready)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the threads of the link send before the window draws: Python runs one thread at a time."""
@@ -48,6 +48,7 @@ class Window(QMainWindow):
         self.keys.undo.connect(lambda: self.handle(Undo()))
         self.keys.record.connect(lambda: self.handle(ToggleRecording()))
         self.keys.help.connect(self._toggle_keys)
+        self.keys.page.connect(lambda: self.handle(TogglePage()))
         self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.refresh)
@@ -69,6 +70,7 @@ class Window(QMainWindow):
 
     def _show_world(self) -> None:
         self._delayed_refresh.stop()
+        self._state.follow(self._world)
         self._show(self._state.view(self._world))
         self.panels.show_world(self._world)
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import msgspec
 from worlds import absent, robot, status, world
 
-from beatrix_zenoh._generated.messages import Alternative, Detail, Fault, Head, Limit, Reason
-from beatrix_zenoh.client import RobotState
+from beatrix_zenoh._generated.messages import Alternative, Detail, Fault, Head, LeaseAction, Limit, Reason
+from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path
-from gui.state.actions import Action, Outcome
+from gui.state.actions import Action, Govern, Outcome
 from gui.state.intents import (
     AimHead,
+    GovernClass,
     Intent,
     Jog,
     SavePose,
@@ -23,12 +25,14 @@ from gui.state.intents import (
     SetLanguage,
     SetTheme,
     Theme,
+    TogglePage,
 )
 from gui.state.state import State
 from gui.state.views import View
 from gui.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
-STATES = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
+ROBOTS = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
+STATES = (*ROBOTS, "taken", "turn", "frozen", "class")
 ARMS = (12.0, -4.5, 7.2)
 PATH = Path(
     [i / 20 for i in range(21)],
@@ -55,6 +59,9 @@ def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known
 def reported(state: State, intent: Intent, now: World, refused: Detail | None = None) -> None:
     """Send an intent and report that both robots have done or refused it."""
     for action in state.handle(intent, now):
+        if isinstance(action, Govern):
+            state.report(Outcome(action.row, "", accepted=True, done=True, robots=len(now.robots)))
+            continue
         for twin in ("sim", "hw"):
             state.report(outcome(action, twin, refused))
 
@@ -88,6 +95,45 @@ def driving(theme: Theme, language: str, now: World) -> State:
     return state
 
 
+SHARED: dict[str, dict[str, Any]] = {
+    "taken": {"holder": "anastasia", "lease": 3, "waiting": ("cleo", "ben"), "limit_deg": 20.0},
+    "turn": {"holder": "ben", "lease": 4, "waiting": ("cleo", "dora"), "limit_deg": 20.0},
+    "frozen": {"frozen": True, "holder": "ben", "limit_deg": 20.0},
+}
+"""Status of both robots in the states of a lesson."""
+
+
+def shared(deciding: State, before: World, **known: Any) -> World:
+    """Both robots in a lesson; the seat waited for them before."""
+    waiting = {
+        twin: robot(twin, known=status(twin, holder="ana", waiting=("ben",))) for twin in ("sim", "hw")
+    }
+    deciding.follow(replace(before, sim=waiting["sim"], hw=waiting["hw"]))
+    found = {twin: robot(twin, arms=ARMS, known=status(twin, **known)) for twin in ("sim", "hw")}
+    now = replace(before, sim=found["sim"], hw=found["hw"])
+    deciding.follow(now)
+    return now
+
+
+def class_world() -> World:
+    """The teacher's world: robots in several conditions."""
+    known = {
+        "bea1": {"moving": True, "holder": "ana", "lease": 3, "waiting": ("ben", "cleo"), "limit_deg": 20.0},
+        "bea2": {"frozen": True, "holder": "dora", "limit_deg": 20.0},
+        "bea3": {"enabled": False, "calibrated": False, "limit_deg": 20.0},
+        "bea4": {"fault": Fault.BOARD_LOST, "connected": False, "limit_deg": 20.0},
+    }
+    robots = [
+        replace(robot(twin, known=status(twin, **fields)), robot=name)  # type: ignore[arg-type]
+        for name, fields in known.items()
+        for twin in ("sim", "hw")
+    ]
+    robots[-1] = replace(robots[-1], presence=Presence.LOST, positions_age_s=3.2, hz=0.0)
+    return replace(
+        ready(), seat="teacher", robots=tuple(robots), seats=("ana", "ben", "cleo", "dora", "teacher")
+    )
+
+
 def example(state: str, theme: Theme, language: str) -> View:
     """The view of one of STATES."""
     now = ready()
@@ -118,6 +164,12 @@ def example(state: str, theme: Theme, language: str) -> View:
         now = world(absent("sim"), absent("hw"), phase=LinkPhase.NO_ROUTER, names=())
     elif state == "refused":
         now = world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED, names=())
+    elif state in SHARED:
+        now = shared(deciding, now, **SHARED[state])
+    elif state == "class":
+        now = class_world()
+        deciding.handle(TogglePage(), now)
+        reported(deciding, GovernClass(LeaseAction.FREEZE), now)
     elif state == "driven":
         taken = {
             twin: robot(twin, arms=ARMS, known=status(twin, holder="ana", moving=True))

@@ -43,6 +43,10 @@ def status(
     holder: str = "",
     connected: bool = True,
     cameras: tuple[CameraStatus, ...] = (),
+    lease: int = 0,
+    waiting: tuple[str, ...] = (),
+    frozen: bool = False,
+    limit_deg: float = 0.0,
 ) -> Status:
     """A status; by default of a ready robot."""
     return Status(
@@ -69,6 +73,10 @@ def status(
             retries=0,
         ),
         cameras=list(cameras),
+        lease=lease,
+        waiting=list(waiting),
+        frozen=frozen,
+        speed_limit=math.radians(limit_deg),
     )
 
 
@@ -127,13 +135,15 @@ def world(
     starting: bool = False,
     wall_s: float = 1_000_000.0,
     playing: str = "",
+    seat: str = "ben",
+    robots: tuple[RobotState, ...] = (),
 ) -> World:
-    """A world; by default both robots are ready. The seat is `ben`."""
+    """A world; by default both robots are ready, and the seat is `ben`."""
     return World(
         now_s=100.0,
         phase=phase,
         endpoint=ENDPOINT,
-        seat="ben",
+        seat=seat,
         robot="bea1",
         sim=sim or robot("sim"),
         hw=hw or robot("hw"),
@@ -144,6 +154,8 @@ def world(
         starting=starting,
         playing=playing,
         wall_s=wall_s,
+        seats=("ana", "ben", "teacher"),
+        robots=robots,
     )
 
 

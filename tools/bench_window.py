@@ -149,7 +149,7 @@ def measure(window: Window, endpoint: str) -> None:
     window.handle(SetDestination("sim", checked=False))
     window.handle(SetDestination("hw", checked=True))
     window.handle(SetCameras(on=True))
-    until(window.panels.header.pills["hw"].latency.text)
+    until(lambda: "ms" in window.panels.header.pills["hw"].notes.text())
     plots = cpu(window, Tab.PLOTS)
     eyes = cpu(window, Tab.EYES)
     times.ages_s.clear()

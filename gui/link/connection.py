@@ -6,12 +6,13 @@ import queue
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.seats import Seats
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import BeatrixError
@@ -35,6 +36,8 @@ class Session:
     """of all robots of the router; only Qt's thread reads states"""
     twin: Twin
     """both robots of the chosen name"""
+    seats: Seats
+    """that are connected to the router"""
 
 
 class Connection:
@@ -102,7 +105,7 @@ class Connection:
         old, self.robot = self.session, robot
         if old is None or old.twin.name == robot:
             return
-        session = self.session = Session(old.client, old.monitor, Twin(robot, client=old.client))
+        session = self.session = replace(old, twin=Twin(robot, client=old.client))
         self._on_session(session)
         self._tasks.put(old.twin.close)  # which may wait for a robot
 
@@ -147,14 +150,14 @@ class Connection:
             return
         try:
             client.bus.watch_router(self._on_router)
-            monitor = Monitor(client, events=EVENTS)
+            monitor, seats = Monitor(client, events=EVENTS), Seats(client)
         except BeatrixError as error:  # the router was lost meanwhile
             client.close()
             self._refused, self._trouble = False, error.message
             return
         with self._lock:
             if not self._closed:
-                session = self.session = Session(client, monitor, Twin(self.robot, client=client))
+                session = self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
                 self._trouble = ""
                 self._on_session(session)
                 return

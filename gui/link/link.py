@@ -16,6 +16,7 @@ from beatrix_zenoh.settings import Settings
 from gui.link.cameras import Cameras
 from gui.link.children import Children
 from gui.link.connection import Connection
+from gui.link.governing import ClassStates, Governing
 from gui.link.outcomes import deselected, done, failed, replaced, stopped
 from gui.link.pictures import OnImage
 from gui.link.plans import Plans
@@ -29,6 +30,8 @@ from gui.state import actions
 from gui.state.actions import Action, Outcome
 from gui.state.world import World
 
+Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
+"""Actions that robots of the shown name answer."""
 OnOutcome = Callable[[Outcome], None]
 TWINS = ("sim", "hw")
 CLOSE_S = 2.8
@@ -57,7 +60,10 @@ class Link:
         self._queues = {twin: RequestQueue(twin, report) for twin in TWINS}
         self._plans = Plans(report)
         self._playing = Playing(report)
-        self._stopping = Stopping(self._robots_to_stop, self._no_session, report)
+        self._stopping = Stopping(
+            self._robots_to_stop, lambda: self._connection.session, self._no_session, report
+        )
+        self._governing, self._class = Governing(report), ClassStates()
         self._probes = {twin: Probe(twin, lambda: self._connection.session) for twin in TWINS}
         self._children = Children(self._connection.try_now)
         self._recordings = Recordings()
@@ -71,9 +77,9 @@ class Link:
         """Return the present world; call it in one thread only, Qt's."""
         connection = self._connection
         sim, hw = connection.states()
-        session, robot = connection.session, sim.robot
+        session, robot, now_s = connection.session, sim.robot, time.monotonic()
         return World(
-            now_s=time.monotonic(),
+            now_s=now_s,
             phase=connection.phase,
             endpoint=connection.settings.connect,
             seat=connection.settings.who,
@@ -92,6 +98,8 @@ class Link:
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
+            seats=() if session is None else tuple(session.seats.names()),
+            robots=self._class.states(session, now_s),
         )
 
     def do(self, action: Action) -> None:
@@ -100,6 +108,9 @@ class Link:
             case actions.StopBoth():
                 self._stopping.press(action.row)
                 self._drop_all()  # in this thread, so that requests after STOP are not dropped
+            case actions.StopAll():
+                self._stopping.press_all(action.row)
+                self._drop_all()
             case actions.SendPlanNow():
                 self._plans.send_now()
             case actions.AbortPlan():
@@ -110,7 +121,17 @@ class Link:
                 self._select(action.robot)
             case actions.WatchCameras():
                 self._cameras.watch(action.wanted)
-            case actions.Send() | actions.Play() | actions.SendCommand() | actions.Ready():
+            case actions.WatchClass():
+                self._class.watch(on=action.on)
+            case actions.Govern():
+                self._govern(action)
+            case (
+                actions.Send()
+                | actions.Play()
+                | actions.SendCommand()
+                | actions.SendLease()
+                | actions.Ready()
+            ):
                 self._request(action)
             case _:
                 self._do_here(action)
@@ -156,14 +177,21 @@ class Link:
         else:
             self._on_outcome(outcome)
 
-    def _request(self, action: actions.Send | actions.Play | actions.SendCommand | actions.Ready) -> None:
+    def _govern(self, action: actions.Govern) -> None:
+        session = self._connection.session
+        if session is None:
+            self._report(self._no_session(action.row))
+        else:
+            self._governing.send(action, session)
+
+    def _request(self, action: Request) -> None:
         """Carry out an action that robots answer."""
         session = self._connection.session
         if session is None:
             self._report(self._no_session(action.row))
             return
         twin = session.twin
-        twins = (action.twin,) if isinstance(action, actions.Ready) else action.twins
+        twins = (action.twin,) if isinstance(action, actions.Ready | actions.SendLease) else action.twins
         if not robots_of(twin, twins):
             text = "Neither Simulation nor Hardware is checked. Check one of them."
             self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
@@ -176,6 +204,9 @@ class Link:
             case actions.SendCommand():
                 for robot in robots_of(twin, action.twins):
                     self._queues[robot.twin].command(action.row, robot, action.command, value=action.value)
+            case actions.SendLease():
+                (robot,) = robots_of(twin, twins)
+                self._queues[robot.twin].lease(action.row, robot, action.action)
             case actions.Ready():
                 (robot,) = robots_of(twin, twins)
                 self._queues[robot.twin].make_ready(action.row, robot)
@@ -240,6 +271,7 @@ class Link:
             *self._queues.values(),
             *self._probes.values(),
             self._stopping,
+            self._governing,
             self._cameras,
             self._recordings,
             self._children,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client import Place
 from beatrix_zenoh.errors import BeatrixError, Interrupted
 from gui.state.actions import DESELECTED, Outcome
 
 REPLACED = "A newer motion of this window replaced this one."
+NO_ROBOT = "No robot is on line."
 STOPPED = "STOP was pressed in this window."
 
 
@@ -30,6 +34,24 @@ def failed(row: int, twin: str, error: BeatrixError) -> Outcome:
         reason=error.reason,
         message=error.message,
         detail=error.detail,
+    )
+
+
+def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> Outcome:
+    """Return the outcome of a request to several robots (`robots`: their number), from the errors of some of them."""
+    if not robots:
+        return Outcome(row, "", accepted=False, done=True, reason=Reason.NO_ANSWER, message=NO_ROBOT)
+    error = next(iter(failed.values()), None)
+    return Outcome(
+        row,
+        "",
+        accepted=error is None,
+        done=True,
+        reason=Reason.OK if error is None else error.reason,
+        message="" if error is None else error.message,
+        detail=None if error is None else error.detail,
+        robots=robots,
+        failed=tuple("{} ({})".format(*place) for place in failed),
     )
 
 

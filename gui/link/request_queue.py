@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.errors import BeatrixError, Refused
@@ -63,6 +64,10 @@ class RequestQueue(Worker):
     def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
         """Queue a command that is not a motion."""
         self._put(Task(row, robot, lambda robot: robot.command(command, value=value).message))
+
+    def lease(self, row: int, robot: Robot, action: LeaseAction) -> None:
+        """Queue a lease query."""
+        self._put(Task(row, robot, lambda robot: lease.ask(robot, action).message))
 
     def make_ready(self, row: int, robot: Robot) -> None:
         """Queue `Robot.make_ready`."""

@@ -1,21 +1,26 @@
-"""STOP on a thread of its own, which waits for nothing else, to both robots."""
+"""STOP on a thread of its own, which waits for nothing else, to both robots or to all."""
 
 from __future__ import annotations
 
 import queue
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import CommandReply
+from beatrix_zenoh._generated.messages import CommandReply, Reason
+from beatrix_zenoh.client import Place
+from beatrix_zenoh.client.group_stop import STOP_S, request_stop
+from beatrix_zenoh.client.request import GroupRequest
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.wakeup import Wakeup
-from beatrix_zenoh.errors import BeatrixError
-from gui.link.outcomes import done, failed
-from gui.link.worker import show_error
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from gui.link.connection import Session
+from gui.link.outcomes import done, failed, of_several
+from gui.link.worker import Worker, show_error
 from gui.state.actions import Outcome
 
+NO_REPLY = "It did not answer: it is frozen, or its connection is. Switch its power off if it moves."
 YIELD_S = 0.002
 """Longest time that Qt's thread yields to the thread that sends STOP."""
 
@@ -28,7 +33,7 @@ class SentStop(NamedTuple):
 
 
 class StopReplies:
-    """Waits for one robot's replies to STOP and reports them; a silent robot does not delay reports of the other."""
+    """Waits for one robot's replies to STOP and reports them, so that a silent robot does not delay the reports of the other robot."""
 
     def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
         self._twin, self._report = twin, report
@@ -65,12 +70,36 @@ class StopReplies:
         self._thread.join(max(0.0, deadline_s - time.monotonic()))
 
 
+class AllStopReplies(Worker):
+    """Waits for the replies of all robots to STOP and reports them."""
+
+    def __init__(self, report: Callable[[Outcome], None]) -> None:
+        super().__init__("window-rest-all")
+        self._report = report
+
+    def expect(self, row: int, request: GroupRequest[CommandReply], present: Sequence[Place]) -> None:
+        """Report which of the robots that were on line have stopped; returns at once."""
+        self.put(lambda: self._report(self._outcome(row, request, present)))
+
+    def _outcome(self, row: int, request: GroupRequest[CommandReply], present: Sequence[Place]) -> Outcome:
+        replies = dict(request.replies(STOP_S))
+        failed: dict[Place, BeatrixError] = {
+            place: Refused(reply.reason, reply.message)
+            for place, reply in replies.items()
+            if reply.reason is not Reason.OK
+        }
+        silent = sorted({*present} - {*replies})
+        failed |= {place: NoAnswer(Reason.TIMED_OUT, NO_REPLY) for place in silent}
+        return of_several(row, len({*present, *replies}), failed)
+
+
 class Stopping:
-    """A thread that sends STOP to both robots, the hardware first."""
+    """A thread that sends STOP to both robots, the hardware first, or to all robots at the router."""
 
     def __init__(
         self,
         robots: Callable[[], tuple[Robot, ...]],
+        session: Callable[[], Session | None],
         no_session: Callable[[int], Outcome],
         report: Callable[[Outcome], None],
     ) -> None:
@@ -78,27 +107,37 @@ class Stopping:
 
         Args:
             robots: returns hardware and simulation; empty without a session.
+            session: returns the present session, or None.
             no_session: returns the outcome of a row without a session.
             report: takes outcomes.
         """
-        self._robots, self._no_session, self._report = robots, no_session, report
+        self._robots, self._session = robots, session
+        self._no_session, self._report = no_session, report
         self._sent = 0
         self._wakeup = Wakeup()
-        self._rows: queue.SimpleQueue[int | None] = queue.SimpleQueue()
+        self._pressed: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self._rests = {twin: StopReplies(twin, report) for twin in ("hw", "sim")}
+        self._all_rest = AllStopReplies(report)
         self._thread = threads.start(self._run, "window-stop")
 
     def press(self, row: int) -> None:
-        """Send STOP now; returns when it was sent, after YIELD_S at the latest."""
+        """Send STOP to both robots now; returns when it was sent, after YIELD_S at the latest."""
+        self._press(lambda: self._send(row))
+
+    def press_all(self, row: int) -> None:
+        """Send STOP to all robots at the router, in the same way."""
+        self._press(lambda: self._send_to_all(row))
+
+    def _press(self, send: Callable[[], None]) -> None:
         before = self._sent
-        self._rows.put(row)
+        self._pressed.put(send)
         # Otherwise Python would run this thread for 5 ms before it switches to the other one.
         self._wakeup.wait_for(lambda: self._sent != before, YIELD_S)
 
     def _run(self) -> None:
-        while (row := self._rows.get()) is not None:
+        while (send := self._pressed.get()) is not None:
             try:
-                self._send(row)
+                send()
             except Exception as error:  # noqa: BLE001  # the next STOP must work
                 show_error(error)
 
@@ -116,9 +155,20 @@ class Stopping:
         if not robots:
             self._report(self._no_session(row))
 
+    def _send_to_all(self, row: int) -> None:
+        session = self._session()
+        if session is not None:
+            request = request_stop(session.client)
+            self._all_rest.expect(row, request, session.monitor.present())
+        self._sent += 1
+        self._wakeup.set()
+        if session is None:
+            self._report(self._no_session(row))
+
     def close(self) -> None:
         """End; returns at once."""
-        self._rows.put(None)
+        self._pressed.put(None)
+        self._all_rest.close()
         for rest in self._rests.values():
             rest.put(None)
 
@@ -127,3 +177,4 @@ class Stopping:
         self._thread.join(max(0.0, deadline_s - time.monotonic()))
         for rests in self._rests.values():
             rests.join(deadline_s)
+        self._all_rest.join(deadline_s)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from beatrix_zenoh._generated.messages import Command, Detail, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import Command, Detail, LeaseAction, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.client import Place
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,41 @@ class StopBoth(Action):
     """STOP for both robots, on a thread of its own."""
 
     row: int
+
+
+@dataclass(frozen=True)
+class StopAll(Action):
+    """STOP for all robots at the router, on the same thread."""
+
+    row: int
+
+
+@dataclass(frozen=True)
+class SendLease(Action):
+    """Take one robot of the shown name, wait for it, or give it back."""
+
+    row: int
+    action: LeaseAction
+    twin: str
+
+
+@dataclass(frozen=True)
+class Govern(Action):
+    """A lease query to several robots at once."""
+
+    row: int
+    action: LeaseAction
+    places: tuple[Place, ...] = ()
+    """name and twin of each robot; empty: all robots on line"""
+    speed: float = 0.0
+    """of LIMIT, rad/s; 0: no limit"""
+
+
+@dataclass(frozen=True)
+class WatchClass(Action):
+    """Begin or end to read the states of all robots."""
+
+    on: bool
 
 
 @dataclass(frozen=True)
@@ -146,3 +182,7 @@ class Outcome:
     """a refusal as data, for the sentence in another language"""
     duration_s: float = 0.0
     """accepted: expected; done: measured"""
+    robots: int = 0
+    """number of robots that a request to several robots was sent to"""
+    failed: tuple[str, ...] = ()
+    """those that refused it or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from beatrix_zenoh._generated.messages import Command, Fault
+from gui.state import leases
 from gui.state.intents import ChooseRobot, Retry, RunCommand, StartSimulation
+from gui.state.memory import Memory
 from gui.state.pills import fault_of
 from gui.state.presence import on_line
 from gui.state.views import BannerView, ButtonView
@@ -16,8 +18,9 @@ CHOICES = 3
 """Robots that the banner offers; the list of robots has all."""
 
 
-def view(world: World, texts: Texts) -> BannerView | None:
-    """Return the banner; None if a robot is on line and no emergency stop is latched."""
+def view(memory: Memory, world: World) -> BannerView | None:
+    """Return the banner; None if a robot is on line, no emergency stop is latched, and no lease has changed hands."""
+    texts = memory.choices.texts
     latched = tuple(twin for twin in ("sim", "hw") if _is_latched(world, twin))
     if latched:
         robots = texts("twins.both" if len(latched) > 1 else f"twins.{latched[0]}")
@@ -25,7 +28,7 @@ def view(world: World, texts: Texts) -> BannerView | None:
             texts("banner.emergency", robots=robots), tuple(_reset(twin, texts) for twin in latched)
         )
     if on_line(world, "sim") or on_line(world, "hw"):
-        return None
+        return leases.banner(memory, world)
     if world.starting:
         return BannerView(texts("banner.starting"))
     if world.phase is LinkPhase.CONNECTING:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from gui.state import intents
-from gui.state.intents import Intent, Tab, Theme
+from gui.state.intents import Intent, Page, Tab, Theme
 from gui.state.saved import Saved
 from gui.state.views import Orientation
 from gui.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
@@ -25,6 +25,7 @@ class Choices:
     hw: bool = False
     cameras: bool = False
     lead_s: float = 2.0
+    page: Page = Page.ROBOT
     tab: Tab = Tab.HEADS
     target: Orientation | None = None
     """of the head pad; None: the target follows the head"""

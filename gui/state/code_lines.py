@@ -6,13 +6,19 @@ import math
 import shlex
 from pathlib import Path
 
-from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery
+from beatrix_zenoh._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.state.actions import Play, Ready, Send, SendCommand, StopBoth
+from gui.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, StopAll, StopBoth
 from gui.state.memory import Request
 from gui.state.world import World
 
+LEASES = {
+    LeaseAction.TAKE: ("take",),
+    LeaseAction.WAIT: ("take", "--wait", "60"),
+    LeaseAction.GIVE_BACK: ("give-back",),
+}
+"""Words after `beatrix lease`."""
 VERBS = {
     Command.ENABLE: "enable",
     Command.CALIBRATE: "calibrate",
@@ -32,6 +38,8 @@ def python(request: Request) -> str:
             line = f"twin.{twin}.make_ready()"
         case StopBoth():
             line = "twin.stop()"
+        case SendLease(action=LeaseAction.TAKE, twin=twin):
+            line = f"twin.{twin}.lease()"
         case Play(twins=twins, file=Path() as file, lead_s=lead_s):
             lead = f", lead_s={_number(lead_s)}" if lead_s and len(twins) > 1 else ""
             line = f"play({_robot(twins)}, load({str(file)!r}){lead})"
@@ -50,11 +58,25 @@ def command_line(request: Request, world: World) -> str:
             return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((twin,), world)])}"
         case StopBoth():
             words = ["stop", *_names(world)]
+        case StopAll():
+            words = ["stop", "--all", *_router(world)]
+        case SendLease(action=action, twin=twin):
+            words = ["lease", *LEASES[action], *_where((twin,), world)]
+        case Govern(action=LeaseAction.FREEZE | LeaseAction.UNFREEZE | LeaseAction.LIMIT):
+            words = [*_governed(request), *_router(world)]
         case Play(twins=twins, file=Path() as file, lead_s=lead_s):
             words = ["play", str(file), *_where(twins, world), *_lead(twins, lead_s)]
         case _:
             return ""
     return shlex.join(["beatrix", *words])
+
+
+def _governed(request: Govern) -> list[str]:
+    """Return the verb of a request to all robots or to some; those verbs apply to both robots of a name."""
+    words = [request.action.value]
+    if request.action is LeaseAction.LIMIT:
+        words.append(_number(math.degrees(request.speed)) if request.speed else "off")
+    return [*words, *(word for name, _ in request.places for word in ("--name", name))]
 
 
 def _verb(command: Command, *, on: bool) -> str:
@@ -117,7 +139,11 @@ def _where(twins: tuple[str, ...], world: World) -> list[str]:
 def _names(world: World) -> list[str]:
     """Return the options of robot and router, unless the defaults of the command line find them."""
     name = ["--name", world.robot] if len(world.names) > 1 else []
-    return [*name, *(["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else [])]
+    return [*name, *_router(world)]
+
+
+def _router(world: World) -> list[str]:
+    return ["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else []
 
 
 def _number(value: float) -> str:

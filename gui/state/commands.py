@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from beatrix_zenoh._generated.messages import Command
 from gui.state import refusals
-from gui.state.actions import Action, Play, Ready, Send, SendCommand, StopBoth, WriteFile
-from gui.state.intents import Intent, RunCommand, Stop, Undo
+from gui.state.actions import Action, Govern, Play, Ready, Send, SendCommand, StopAll, StopBoth, WriteFile
+from gui.state.intents import Intent, MakeReady, Page, Repeat, RunCommand, Stop, Undo
 from gui.state.memory import Memory
 from gui.state.motions import again, begin, send_arms
 from gui.state.poses import last_undo
@@ -13,7 +13,7 @@ from gui.state.presence import unreachable
 from gui.state.views import ButtonView, CommandsView
 from gui.state.world import World
 
-PLACE = "commands"
+PLACE, CLASS = "commands", "class"
 
 
 def view(memory: Memory) -> CommandsView:
@@ -31,8 +31,10 @@ def view(memory: Memory) -> CommandsView:
 
 
 def stop_button(memory: Memory) -> ButtonView:
-    """Return the STOP button, which is always enabled."""
+    """Return the STOP button, which is always enabled; on the page of the class it stops all robots."""
     texts = memory.choices.texts
+    if memory.choices.page is Page.CLASS:
+        return ButtonView(texts("stop_all"), texts("stop_all_tip"), Stop())
     return ButtonView(texts("stop"), texts("stop_tip"), Stop())
 
 
@@ -54,9 +56,24 @@ def _undo(memory: Memory) -> ButtonView:
     return ButtonView(texts("command.undo"), tooltip, Undo())
 
 
+def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady | Repeat) -> list[Action]:
+    """Return the actions of a command, or of a request that is sent again."""
+    match intent:
+        case Stop():
+            return stop(memory, world)
+        case RunCommand():
+            return run(memory, world, intent)
+        case MakeReady(twin=twin):
+            return make_ready(memory, world, twin)
+        case Repeat(row=number):
+            return repeat(memory, world, number)
+
+
 def stop(memory: Memory, world: World) -> list[Action]:
-    """Send STOP to both robots, even if none is on line."""
+    """Send STOP to both robots, or on the page of the class to all, even if none is on line."""
     memory.mark_dropped()
+    if memory.choices.page is Page.CLASS:
+        return begin(memory, world, StopAll(memory.next_row()), CLASS)
     return begin(memory, world, StopBoth(memory.next_row()), PLACE)
 
 
@@ -83,9 +100,10 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     row = memory.row(number)
     if row is None:
         return memory.refuse(PLACE, "cannot.row")
-    if isinstance(row.request, StopBoth):
-        return stop(memory, world)
+    if isinstance(row.request, StopBoth | StopAll):
+        memory.mark_dropped()
+        return begin(memory, world, again(memory, row.request), row.place)
     twins = memory.choices.twins if isinstance(row.request, Send | Play) else row.twins
-    if not isinstance(row.request, WriteFile) and unreachable(memory, world, twins, row.place):
+    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, twins, row.place):
         return []
     return begin(memory, world, again(memory, row.request), row.place)

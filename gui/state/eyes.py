@@ -8,7 +8,7 @@ from beatrix_zenoh._generated.messages import CameraStatus, Status
 from beatrix_zenoh.names import EYES, OUTSIDE, TWINS
 from gui.state.actions import Action, WatchCameras
 from gui.state.choices import Choices
-from gui.state.intents import Intent, SetCameras, ShowTab, Tab
+from gui.state.intents import Intent, Page, SetCameras, ShowTab, Tab
 from gui.state.memory import Memory
 from gui.state.presence import on_line
 from gui.state.views import EyeView
@@ -22,6 +22,8 @@ TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right", OUTSIDE: 
 
 def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     """Return the visible pictures; those of the eyes only while Eye cameras is checked."""
+    if choices.page is Page.CLASS:
+        return frozenset()
     if choices.tab is Tab.HEADS:
         return frozenset({("sim", OUTSIDE)})  # drawn by the simulation, not a camera of the robot
     eyes = frozenset(place for place in SHOWN if place[1] != OUTSIDE)

@@ -6,10 +6,21 @@ import math
 from datetime import datetime
 from pathlib import Path
 
-from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.client.readings import arm_angles
 from gui.state import code_lines, other_seats
-from gui.state.actions import Outcome, Play, Ready, Send, SendCommand, StopBoth, WriteFile
+from gui.state.actions import (
+    Govern,
+    Outcome,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+    StopAll,
+    StopBoth,
+    WriteFile,
+)
 from gui.state.memory import HistoryCache, Memory, Request, Row
 from gui.state.presence import troubles
 from gui.state.refusals import sentence, twin_of
@@ -144,6 +155,9 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
     if bad:
         return _bad(row, bad, texts)
     longest_s = float(max((outcome.duration_s for outcome in row.outcomes.values()), default=0.0))
+    robots = sum(outcome.robots for outcome in row.outcomes.values())
+    if row.ended and robots > 1:
+        return texts("result.done_robots", count=float(robots)), True
     if row.ended:
         return (texts("result.done_in", seconds=longest_s) if longest_s else texts("result.done")), True
     if not row.outcomes:
@@ -157,7 +171,9 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
     """Return the text of the first cause: a robot that was stopped because the other refused is not one."""
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
-    if twin and len(row.twins) > 1:
+    if worst.failed:
+        text = texts("of.robots", robots=", ".join(worst.failed), text=text)
+    elif twin and len(row.twins) > 1:
         text = texts("of.twin", twin=texts(f"twin.{twin}"), text=text)
     if row.dropped and worst.reason is Reason.STOPPED:
         return texts("result.aborted" if row.aborted else "result.stopped"), False
@@ -206,6 +222,12 @@ def _other(request: Request, texts: Texts) -> str:
             text = texts("what.ready")
         case StopBoth():
             text = texts("what.stop")
+        case StopAll():
+            text = texts("what.stop_all")
+        case SendLease(action=action):
+            text = texts(other_seats.WHATS[action.value])
+        case Govern():
+            text = _governed(request, texts)
         case Play(file=None, poses=poses):
             text = texts("what.play_poses", count=float(len(poses)))
         case Play(file=Path() as file):
@@ -215,6 +237,18 @@ def _other(request: Request, texts: Texts) -> str:
         case Send(query=query):
             text = _motion(query, texts, undoes=False)
     return text
+
+
+def _governed(request: Govern, texts: Texts) -> str:
+    """Return a request to several robots in a few words."""
+    text = texts(other_seats.WHATS[request.action.value])
+    if request.action is LeaseAction.LIMIT:
+        speed = math.degrees(request.speed)
+        text = texts("what.limit_to", speed=speed) if speed else texts("what.limit_off")
+    if not request.places:
+        return texts("what.for_all", what=text)
+    robots = ", ".join(f"{name} ({texts(f'twins.{twin}')})" for name, twin in request.places)
+    return texts("what.for", what=text, robots=robots)
 
 
 def _number(value: float, texts: Texts, *, signed: bool = False) -> str:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from beatrix_zenoh._generated.messages import Command
+from beatrix_zenoh._generated.messages import Command, LeaseAction
+from beatrix_zenoh.client import Place
 
 ARMS = ("short", "middle", "long")
 ALL_ARMS = "all"
@@ -18,6 +19,15 @@ class Tab(StrEnum):
     HEADS = "heads"
     EYES = "eyes"
     PLOTS = "plots"
+
+
+class Page(StrEnum):
+    """A page of the window."""
+
+    ROBOT = "robot"
+    """one robot: its simulation and its hardware"""
+    CLASS = "class"
+    """all robots and seats at the router; of the teacher's window only"""
 
 
 class Theme(StrEnum):
@@ -35,7 +45,7 @@ class Intent:
 
 @dataclass(frozen=True)
 class Stop(Intent):
-    """Stop both robots at once, independent of the checked boxes."""
+    """Stop the robots of the shown page at once, independent of the checked boxes."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +138,42 @@ class MakeReady(Intent):
     """Enable and calibrate one robot, as far as either is missing."""
 
     twin: str
+
+
+@dataclass(frozen=True)
+class AskLease(Intent):
+    """Take a robot, wait for it, or give it back."""
+
+    action: LeaseAction
+    """TAKE, WAIT or GIVE_BACK"""
+    twin: str
+
+
+@dataclass(frozen=True)
+class DismissNotice(Intent):
+    """Hide the sentence about a lease that this seat got or lost."""
+
+
+@dataclass(frozen=True)
+class TogglePage(Intent):
+    """Show the page of the class, or the robot again; of the teacher's window only."""
+
+
+@dataclass(frozen=True)
+class GovernClass(Intent):
+    """Freeze, unfreeze, take or give back robots of the class, as the teacher."""
+
+    action: LeaseAction
+    place: Place | None = None
+    """name and twin of one robot; None: all robots on line"""
+
+
+@dataclass(frozen=True)
+class LimitClass(Intent):
+    """Limit the speed of all robots of the class, as the teacher."""
+
+    text: str
+    """deg/s as the user has typed it; empty: no limit"""
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,28 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from beatrix_zenoh._generated.messages import Detail, Reason
+from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.readings import ArmAngles
-from gui.state.actions import Action, Outcome, Play, Ready, Send, SendCommand, StopBoth, WriteFile
+from gui.state.actions import (
+    Action,
+    Govern,
+    Outcome,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+    StopAll,
+    StopBoth,
+    WriteFile,
+)
 from gui.state.choices import Choices
 from gui.state.saved import SavedPose
 from gui.state.views import HistoryRowView
 
 KEPT = 200
 """Rows of the history."""
-Request = Send | SendCommand | Ready | StopBoth | Play | WriteFile
+Request = Send | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern | Play | WriteFile
 """Actions with a row in the history."""
 
 
@@ -51,7 +64,7 @@ class Row:
         match self.request:
             case Send(twins=twins) | SendCommand(twins=twins) | Play(twins=twins):
                 return twins
-            case Ready(twin=twin):
+            case Ready(twin=twin) | SendLease(twin=twin):
                 return (twin,)
             case StopBoth():
                 return ("sim", "hw")
@@ -81,8 +94,29 @@ class Refusal:
     message: str = ""
     detail: Detail | None = None
     twin: str = ""
+    robots: tuple[str, ...] = ()
+    """those that refused a request to several robots"""
     request: Request | None = None
     """the refused request"""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What this seat has of one robot."""
+
+    held: bool = False
+    """this seat has taken the robot"""
+    waiting: bool = False
+    """this seat waits for the robot"""
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A sentence about a lease, as data."""
+
+    key: str
+    slots: Mapping[str, str]
+    twin: str
 
 
 @dataclass
@@ -116,6 +150,10 @@ class Memory:
     """a sentence to show until the first request"""
     troubles: Mapping[str, str] = field(default_factory=dict)
     """`presence.troubles` at the newest request, which were shown until then"""
+    standings: Mapping[Place, Standing] = field(default_factory=dict)
+    """of both robots of the shown name, when `leases.follow` was called last"""
+    lease_notice: Notice | None = None
+    """about a lease that this seat got or lost; None: nothing new"""
     history_cache: HistoryCache = field(default_factory=HistoryCache)
 
     def next_row(self) -> int:

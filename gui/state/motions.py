@@ -9,7 +9,7 @@ from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.errors import WrongUsage
-from gui.state.actions import Action, Play, Send
+from gui.state.actions import Action, Govern, Play, Send, SendLease
 from gui.state.memory import Memory, Refusal, Request, Row
 from gui.state.presence import commanded, troubles, unreachable
 from gui.state.views import Orientation
@@ -78,10 +78,10 @@ def begin(
 ) -> list[Action]:
     """Add a request to the history and return its action."""
     memory.troubles = troubles(world)
-    if not (isinstance(request, Send) and isinstance(request.query, PoseQuery)):
-        memory.choices = replace(
-            memory.choices, target=None
-        )  # an old aim is not where the next Send should go
+    looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
+    if not looks and not isinstance(request, SendLease | Govern):
+        # An old aim is not where the next Send should go.
+        memory.choices = replace(memory.choices, target=None)
     return memory.add_row(Row(request, place, world.wall_s, _before(world, request), undoes))
 
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
+from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, LeaseAction, Phase, Reason
 from gui.state.world import World
 
-KINDS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
+KINDS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP, EventKind.LEASE)
 WHATS: Final = {
     "motion": "what.other_move",
     "pose": "what.other_look",
@@ -20,6 +20,12 @@ WHATS: Final = {
     Command.STOP.name: "what.stop",
     Command.EMERGENCY_STOP.name: "what.emergency_stop",
     Command.RESET.name: "what.reset",
+    LeaseAction.TAKE.value: "what.take",
+    LeaseAction.WAIT.value: "what.wait",
+    LeaseAction.GIVE_BACK.value: "what.give_back",
+    LeaseAction.FREEZE.value: "what.freeze",
+    LeaseAction.UNFREEZE.value: "what.unfreeze",
+    LeaseAction.LIMIT.value: "what.limit",
 }
 """Text key of each action in events."""
 STREAM_S: Final = 1.0
@@ -67,7 +73,8 @@ def groups(world: World) -> tuple[Group, ...]:
 def _foreign(world: World) -> Iterator[tuple[Event, str]]:
     for robot in (world.sim, world.hw):
         for event in robot.events:
-            if event.kind in KINDS and not _own(event, world):
+            # A lease event without an action says that the holder has changed, not that a seat has sent a request.
+            if event.kind in KINDS and event.action and not _own(event, world):
                 yield event, robot.twin
 
 

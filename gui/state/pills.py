@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh import sentences
-from beatrix_zenoh._generated.messages import Command, Fault, Reason, Status
-from gui.state import intents
+from beatrix_zenoh._generated.messages import Command, Fault, LeaseAction, Reason, Status
+from beatrix_zenoh.client import RobotState
+from gui.state import intents, leases
 from gui.state.intents import Intent
 from gui.state.presence import on_line, silent
 from gui.state.views import ButtonView, Condition, PillView
@@ -22,13 +23,17 @@ SYMBOLS: Final = {
     Condition.READY: "●",
     Condition.MOVING: "►",
     Condition.DRIVEN: "◆",
+    Condition.FROZEN: "■",
     Condition.FAULT: "▲",
 }
 MAKE_READY: Final = "MAKE_READY"
 """a next step like a command: ENABLE and CALIBRATE, as far as either is missing"""
+WAIT: Final = "WAIT"
+"""a next step: wait for a robot that another seat holds"""
 NEXT_STEPS: Final = {
     "START": "start",
     "RETRY": "retry",
+    WAIT: "wait",
     Command.ENABLE.name: "enable",
     Command.CALIBRATE.name: "calibrate",
     Command.RESET.name: "reset",
@@ -74,9 +79,17 @@ def pill(world: World, twin: str, texts: Texts) -> PillView:
         if found.next_step
         else None,
         latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
+        notes=notes(found, status, world, texts) if here and status is not None else (),
+        lease=None if found.next_step else leases.button(world, twin, texts),
         warnings=tuple(status.warnings) if here and status is not None else (),
         details=details(status, texts) if here and status is not None else "",
     )
+
+
+def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
+    """Return what is to be said about the lease of a robot beside its condition."""
+    driven = found.condition is Condition.DRIVEN
+    return leases.notes(status, world, texts, holder_shown=driven)
 
 
 def finding(world: World, twin: str, texts: Texts) -> Finding:
@@ -84,13 +97,22 @@ def finding(world: World, twin: str, texts: Texts) -> Finding:
     robot = world.twin(twin)
     if not on_line(world, twin):
         return _absent(world, twin, texts)
+    found = unwell(robot, texts)
+    if found is None and robot.status is not None:
+        found = _shared(robot.status, world, texts) or working(robot.status, texts)
+    assert found is not None  # a robot without a status is silent
+    return found
+
+
+def unwell(robot: RobotState, texts: Texts) -> Finding | None:
+    """Return the first problem of a robot that is on line, whichever seat drives it; None if it can move."""
     if robot.status is None or silent(robot):
         age_s = robot.positions_age_s
         reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))
         return Finding(Condition.SILENT, texts("condition.silent"), reason)
     if (fault := fault_of(robot.status)) is not Fault.NONE:
         return _faulty(fault, robot.status, texts)
-    return _unready(robot.status, twin, texts) or _working(robot.status, world.seat, texts)
+    return _unready(robot.status, robot.twin, texts)
 
 
 def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
@@ -106,11 +128,21 @@ def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
     return None
 
 
-def _working(status: Status, seat: str, texts: Texts) -> Finding:
-    if status.holder not in ("", seat):
-        key = "reason.driven_moving" if status.moving else "reason.driven"
-        text = texts("condition.driven", holder=status.holder)
-        return Finding(Condition.DRIVEN, text, texts(key, holder=status.holder))
+def _shared(status: Status, world: World, texts: Texts) -> Finding | None:
+    """Return why this seat cannot move a robot that is ready; None if it can."""
+    if status.frozen and not world.is_teacher:
+        return Finding(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
+    if status.holder in ("", world.seat):
+        return None
+    slots = {"holder": status.holder}
+    if status.lease:
+        return Finding(Condition.DRIVEN, texts("condition.taken", **slots), texts("reason.taken", **slots))
+    key = "reason.driven_moving" if status.moving else "reason.driven"
+    return Finding(Condition.DRIVEN, texts("condition.driven", **slots), texts(key, **slots))
+
+
+def working(status: Status, texts: Texts) -> Finding:
+    """Return whether a robot that is ready moves."""
     if status.moving:
         return Finding(Condition.MOVING, texts("condition.moving"))
     return Finding(Condition.READY, texts("condition.ready"))
@@ -177,11 +209,13 @@ def next_step_intent(next_step: str, twin: str) -> Intent:
         return intents.Retry()
     if next_step == MAKE_READY:
         return intents.MakeReady(twin)
+    if next_step == WAIT:
+        return intents.AskLease(LeaseAction.WAIT, twin)
     return intents.RunCommand(Command[next_step], value=True, twin=twin)
 
 
 def details(status: Status, texts: Texts) -> str:
-    """Return board and cameras, a line each."""
+    """Return board, cameras and waiting seats, a line each."""
     board = status.board
     lines = [
         texts(
@@ -194,14 +228,8 @@ def details(status: Status, texts: Texts) -> str:
     for camera in status.cameras:
         eye = texts(f"eye.{camera.eye}") if camera.eye in ("left", "right") else camera.eye
         lines.append(camera.trouble or texts("pill.camera", eye=eye, source=camera.source, hz=camera.hz))
-    return "\n".join(lines if status.cameras else [*lines, texts("pill.no_cameras")])
-
-
-def driver(world: World, texts: Texts) -> str:
-    """Return a text that names the seat that drives one of the robots."""
-    here = [world.twin(twin).status for twin in ("hw", "sim") if on_line(world, twin)]
-    holders = [status.holder for status in here if status is not None and status.holder]
-    if not holders:
-        return texts("driver.free")
-    others = [holder for holder in holders if holder != world.seat]
-    return texts("driver.other", holder=others[0]) if others else texts("driver.you")
+    if not status.cameras:
+        lines.append(texts("pill.no_cameras"))
+    if status.waiting:
+        lines.append(texts("pill.waiting", seats=", ".join(status.waiting)))
+    return "\n".join(lines)

@@ -52,13 +52,21 @@ def troubles(world: World) -> dict[str, str]:
     return {"record.trouble": recording, "child.trouble": world.child_trouble}
 
 
+def off_line(memory: Memory, world: World, place: str) -> bool:
+    """Show why a request cannot be sent and return True if there is no router; else return False."""
+    if world.phase is LinkPhase.ON_LINE:
+        return False
+    key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
+    memory.refuse(place, key, endpoint=world.endpoint)
+    return True
+
+
 def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str) -> bool:
     """Show why a request to these robots cannot be sent and return True; return False if it can."""
     if not twins:
         memory.refuse(place, "off.unchecked")
-    elif world.phase is not LinkPhase.ON_LINE:
-        key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
-        memory.refuse(place, key, endpoint=world.endpoint)
+    elif off_line(memory, world, place):
+        pass
     elif absent := [twin for twin in twins if not on_line(world, twin)]:
         key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
         memory.refuse(place, key, robot=world.robot)

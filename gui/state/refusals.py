@@ -15,17 +15,18 @@ from beatrix_zenoh._generated.messages import (
     Command,
     Detail,
     Head,
+    LeaseAction,
     MotionQuery,
     PoseQuery,
     Reason,
     Vector3,
 )
 from beatrix_zenoh.client.readings import arm_angles, head_angles
-from gui.state.actions import DESELECTED, Action, Outcome, Ready, Send, SendCommand
+from gui.state.actions import DESELECTED, Action, Outcome, Ready, Send, SendCommand, SendLease
 from gui.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
 from gui.state.memory import Memory, Refusal, Row
 from gui.state.motions import again, begin
-from gui.state.pills import MAKE_READY, NEXT_STEPS, next_step_button
+from gui.state.pills import MAKE_READY, NEXT_STEPS, WAIT, next_step_button
 from gui.state.presence import unreachable
 from gui.state.views import ButtonView, RefusalView
 from gui.state.world import World
@@ -44,6 +45,8 @@ def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
     text = sentence(refusal.reason, refusal.detail, refusal.message, texts)
     if refusal.key:
         text = texts(refusal.key, **refusal.slots)
+    elif refusal.robots:
+        text = texts("of.robots", robots=", ".join(refusal.robots), text=text)
     elif refusal.twin and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.twins) > 1:
         text = texts("of.twin", twin=texts(f"twin.{refusal.twin}"), text=text)
     return RefusalView(refusal.place, text, _button(refusal, texts))
@@ -75,6 +78,7 @@ def record(memory: Memory, row: Row, outcome: Outcome) -> None:
         message=outcome.message,
         detail=outcome.detail,
         twin=twin_of(outcome),
+        robots=outcome.failed,
         request=row.request,
     )
 
@@ -106,7 +110,7 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
             return []
         return begin(memory, world, again(memory, request), refusal.place)
     actions: list[Action] = []
-    next_step = next_step_of(refusal.detail)
+    next_step = next_step_of(refusal)
     for twin in _twins(refusal) if next_step else ():
         if unreachable(memory, world, (twin,), refusal.place):
             return actions
@@ -120,15 +124,18 @@ def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
         return ButtonView(
             _alternative_text(request, refusal, texts), texts("alternative.tip"), TakeAlternative()
         )
-    next_step = next_step_of(refusal.detail)
+    next_step = next_step_of(refusal)
     if not next_step or not _twins(refusal):
         return None
     shown = next_step_button(next_step, "", texts)
     return ButtonView(shown.text, shown.tooltip, TakeAlternative())
 
 
-def next_step_of(detail: Detail | None) -> str:
+def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
+    detail = refusal.detail
+    if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
+        return WAIT  # another seat holds the robot; `value` is the number of an own lease that has ended
     needs = [] if detail is None else detail.needs
     if needs[:2] == ["ENABLE", "CALIBRATE"]:
         return MAKE_READY
@@ -142,14 +149,16 @@ def _twins(refusal: Refusal) -> tuple[str, ...]:
     match refusal.request:
         case Send(twins=twins) | SendCommand(twins=twins):
             return twins
-        case Ready(twin=twin):
+        case Ready(twin=twin) | SendLease(twin=twin):
             return (twin,)
     return ()
 
 
-def _next_step_action(next_step: str, twin: str, row: int) -> Ready | SendCommand:
+def _next_step_action(next_step: str, twin: str, row: int) -> Ready | SendCommand | SendLease:
     if next_step == MAKE_READY:
         return Ready(row, twin)
+    if next_step == WAIT:
+        return SendLease(row, LeaseAction.WAIT, twin)
     return SendCommand(row, Command[next_step], value=True, twins=(twin,))
 
 

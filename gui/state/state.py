@@ -6,11 +6,13 @@ from gui.state import (
     arms,
     banner,
     choices,
+    class_page,
     commands,
     eyes,
     head,
     history,
     intents,
+    leases,
     motions,
     pills,
     poses,
@@ -20,7 +22,7 @@ from gui.state import (
 )
 from gui.state.actions import Action, Connect, Outcome, RunSimulation, Select, WatchCameras
 from gui.state.choices import choices_from
-from gui.state.intents import Intent
+from gui.state.intents import Intent, Page
 from gui.state.memory import Memory
 from gui.state.saved import Saved
 from gui.state.views import HistoryRowView, View
@@ -58,10 +60,9 @@ class State:
         memory, texts = self._memory, self._memory.choices.texts
         return View(
             title=texts("title", robot=world.robot),
-            banner=banner.view(world, texts),
+            banner=banner.view(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
-            driver=pills.driver(world, texts),
             pills=pills.pills(world, texts),
             head=head.view(memory, world),
             arms=arms.view(memory, world),
@@ -75,8 +76,14 @@ class State:
             stop=commands.stop_button(memory),
             theme=memory.choices.theme,
             language=memory.choices.language,
+            class_page=class_page.view(memory, world),
+            page=memory.choices.page,
             tab=memory.choices.tab,
         )
+
+    def follow(self, world: World) -> None:
+        """Note what has changed in the world since the last call: a turn that has come, a lease that was lost."""
+        leases.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
@@ -85,27 +92,23 @@ class State:
     def handle(self, intent: Intent, world: World) -> list[Action]:
         """Return the actions of an intent; none if it changes the window only, or is refused with a reason in the view."""
         memory = self._memory
+        if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
+            return []  # their keys work on every page
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
             refusals.hide_answered(memory, intent)
             return eyes.watch(chosen, intent)
         match intent:
-            case intents.Stop():
-                actions = commands.stop(memory, world)
+            case intents.Stop() | intents.RunCommand() | intents.MakeReady() | intents.Repeat():
+                actions = commands.handle(memory, world, intent)
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)
             case intents.SendHead():
                 actions = motions.send_head(memory, world, head.target(memory, world), head.PLACE)
-            case intents.RunCommand():
-                actions = commands.run(memory, world, intent)
-            case intents.MakeReady(twin=twin):
-                actions = commands.make_ready(memory, world, twin)
             case intents.SendNow() | intents.Change() | intents.Abort():
                 actions = sending.handle(memory, world, intent)
             case intents.TakeAlternative():
                 actions = refusals.take_alternative(memory, world)
-            case intents.Repeat(row=number):
-                actions = commands.repeat(memory, world, number)
             case intents.Undo():
                 actions = poses.undo(memory, world)
             case intents.ToggleRecording() | intents.OpenRecording():
@@ -119,14 +122,33 @@ class State:
             case intents.DismissRefusal():
                 self._memory.refusal = None
             case intents.ChooseRobot(name=name):
-                self._memory.refusal = None
-                self._memory.undo = ()  # they are poses of the robot before
-                return [Select(name)]
+                return self._choose(name, world)
             case intents.StartSimulation():
                 return [] if world.starting else [RunSimulation()]
             case intents.Retry():
                 return [Connect()]
+            case _:
+                return self._about_others(intent, world)
+        return []
+
+    def _about_others(self, intent: Intent, world: World) -> list[Action]:
+        """Handle intents about leases, the class and poses."""
+        match intent:
+            case intents.AskLease() | intents.DismissNotice():
+                return leases.handle(self._memory, world, intent)
+            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass():
+                return class_page.handle(self._memory, world, intent)
         return poses.handle(self._memory, world, intent)
+
+    def _choose(self, name: str, world: World) -> list[Action]:
+        """Show the robot of this name; give back what this window has taken of the robot before."""
+        memory = self._memory
+        memory.refusal = None
+        given_back: list[Action] = []
+        if name != world.robot:
+            memory.undo = ()  # they are poses of the robot before
+            given_back = leases.give_back_all(memory, world)
+        return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
 
     def report(self, outcome: Outcome) -> None:
         """Record the outcome of an action."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from gui.state.intents import Intent, Tab, Theme
+from beatrix_zenoh.client import Place
+from gui.state.intents import Intent, Page, Tab, Theme
 
 
 class Condition(StrEnum):
@@ -20,6 +21,8 @@ class Condition(StrEnum):
     MOVING = "moving"
     DRIVEN = "driven"
     """another seat drives it"""
+    FROZEN = "frozen"
+    """the teacher has frozen it, and this seat is not the teacher's"""
     FAULT = "fault"
 
 
@@ -52,9 +55,13 @@ class PillView:
     next_step: ButtonView | None
     latency: str
     """for example `2 ms`; empty: unknown"""
+    notes: tuple[str, ...]
+    """the seat that holds it, waiting seats and speed limit, as far as `text` does not say it; the most important first"""
+    lease: ButtonView | None
+    """to take the robot, wait for it or give it back; None: there is a next step, or it does not answer"""
     warnings: tuple[str, ...] = ()
     details: str = ""
-    """board and cameras, for the tooltip"""
+    """board, cameras and waiting seats, for the tooltip"""
 
 
 @dataclass(frozen=True)
@@ -230,6 +237,48 @@ class RecordView:
 
 
 @dataclass(frozen=True)
+class ClassRowView:
+    """One robot of the class."""
+
+    place: Place
+    """name and twin"""
+    cells: tuple[str, ...]
+    """robot, twin, state, seat that drives, waiting seats, positions a second, age of the last positions, remarks"""
+    condition: Condition
+    details: str
+    """for the tooltip"""
+    freeze: ButtonView
+    """or unfreeze"""
+    take: ButtonView
+    """or give back"""
+    show: ButtonView
+    """show this robot on the other page"""
+
+
+@dataclass(frozen=True)
+class ClassView:
+    """The page of the class: all robots and seats at the router."""
+
+    summary: str
+    """number of robots, and the connected seats"""
+    rows: tuple[ClassRowView, ...]
+    empty: str
+    """what to do if there is no row; else empty"""
+    freeze_all: ButtonView
+    unfreeze_all: ButtonView
+    limit: ButtonView
+    """`intent` without speed: the widget fills in the text of its field"""
+    limit_now: str
+    """the present limit"""
+    result: str
+    """the outcome of the last request of this page; empty: none was sent"""
+    good: bool | None
+    """whether that request was carried out everywhere; None: it has not ended"""
+    toggle: ButtonView
+    """shows this page, or the robot again"""
+
+
+@dataclass(frozen=True)
 class View:
     """Everything the window shows at one moment."""
 
@@ -237,8 +286,6 @@ class View:
     banner: BannerView | None
     robots: tuple[str, ...]
     robot: str
-    driver: str
-    """who drives, for example `You drive`"""
     pills: tuple[PillView, ...]
     """simulation, hardware"""
     head: HeadView
@@ -255,4 +302,7 @@ class View:
     stop: ButtonView
     theme: Theme
     language: str
+    class_page: ClassView | None
+    """None: this window is not the teacher's"""
+    page: Page = Page.ROBOT
     tab: Tab = Tab.HEADS

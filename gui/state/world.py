@@ -10,6 +10,7 @@ from pathlib import Path
 from beatrix_zenoh._generated.messages import LimitInfo
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.names import TEACHER
 
 
 class LinkPhase(StrEnum):
@@ -98,6 +99,15 @@ class World:
     """Zenoh session of this window, as events name it; empty: unknown"""
     limits: LimitInfo | None = None
     """as the robot reports them; None: unknown, so the defaults are shown"""
+    seats: tuple[str, ...] = ()
+    """seats that are connected to the router, by name"""
+    robots: tuple[RobotState, ...] = ()
+    """all robots on line, while the page of the class is shown"""
+
+    @property
+    def is_teacher(self) -> bool:
+        """Whether this window has the teacher's seat."""
+        return self.seat == TEACHER
 
     def twin(self, twin: str) -> RobotState:
         """State of `sim` or `hw`."""

@@ -86,9 +86,6 @@ ROBOTS: Final[dict[str, str]] = {
     "pill.no_cameras": "no cameras",
     "eye.left": "left",
     "eye.right": "right",
-    "driver.you": "You drive",
-    "driver.other": "{holder} drives",
-    "driver.free": "Free to drive",
     # -- banner
     "banner.connecting": "Looking for a router at {endpoint}.",
     "banner.no_router": "No router answers at {endpoint}. Start a simulation here, or start the router and try again.",

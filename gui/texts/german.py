@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from gui.texts.german_class import CLASS
 from gui.texts.german_robots import ROBOTS
 
 GERMAN: Final[dict[str, str]] = {
+    **CLASS,
     **ROBOTS,
     # -- numbers and words that other texts are made of
     "decimal": ",",

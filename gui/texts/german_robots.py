@@ -103,9 +103,6 @@ ROBOTS: Final[dict[str, str]] = {
     "pill.no_cameras": "keine Kameras",
     "eye.left": "linkes",
     "eye.right": "rechtes",
-    "driver.you": "Du steuerst",
-    "driver.other": "{holder} steuert",
-    "driver.free": "Frei",
     # -- banner
     "banner.connecting": "Ein Router wird unter {endpoint} gesucht.",
     "banner.no_router": (

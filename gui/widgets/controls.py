@@ -24,6 +24,7 @@ STEPS = 10
 GAP_PX = 6
 NAMES_CHARACTERS = 18
 """Width that is kept for a text with a name."""
+PARTED = " · "
 ARMED_MS = 6000
 """Time in which a button with a question accepts its second press."""
 
@@ -297,6 +298,33 @@ class OptionalLabel(QLabel):
             painter = QPainter(self)
             painter.setPen(self.palette().color(self.palette().WindowText))
             painter.drawText(self.rect(), flags, self.text())
+
+
+class PartsLabel(QLabel):
+    """Several texts on one line, of which as many are drawn as have room; the tooltip of its parent repeats them."""
+
+    def __init__(self, role: str = "") -> None:
+        super().__init__()
+        self._parts: tuple[str, ...] = ()
+        self.setProperty("role", role)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+
+    def show_parts(self, parts: tuple[str, ...]) -> None:
+        """Show other texts, the most important first."""
+        if parts != self._parts:
+            self._parts = parts
+            self.setText(PARTED.join(parts))
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        lines = (PARTED.join(self._parts[:count]) for count in range(len(self._parts), 0, -1))
+        width = self.fontMetrics().horizontalAdvance
+        shown = next((line for line in lines if width(line) <= self.width()), "")
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(self.palette().WindowText))
+        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
 
 
 def label(text: str = "", role: str = "", *, wrap: bool = False) -> QLabel:

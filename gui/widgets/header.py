@@ -1,4 +1,4 @@
-"""The header: robot, states, driver, recording, and the menu of themes and languages."""
+"""The header: robot, page of the class, states, recording, and the menu of themes and languages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QAction, QActionGroup, QComboBox, QHBoxLayout, QMenu
 from gui.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme
 from gui.state.views import View
 from gui.texts import LANGUAGES, Texts
-from gui.widgets.controls import ElidedLabel, set_text
+from gui.widgets.controls import IntentButton
 from gui.widgets.pills import Pill
 from gui.widgets.record import Record
 
@@ -30,7 +30,9 @@ class Header(QWidget):
         self.robots.setMinimumWidth(70)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
         self.pills = {twin: Pill(twin) for twin in ("sim", "hw")}
-        self.driver = ElidedLabel("title")
+        self.page = IntentButton()
+        self.page.intent.connect(self.intent)
+        self.page.hide()
         self.record = Record()
         self.menu_button = QPushButton("≡")
         self.menu_button.setAutoDefault(False)
@@ -42,10 +44,10 @@ class Header(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(4)
         layout.addWidget(self.robots)
+        layout.addWidget(self.page)
         for pill in self.pills.values():
             layout.addWidget(pill, 1)
             pill.intent.connect(self.intent)
-        layout.addWidget(self.driver)
         layout.addWidget(self.record)
         layout.addWidget(self.menu_button)
         self.record.intent.connect(self.intent)
@@ -100,7 +102,9 @@ class Header(QWidget):
                 self.robots.setCurrentText(view.robot)
         for pill in view.pills:
             self.pills[pill.twin].show_view(pill)
-        set_text(self.driver, view.driver)
+        if view.class_page is not None:
+            self.page.show_view(view.class_page.toggle)
+        self.page.setVisible(view.class_page is not None)
         self.record.show_view(view.record)
         self.choices[view.theme.value].setChecked(True)
         if view.language in self.choices:

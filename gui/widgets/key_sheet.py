@@ -7,7 +7,7 @@ from PyQt5.QtWidgets import QFrame, QGridLayout, QPushButton, QWidget
 from gui.texts import Texts
 from gui.widgets.controls import label
 
-KEYS = ("stop", "send", "pad", "yaw", "press", "undo", "record", "tab", "help")
+KEYS = ("stop", "send", "pad", "yaw", "press", "undo", "record", "class", "tab", "help")
 
 
 class KeySheet(QFrame):

@@ -1,4 +1,4 @@
-"""State of each robot in the header: symbol, word, round trip, and the button for the next step."""
+"""State of each robot in the header: symbol, word, round trip, lease, and the buttons for next step and lease."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QSizePolicy, QVBoxLayout
 
 from gui.state.views import Condition, PillView
-from gui.widgets.controls import ElidedLabel, IntentButton, OptionalLabel, label, set_role, set_text
+from gui.widgets.controls import (
+    PARTED,
+    ElidedLabel,
+    IntentButton,
+    OptionalLabel,
+    PartsLabel,
+    label,
+    set_role,
+    set_text,
+)
 
 ROLES = {
     Condition.ABSENT: "dim",
@@ -16,6 +25,7 @@ ROLES = {
     Condition.READY: "good",
     Condition.MOVING: "good",
     Condition.DRIVEN: "warn",
+    Condition.FROZEN: "warn",
     Condition.FAULT: "bad",
 }
 
@@ -32,14 +42,16 @@ class Pill(QFrame):
         self.setProperty("twin", twin)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.title, self.state = label(role=twin), ElidedLabel()
-        self.latency = label(role="dim")
-        self.next_step = IntentButton()
+        self.notes = PartsLabel("dim")
+        """notes and round trip"""
+        self.next_step, self.lease = IntentButton(), IntentButton()
+        self.lease.intent.connect(self.intent)
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         self.next_step.intent.connect(self.intent)
         first = QHBoxLayout()
         first.setSpacing(8)
         first.addWidget(self.title)
-        first.addWidget(self.latency)
+        first.addWidget(self.notes, 1)
         words = QVBoxLayout()
         words.setSpacing(0)
         words.addLayout(first)
@@ -50,7 +62,9 @@ class Pill(QFrame):
         layout.addLayout(words)
         layout.addWidget(self.reason, 1)
         layout.addWidget(self.next_step)
+        layout.addWidget(self.lease)
         self.next_step.hide()
+        self.lease.hide()
 
     def show_view(self, view: PillView) -> None:
         """Show the robot's state."""
@@ -60,12 +74,17 @@ class Pill(QFrame):
         set_text(self.title, view.title)
         set_role(self.state, "role", ROLES[view.condition])
         set_text(self.state, f"{view.symbol} {view.text}")
-        set_text(self.latency, view.latency)
+        self.notes.show_parts(tuple(part for part in (*view.notes, view.latency) if part))
         set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
-        lines = [view.reason, *view.warnings, view.details]
+        lines = [view.reason, *view.warnings, PARTED.join(view.notes), view.details]
         self.setToolTip("\n".join(line for line in lines if line))
         self.setAccessibleName(f"{view.title}: {view.text}")
         self.setAccessibleDescription(self.toolTip())
-        if view.next_step is not None:
-            self.next_step.show_view(view.next_step)
-        self.next_step.setVisible(view.next_step is not None)
+        buttons = ((self.next_step, view.next_step), (self.lease, view.lease))
+        for button, shown in buttons:  # hidden first, so that the window never needs the width of both
+            if shown is None:
+                button.hide()
+        for button, shown in buttons:
+            if shown is not None:
+                button.show_view(shown)
+                button.show()

@@ -59,6 +59,8 @@ def pill(now: World, twin: str = "sim") -> PillView:
         ),
         (sim_with(calibrated=False, holder="ana"), Condition.NOT_CALIBRATED, "not calibrated", CALIBRATE_SIM),
         (sim_with(holder="ana", moving=True), Condition.DRIVEN, "driven by ana", None),
+        (sim_with(holder="ana", lease=3), Condition.DRIVEN, "taken by ana", None),
+        (sim_with(frozen=True), Condition.FROZEN, "frozen by the teacher", None),
         (sim_with(holder="ben", moving=True), Condition.MOVING, "moving", None),
         (sim_with(holder="ben"), Condition.READY, "ready", None),
         (robot("sim", age_s=0.4), Condition.READY, "ready", None),
@@ -150,20 +152,6 @@ def test_latency_and_details_are_shown() -> None:
     assert found.latency == "2 ms"
     assert found.details == "Board bea1 at virtual:, firmware 1.2\nleft eye: rays, 15 pictures a second"
     assert pill(world(), "hw").latency == ""
-
-
-@pytest.mark.parametrize(
-    ("sim", "hw", "text"),
-    [
-        ("", "", "Free to drive"),
-        ("ben", "", "You drive"),
-        ("ben", "ana", "ana drives"),
-        ("ana", "ben", "ana drives"),
-    ],
-)
-def test_the_driver_is_named(sim: str, hw: str, text: str) -> None:
-    now = world(sim_with(holder=sim), robot("hw", known=status("hw", holder=hw)))
-    assert State().view(now).driver == text
 
 
 def test_a_latched_emergency_stop_has_a_banner_with_a_reset_for_each_robot() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from window_views import class_world
 from worlds import absent, robot, status, vector, world
 
 from beatrix_zenoh import refusals
@@ -18,6 +19,7 @@ from beatrix_zenoh._generated.messages import (
     EventKind,
     Fault,
     Head,
+    LeaseAction,
     Limit,
     Phase,
     Reason,
@@ -26,8 +28,19 @@ from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
 from beatrix_zenoh.client.readings import Path as MotionPath
 from gui.state import intents
-from gui.state.actions import Action, Outcome, Play, Ready, Send, SendCommand, StopBoth
-from gui.state.intents import ALL_ARMS, ARMS, Intent, Tab, Theme
+from gui.state.actions import (
+    Action,
+    Govern,
+    Outcome,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+    StopAll,
+    StopBoth,
+)
+from gui.state.intents import ALL_ARMS, ARMS, Intent, Page, Tab, Theme
 from gui.state.state import State
 from gui.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
@@ -38,6 +51,7 @@ NAMES = st.sampled_from(["bow", "up", ""])
 COMMANDS = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
 """those that the window sends"""
 FILES = st.sampled_from([Path(), Path("a.csv")])
+LEASES = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 SEATS = st.sampled_from(["ana", "ben", ""])
 DETAILS = st.sampled_from(
     [
@@ -84,6 +98,10 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
             intents.Retry(),
         ]
     ),
+    st.builds(intents.AskLease, st.sampled_from(LEASES), TWINS),
+    st.builds(intents.GovernClass, st.sampled_from(LeaseAction), st.none() | st.just(("bea1", "hw"))),
+    st.builds(intents.LimitClass, st.sampled_from(["", "20", "-1", "fast"])),
+    st.sampled_from([intents.TogglePage(), intents.DismissNotice()]),
     st.builds(intents.Repeat, st.integers(-1, 30)),
     st.builds(intents.SavePose, NAMES),
     st.builds(intents.DeletePose, NAMES),
@@ -127,6 +145,10 @@ def robots(draw: st.DrawFn, twin: str) -> RobotState:
         fault=draw(st.sampled_from(Fault)),
         holder=draw(SEATS),
         connected=draw(st.booleans()),
+        lease=draw(st.integers(0, 2)),
+        waiting=draw(st.sampled_from([(), ("ana",), ("cleo", "ben")])),
+        frozen=draw(st.booleans()),
+        limit_deg=draw(st.sampled_from([0.0, 20.0])),
     )
     arms = draw(st.none() | st.tuples(ANGLES, ANGLES, ANGLES))
     events = tuple(draw(st.lists(EVENTS, max_size=4)))
@@ -156,6 +178,8 @@ WORLDS: st.SearchStrategy[World] = st.builds(
     starting=st.booleans(),
     wall_s=st.floats(0, 2e9),
     playing=st.sampled_from(["", "hello"]),
+    seat=st.sampled_from(["ben", "teacher"]),
+    robots=st.sampled_from([(), class_world().robots]),
 )
 MOVES = (Send, Play)
 
@@ -170,6 +194,7 @@ class AnyOrder(RuleBasedStateMachine):
     @rule(now=WORLDS)
     def become(self, now: World) -> None:
         self.world = now
+        self.state.follow(now)
 
     @rule(intent=INTENTS)
     def want(self, intent: Intent) -> None:
@@ -179,12 +204,15 @@ class AnyOrder(RuleBasedStateMachine):
         for action in actions:
             self.check(action, asked)
         if isinstance(intent, intents.Stop):
-            assert [type(action) for action in actions] == [StopBoth]
+            everywhere = self.state.view(self.world).page is Page.CLASS
+            assert [type(action) for action in actions] == [StopAll if everywhere else StopBoth]
 
     def check(self, action: Action, asked: tuple[str, ...]) -> None:
-        if isinstance(action, Send | Play | SendCommand | Ready | StopBoth):
+        if isinstance(action, Send | Play | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern):
             self.rows += 1
             assert action.row > 0
+        if isinstance(action, Govern) and action.action is not LeaseAction.GIVE_BACK:
+            assert self.world.is_teacher
         if isinstance(action, MOVES):
             assert action.twins == asked
             assert asked, "nothing may move while no box is checked"

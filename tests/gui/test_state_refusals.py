@@ -24,12 +24,22 @@ from beatrix_zenoh._generated.messages import (
     Command,
     Detail,
     Head,
+    LeaseAction,
     Limit,
     PoseQuery,
     Reason,
 )
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.refusals import driven_by, emergency_latched, not_calibrated, not_enabled, stopped_pause
+from beatrix_zenoh.refusals import (
+    driven_by,
+    emergency_latched,
+    frozen,
+    lease_ended,
+    not_calibrated,
+    not_enabled,
+    stopped_pause,
+    taken_by,
+)
 from gui.state import intents
 from gui.state.actions import (
     DESELECTED,
@@ -37,6 +47,7 @@ from gui.state.actions import (
     Outcome,
     Ready,
     SendCommand,
+    SendLease,
 )
 from gui.state.intents import Jog, RunCommand
 from gui.state.state import State
@@ -107,7 +118,10 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         ),
         (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, twins=("sim",))),
         (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, twins=("sim",))),
-        (driven_by("ana", 1.2), None, None),
+        (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
+        (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
+        (lease_ended(3, "ana"), None, None),
+        (frozen(), None, None),
     ],
 )
 def test_the_first_required_step_is_one_button(

@@ -16,7 +16,7 @@ from gui.state.intents import Theme
 from gui.state.views import Condition
 from gui.texts import LANGUAGES
 from gui.theme import Style, style_of
-from gui.widgets.controls import ElidedLabel, OptionalLabel
+from gui.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
 from gui.widgets.eyes import BAR_PX
 from gui.window import LEAST_HEIGHT, LEAST_WIDTH, Window
 
@@ -89,7 +89,11 @@ def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
 
 def cut(widget: QWidget) -> str:
     """What of a widget's text has no room; empty: nothing."""
-    if isinstance(widget, QLabel) and widget.text() and not isinstance(widget, ElidedLabel | OptionalLabel):
+    if (
+        isinstance(widget, QLabel)
+        and widget.text()
+        and not isinstance(widget, ElidedLabel | OptionalLabel | PartsLabel)
+    ):
         inside = widget.contentsRect()
         flags = int(widget.alignment()) | (int(Qt.TextFlag.TextWordWrap) if widget.wordWrap() else 0)
         room = QRect(0, 0, inside.width(), 10_000)

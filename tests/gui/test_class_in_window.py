@@ -1,0 +1,99 @@
+"""A teacher's and a student's window in front of real robots: freeze, queue, speed limit, STOP for all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from stage import Stage, until
+from windowed import Windowed, windowed
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import LeaseAction
+from beatrix_zenoh.client import lease
+from gui.state.intents import SetIncrement, SetRelative, SetSpeed
+
+
+@pytest.fixture
+def teacher(stage: Stage) -> Iterator[Windowed]:
+    """A teacher's window that shows the class; afterwards all robots are free."""
+    with windowed(stage.endpoint, who="teacher") as made:
+        page = made.window.panels.class_page
+        made.press(made.window.panels.header.page)
+        made.until(lambda: page.list.topLevelItemCount() == 3, "all robots are listed")
+        yield made
+    for twin in ("sim", "hw"):
+        robot = stage.robot("bea", twin, "teacher")
+        lease.unfreeze(robot)
+        lease.limit_speed(robot, None)
+        lease.ask(robot, LeaseAction.GIVE_BACK)
+
+
+def moves(user: Windowed, robots: dict[str, Robot], goal: float = 60.0) -> None:
+    """Let the student's window turn all arms to `goal` (deg), and wait until both robots move."""
+    for intent in (SetRelative(relative=False), SetSpeed(20.0), SetIncrement(goal)):
+        user.window.handle(intent)
+    user.press(user.window.panels.arms.rows["all"].plus)
+    user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
+
+
+def test_freeze_all_stops_the_robots_and_refuses_students(
+    user: Windowed, teacher: Windowed, robots: dict[str, Robot]
+) -> None:
+    panels, page = user.window.panels, teacher.window.panels.class_page
+    moves(user, robots)
+    teacher.press(page.freeze_all)
+    teacher.until(lambda: "done at 3 robots" in page.result.text(), "all are frozen")
+    user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
+    assert all(robot.status().frozen and robot.positions().arms.long < 55 for robot in robots.values())
+    user.until(lambda: "frozen by the teacher" in panels.header.pills["hw"].state.text(), "the pill says so")
+    assert "The teacher has frozen the robot (both)" in panels.banner.text.text()
+    user.press(panels.arms.rows["all"].plus)
+    user.until(lambda: "The teacher has frozen this robot" in panels.refusal.text.text(), "it is refused")
+    teacher.press(page.unfreeze_all)
+    user.until_ready("sim", "hw")
+    user.window.handle(SetIncrement(2.0))
+    user.press(panels.arms.rows["all"].minus)
+    user.until_last("move", "under way")
+
+
+def test_a_turn_comes_and_the_teacher_takes_it(
+    user: Windowed, teacher: Windowed, stage: Stage, hw: Robot
+) -> None:
+    panels, page = user.window.panels, teacher.window.panels.class_page
+    pill, ben = panels.header.pills["hw"], stage.robot("bea", "hw", "ben")
+    until(lambda: hw.status().holder == "", "the robot is free")
+    with ben.lease():
+        user.until(lambda: "taken by ben" in pill.state.text(), "it is taken")
+        user.send_to("hw")
+        user.press(panels.arms.rows["all"].plus)
+        user.until(lambda: "ben has taken this robot" in panels.refusal.text.text(), "it is refused")
+        user.press(panels.refusal.alternative)
+        user.until(lambda: "queue: 1 of 1" in pill.notes.text(), "the seat waits")
+    user.until(lambda: "It is your turn" in panels.banner.text.text(), "the turn is said")
+    assert hw.status().lease
+    assert pill.lease.text() == "Give back"
+    rows = [page.list.topLevelItem(i) for i in range(page.list.topLevelItemCount())]
+    (row,) = [row for row in rows if row is not None and (row.text(0), row.text(1)) == ("bea", "Hardware")]
+    teacher.until(lambda: row.text(3) == "ana (taken)", "the class shows the lease")
+    page.list.setCurrentItem(row)
+    teacher.press(page.take)
+    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "said")
+    assert hw.status().holder == "teacher"
+    teacher.until(lambda: page.take.text() == "Give back", "the class shows the teacher's lease")
+    teacher.press(page.take)
+    teacher.until(lambda: hw.status().holder == "", "given back")
+
+
+def test_a_speed_limit_and_stop_all(user: Windowed, teacher: Windowed, robots: dict[str, Robot]) -> None:
+    panels, page = user.window.panels, teacher.window.panels.class_page
+    page.limit.setText("25")
+    teacher.press(page.set_limit)
+    user.until(
+        lambda: "limit 25 °/s" in panels.header.pills["sim"].notes.text(), "the student sees the limit"
+    )
+    moves(user, robots)
+    teacher.press(teacher.window.panels.stop_bar)
+    teacher.until(lambda: "stop all robots: done at 3 robots" in page.result.text(), "all have stopped")
+    assert not any(robot.status().moving for robot in robots.values())
+    assert all(robot.positions().arms.long < 55 for robot in robots.values())

@@ -1,0 +1,150 @@
+"""The page of the class and the buttons of leases, by mouse and keyboard."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QWidget
+from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink, WatchedState
+from window_views import class_world
+from worlds import robot, status, world
+
+from beatrix_zenoh._generated.messages import LeaseAction
+from gui.state.actions import Govern, SendLease, StopAll, WatchClass
+from gui.state.intents import ChooseRobot, GovernClass, LimitClass
+from gui.widgets.class_page import STATE, ClassPage
+from gui.window import Window
+
+LEFT = Qt.MouseButton.LeftButton
+
+
+@pytest.fixture
+def link() -> RecordingLink:
+    link = RecordingLink()
+    link.known = class_world()
+    return link
+
+
+@pytest.fixture
+def page(window: Window, link: RecordingLink, state: WatchedState) -> ClassPage:
+    """The page of the class, shown by its key."""
+    QTest.keyClick(window, Qt.Key.Key_F2)
+    assert window.panels.class_page.isVisible()
+    assert link.done[-2] == WatchClass(on=True)
+    state.intents.clear()
+    return window.panels.class_page
+
+
+def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) -> None:
+    assert not window.panels.body.isVisible()
+    assert page.list.topLevelItemCount() == 8
+    assert page.list.hasFocus()
+    assert window.panels.stop_bar.word.text() == "STOP ALL"
+    QTest.mouseClick(window.panels.header.page, LEFT)
+    assert window.panels.body.isVisible()
+    assert not page.isVisible()
+
+
+def test_students_have_no_button_for_it(window: Window, link: RecordingLink) -> None:
+    assert window.panels.header.page.isVisible()
+    link.known = world()
+    window.refresh()
+    assert not window.panels.header.page.isVisible()
+
+
+def test_buttons_report_their_intents(page: ClassPage, state: WatchedState) -> None:
+    for button, intent in (
+        (page.freeze_all, GovernClass(LeaseAction.FREEZE)),
+        (page.unfreeze_all, GovernClass(LeaseAction.UNFREEZE)),
+        (page.freeze, GovernClass(LeaseAction.FREEZE, ("bea1", "sim"))),
+        (page.take, GovernClass(LeaseAction.TAKE, ("bea1", "sim"))),
+        (page.show_robot, ChooseRobot("bea1")),
+    ):
+        assert button.toolTip()
+        QTest.mouseClick(button, LEFT)
+        assert state.intents == [intent]
+        state.intents.clear()
+
+
+def test_a_limit_is_typed_and_sent_by_enter(
+    page: ClassPage, state: WatchedState, link: RecordingLink
+) -> None:
+    page.limit.setFocus()
+    QTest.keyClicks(page.limit, "20")
+    QTest.keyClick(page.limit, Qt.Key.Key_Return)
+    page.limit.clear()
+    QTest.mouseClick(page.set_limit, LEFT)
+    assert state.intents == [LimitClass("20"), LimitClass("")]
+    limits = [action.speed for action in link.done if isinstance(action, Govern)]
+    assert limits == [pytest.approx(0.349, abs=0.001), 0.0]
+
+
+def test_arrow_keys_choose_the_robot_of_the_buttons(
+    qtbot: QtBot, page: ClassPage, state: WatchedState
+) -> None:
+    for _ in range(3):
+        QTest.keyClick(page.list, Qt.Key.Key_Down)
+    assert page.selected.text() == "bea2, Hardware"
+    assert page.freeze.text() == "Unfreeze"
+    QTest.keyClick(page.list, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: state.intents == [ChooseRobot("bea2")])
+
+
+def test_the_selected_robot_stays_selected(window: Window, page: ClassPage, link: RecordingLink) -> None:
+    QTest.keyClick(page.list, Qt.Key.Key_Down)
+    link.known = replace(link.known, robots=link.known.robots[1:])
+    window.refresh()
+    assert page.list.topLevelItemCount() == 7
+    assert page.selected.text() == "bea1, Hardware"
+    link.known = replace(link.known, robots=())
+    window.refresh()
+    assert page.empty.isVisible()
+    assert not page.freeze.isVisible()
+
+
+def test_a_row_follows_its_robot(window: Window, page: ClassPage, link: RecordingLink) -> None:
+    first, *others = link.known.robots
+    link.known = replace(link.known, robots=(replace(first, status=status("sim", frozen=True)), *others))
+    window.refresh()
+    item = page.list.topLevelItem(0)
+    assert item is not None
+    assert item.text(STATE) == "■ frozen"
+
+
+def test_space_stops_all_robots(page: ClassPage, link: RecordingLink) -> None:
+    page.limit.setFocus()
+    QTest.keyClick(page.limit, Qt.Key.Key_Space)
+    assert isinstance(link.done[-1], StopAll)
+
+
+def test_tab_goes_through_the_page(qtbot: QtBot, window: Window, page: ClassPage) -> None:
+    seen: list[QWidget] = []
+    for _ in range(20):
+        QTest.keyClick(window, Qt.Key.Key_Tab)
+        focused = QApplication.focusWidget()
+        assert focused is not None
+        seen.append(focused)
+    order = [
+        page.freeze_all,
+        page.unfreeze_all,
+        page.limit,
+        page.set_limit,
+        page.list,
+        page.freeze,
+        page.take,
+    ]
+    assert all(widget in seen for widget in order)
+    assert all(widget.accessibleName() for widget in seen)
+
+
+def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLink) -> None:
+    link.known = world(robot("sim", known=status("sim", waiting=("cleo",), limit_deg=20.0)))
+    window.refresh()
+    pill = window.panels.header.pills["sim"]
+    assert pill.notes.text() == "waiting: 1 · limit 20 °/s · 2 ms"
+    QTest.mouseClick(pill.lease, LEFT)
+    assert link.done[-1] == SendLease(1, LeaseAction.TAKE, "sim")

@@ -1,0 +1,190 @@
+"""The page of the class: rows, requests of the teacher, and STOP for all robots."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from window_views import class_world
+from worlds import status, world
+
+from beatrix_zenoh._generated.messages import Event, EventKind, LeaseAction, Reason
+from gui.state import intents
+from gui.state.actions import Govern, Outcome, Select, StopAll, StopBoth, WatchCameras, WatchClass
+from gui.state.intents import ChooseRobot, GovernClass, Intent, LimitClass, Page, Stop, TogglePage
+from gui.state.state import State
+from gui.state.views import ClassView, Condition
+from gui.state.world import LinkPhase, World
+
+TEACHER = class_world()
+PLACE = ("bea2", "hw")
+
+
+def page(state: State, now: World = TEACHER) -> ClassView:
+    found = state.view(now).class_page
+    assert found is not None
+    return found
+
+
+def opened() -> State:
+    """The state of a teacher's window that shows the class."""
+    state = State()
+    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True), WatchCameras(frozenset())]
+    return state
+
+
+def test_only_the_teacher_has_the_page() -> None:
+    state, student = State(), world()
+    for intent in (TogglePage(), GovernClass(LeaseAction.FREEZE), LimitClass("20")):
+        assert state.handle(intent, student) == []
+    assert state.view(student).class_page is None
+    assert state.view(student).page is Page.ROBOT
+
+
+def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
+    rows = {row.place: row for row in page(opened()).rows}
+    moving = rows["bea1", "sim"]
+    assert moving.cells == ("bea1", "Simulation", "► moving", "ana (taken)", "ben, cleo", "50", "0.0 s", "")
+    assert rows[PLACE].cells[2:4] == ("■ frozen", "dora")
+    assert rows["bea3", "sim"].condition is Condition.DISABLED
+    assert rows["bea4", "sim"].condition is Condition.FAULT
+    silent = rows["bea4", "hw"]
+    assert silent.cells[5:7] == ("0", "3.2 s")
+    assert silent.details.startswith("The last positions are 3.2 s old.")
+
+
+def test_summary_and_limit() -> None:
+    view = page(opened())
+    assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher)."
+    assert view.limit_now == "Speed limit: 20 °/s."
+    free = replace(TEACHER.robots[0], status=status("sim"))
+    mixed = page(opened(), replace(TEACHER, robots=(free, *TEACHER.robots[1:])))
+    assert mixed.limit_now == "The robots have different speed limits."
+    assert mixed.rows[2].cells[-1] == "limit 20 °/s"
+    empty = page(opened(), replace(TEACHER, robots=()))
+    assert (empty.limit_now, empty.rows) == ("No speed limit.", ())
+    assert empty.empty.startswith("No robot is on line.")
+
+
+@pytest.mark.parametrize(
+    ("intent", "action"),
+    [
+        (GovernClass(LeaseAction.FREEZE), Govern(1, LeaseAction.FREEZE)),
+        (GovernClass(LeaseAction.UNFREEZE), Govern(1, LeaseAction.UNFREEZE)),
+        (GovernClass(LeaseAction.TAKE, PLACE), Govern(1, LeaseAction.TAKE, (PLACE,))),
+        (LimitClass("20"), Govern(1, LeaseAction.LIMIT, (), math.radians(20))),
+        (LimitClass(" 12,5 °/s "), Govern(1, LeaseAction.LIMIT, (), math.radians(12.5))),
+        (LimitClass(""), Govern(1, LeaseAction.LIMIT, (), 0.0)),
+    ],
+)
+def test_requests_of_the_teacher(intent: Intent, action: Govern) -> None:
+    assert opened().handle(intent, TEACHER) == [action]
+
+
+@pytest.mark.parametrize("text", ["fast", "-5", "nan", "1e99", "20 30"])
+def test_a_limit_that_is_no_speed_is_not_sent(text: str) -> None:
+    state = opened()
+    assert state.handle(LimitClass(text), TEACHER) == []
+    view = page(state)
+    assert f"'{text}' is no speed" in view.result
+    assert view.good is False
+
+
+def test_buttons_of_a_row_fit_its_state() -> None:
+    rows = {row.place: row for row in page(opened()).rows}
+    assert rows[PLACE].freeze.intent == GovernClass(LeaseAction.UNFREEZE, PLACE)
+    first = rows["bea1", "sim"]
+    assert first.freeze.intent == GovernClass(LeaseAction.FREEZE, ("bea1", "sim"))
+    assert first.take.intent == GovernClass(LeaseAction.TAKE, ("bea1", "sim"))
+    assert first.show.intent == ChooseRobot("bea1")
+
+
+def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
+    state = opened()
+    state.handle(GovernClass(LeaseAction.FREEZE), TEACHER)
+    assert page(state).good is None
+    state.report(Outcome(1, "", accepted=True, done=True, robots=8))
+    assert (page(state).result, page(state).good) == ("freeze, all robots: done at 8 robots", True)
+    state.handle(LimitClass("20"), TEACHER)
+    state.report(
+        Outcome(
+            2,
+            "",
+            accepted=False,
+            done=True,
+            reason=Reason.TIMED_OUT,
+            message="It did not answer.",
+            robots=8,
+            failed=("bea3 (hw)", "bea4 (hw)"),
+        )
+    )
+    assert page(state).result == (
+        "speed limit 20 °/s, all robots: refused: bea3 (hw), bea4 (hw): It did not answer."
+    )
+    assert page(state).good is False
+
+
+def test_without_a_router_nothing_is_sent() -> None:
+    state = opened()
+    lost = replace(TEACHER, phase=LinkPhase.NO_ROUTER, robots=())
+    assert state.handle(GovernClass(LeaseAction.FREEZE), lost) == []
+    assert "no router answers" in page(state, lost).result
+
+
+def test_stop_on_the_page_of_the_class_stops_all_robots() -> None:
+    state = opened()
+    assert state.view(TEACHER).stop.text == "STOP ALL"
+    assert state.handle(Stop(), TEACHER) == [StopAll(1)]
+    state.report(Outcome(1, "", accepted=True, done=True, robots=8))
+    assert state.view(TEACHER).last == "last: stop all robots done at 8 robots"
+    assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
+    assert state.handle(Stop(), TEACHER) == [StopBoth(2)]
+    assert state.handle(intents.Repeat(1), TEACHER) == [StopAll(3)]
+
+
+def test_keys_of_the_robot_send_nothing_while_the_class_is_shown() -> None:
+    state = opened()
+    assert state.handle(intents.SendHead(), TEACHER) == []
+    assert state.handle(intents.Undo(), TEACHER) == []
+
+
+def test_choosing_a_robot_shows_it() -> None:
+    state = opened()
+    actions = state.handle(ChooseRobot("bea3"), TEACHER)
+    assert actions[0] == WatchClass(on=False)
+    assert actions[-1] == Select("bea3")
+    assert state.view(TEACHER).page is Page.ROBOT
+
+
+def test_requests_have_command_lines() -> None:
+    state = opened()
+    for intent in (
+        GovernClass(LeaseAction.FREEZE),
+        LimitClass("20"),
+        LimitClass(""),
+        GovernClass(LeaseAction.UNFREEZE, PLACE),
+        GovernClass(LeaseAction.TAKE, PLACE),
+        Stop(),
+    ):
+        state.handle(intent, TEACHER)
+    lines = [row.command_line for row in reversed(state.view(TEACHER).history)]
+    assert lines == [
+        "beatrix freeze",
+        "beatrix limit 20",
+        "beatrix limit off",
+        "beatrix unfreeze --name bea2",
+        "",
+        "beatrix stop --all",
+    ]
+
+
+def test_requests_of_the_teacher_are_in_the_history_of_students() -> None:
+    frozen = Event(
+        seq=1, t_mono_ns=1, t_wall_ns=1, kind=EventKind.LEASE, action="freeze", seat="teacher", session="t"
+    )
+    changed = Event(seq=2, t_mono_ns=2, t_wall_ns=2, kind=EventKind.LEASE, seat="ana", message="ana drives.")
+    now = world()
+    now = replace(now, sim=replace(now.sim, events=(frozen, changed)))
+    (row,) = State().view(now).history
+    assert (row.who, row.what, row.result) == ("teacher", "freeze", "done")

@@ -1,0 +1,174 @@
+"""The lease in the window: the button of each robot, notes, and what is said when a lease changes hands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from worlds import ENDPOINT, absent, refused, robot, state_after, status, world
+
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.client import Presence
+from beatrix_zenoh.refusals import taken_by
+from gui.state import intents
+from gui.state.actions import Govern, Outcome, Select, SendLease
+from gui.state.intents import AskLease, DismissNotice, Jog, SetLanguage, TakeAlternative
+from gui.state.state import State
+from gui.state.views import PillView
+from gui.state.world import LinkPhase, World
+
+TAKE, WAIT, GIVE_BACK = LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK
+
+
+def sim_with(seat: str = "ben", **known: Any) -> World:
+    """A world whose simulation has these fields in its status; the seat is `ben`."""
+    return world(robot("sim", known=status("sim", **known)), seat=seat)
+
+
+def pill(now: World) -> PillView:
+    return State().view(now).pills[0]
+
+
+@pytest.mark.parametrize(
+    ("known", "seat", "text", "action"),
+    [
+        ({}, "ben", "Take", TAKE),
+        ({"holder": "ben"}, "ben", "Take", TAKE),
+        ({"holder": "ben", "lease": 2}, "ben", "Give back", GIVE_BACK),
+        ({"holder": "ana", "lease": 2}, "ben", "Wait for my turn", WAIT),
+        ({"holder": "ana", "moving": True}, "ben", "Wait for my turn", WAIT),
+        ({"holder": "ana", "lease": 2, "waiting": ("cleo", "ben")}, "ben", "Leave queue", GIVE_BACK),
+        ({"holder": "ana", "lease": 2}, "teacher", "Take over", TAKE),
+        ({"holder": "teacher", "lease": 2}, "teacher", "Give back", GIVE_BACK),
+        ({"frozen": True}, "ben", "Take", TAKE),
+    ],
+)
+def test_the_button_of_a_lease_sends_its_query(
+    known: dict[str, Any], seat: str, text: str, action: LeaseAction
+) -> None:
+    now = sim_with(seat, **known)
+    button = pill(now).lease
+    assert button is not None
+    assert (button.text, button.intent) == (text, AskLease(action, "sim"))
+    assert button.tooltip
+    assert State().handle(button.intent, now) == [SendLease(1, action, "sim")]
+
+
+def test_there_is_no_lease_of_a_robot_that_does_not_answer_or_needs_another_step() -> None:
+    for sim in (absent("sim"), robot("sim", presence=Presence.LOST, age_s=3.0)):
+        assert pill(world(sim)).lease is None
+    assert pill(sim_with(enabled=False)).lease is None
+    state = State()
+    assert state.handle(AskLease(TAKE, "sim"), world(phase=LinkPhase.NO_ROUTER)) == []
+    refusal = state.view(world()).commands.refusal
+    assert refusal is not None
+    assert ENDPOINT in refusal.text
+
+
+@pytest.mark.parametrize(
+    ("known", "seat", "text", "notes"),
+    [
+        ({}, "ben", "ready", ()),
+        ({"holder": "ben"}, "ben", "ready", ("you drive",)),
+        ({"holder": "ben", "lease": 2, "waiting": ("ana", "cleo")}, "ben", "ready", ("yours", "waiting: 2")),
+        ({"holder": "ana", "lease": 2}, "ben", "taken by ana", ()),
+        ({"holder": "ana", "lease": 2, "enabled": False}, "ben", "motors off", ("taken by ana",)),
+        ({"holder": "ana", "waiting": ("cleo", "ben")}, "ben", "driven by ana", ("queue: 2 of 2",)),
+        ({"frozen": True, "holder": "ana"}, "ben", "frozen by the teacher", ("ana drives",)),
+        ({"frozen": True}, "teacher", "ready", ("frozen",)),
+        ({"limit_deg": 20.0}, "ben", "ready", ("limit 20 °/s",)),
+    ],
+)
+def test_a_pill_says_who_has_the_robot_and_what_the_teacher_has_set(
+    known: dict[str, Any], seat: str, text: str, notes: tuple[str, ...]
+) -> None:
+    found = pill(sim_with(seat, **known))
+    assert (found.text, found.notes) == (text, notes)
+
+
+def test_the_tooltip_names_the_waiting_seats() -> None:
+    found = pill(sim_with(holder="ana", lease=2, waiting=("cleo", "ben")))
+    assert "cleo, ben" in found.details
+
+
+def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
+    state = state_after(Jog("short", 1))
+    refused(state, taken_by("ana").detail, Reason.NOT_HOLDER)
+    refusal = state.view(world()).arms.refusal
+    assert refusal is not None
+    assert "ana has taken this robot" in refusal.text
+    assert refusal.alternative is not None
+    assert refusal.alternative.text == "Wait for my turn"
+    assert state.handle(TakeAlternative(), world()) == [SendLease(2, WAIT, "sim")]
+    state.report(Outcome(2, "sim", accepted=True, done=True))
+    row = state.view(world()).history[0]
+    assert (row.what, row.result) == ("wait for a turn (simulation)", "done")
+    assert row.command_line == "beatrix lease take --wait 60 --on sim"
+
+
+def banner_of(state: State, now: World) -> str:
+    """The text of the banner after the world has become `now`; empty: none."""
+    state.follow(now)
+    banner = state.view(now).banner
+    return "" if banner is None else banner.text
+
+
+def test_the_turn_of_a_waiting_seat_is_said_until_it_is_dismissed() -> None:
+    state = State()
+    assert banner_of(state, sim_with(holder="ana", waiting=("ben",))) == ""
+    mine = sim_with(holder="ben", lease=5)
+    assert (
+        banner_of(state, mine) == "It is your turn: the simulation of bea1 is yours until you give it back."
+    )
+    assert "your turn" in banner_of(state, mine)
+    state.handle(SetLanguage("de"), mine)
+    assert banner_of(state, mine).startswith("Du bist dran: bea1 (Simulation)")
+    assert state.handle(DismissNotice(), mine) == []
+    assert banner_of(state, mine) == ""
+
+
+def test_a_lease_that_the_teacher_takes_is_said() -> None:
+    state = State()
+    banner_of(state, sim_with(holder="ben", lease=5))
+    lost = banner_of(state, sim_with(holder="teacher", lease=6))
+    assert lost.startswith("teacher has taken the simulation of bea1 from you.")
+    state = State()
+    banner_of(state, sim_with(holder="ben", lease=5))
+    assert banner_of(state, sim_with()).startswith("Your lease of the simulation of bea1 has ended.")
+
+
+def test_a_lease_that_this_window_gives_back_is_not_said_to_be_lost() -> None:
+    state, mine = State(), sim_with(holder="ben", lease=5)
+    banner_of(state, mine)
+    state.handle(AskLease(GIVE_BACK, "sim"), mine)
+    assert banner_of(state, mine) == ""
+    assert banner_of(state, sim_with(holder="cleo", lease=6)) == ""
+
+
+def test_a_robot_that_is_silent_for_a_while_keeps_its_lease() -> None:
+    state = State()
+    banner_of(state, sim_with(holder="ben", lease=5))
+    banner_of(state, world(absent("sim")))
+    assert banner_of(state, sim_with(holder="ben", lease=5)) == ""
+
+
+def test_another_robot_is_shown_after_what_was_taken_is_given_back() -> None:
+    state, mine = State(), sim_with(holder="ben", lease=5)
+    assert state.handle(AskLease(TAKE, "sim"), mine) == [SendLease(1, TAKE, "sim")]
+    state.follow(mine)
+    expected = [Govern(2, GIVE_BACK, (("bea1", "sim"),)), Select("bea2")]
+    assert state.handle(intents.ChooseRobot("bea2"), mine) == expected
+    assert state.handle(intents.ChooseRobot("bea2"), mine) == [Select("bea2")]
+
+
+def test_a_lease_of_another_program_of_this_seat_is_kept() -> None:
+    state, mine = State(), sim_with(holder="ben", lease=5)
+    state.follow(mine)
+    assert state.handle(intents.ChooseRobot("bea2"), mine) == [Select("bea2")]
+
+
+def test_a_frozen_robot_has_a_banner_in_the_windows_of_students() -> None:
+    assert banner_of(State(), sim_with(frozen=True)).startswith(
+        "The teacher has frozen the robot (simulation)."
+    )
+    assert banner_of(State(), sim_with("teacher", frozen=True)) == ""
