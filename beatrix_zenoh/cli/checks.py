@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes.util
 import importlib.util
 import os
 import platform
 import re
+import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
@@ -25,6 +27,11 @@ VIDEO_DEVICES = Path("/dev/v4l/by-path")
 SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
 
 
+PROBE = "from sim_node.gl import backend; print(backend() or '')"
+PROBE_S = 45.0
+"""Two drivers are tried, each for at most 20 s."""
+
+
 class Finding(NamedTuple):
     """A result of one check: `todo` must be done, `advice` may be done; empty: nothing."""
 
@@ -33,13 +40,22 @@ class Finding(NamedTuple):
     todo: str = ""
     advice: str = ""
 
+    @property
+    def state(self) -> str:
+        """One of ok, advice and todo."""
+        return "todo" if self.todo else "advice" if self.advice else "ok"
+
+    def as_row(self) -> dict[str, str]:
+        """The finding as JSON."""
+        return {**self._asdict(), "state": self.state}
+
 
 def this_computer() -> Iterator[Finding]:
-    """Run all checks that need no network."""
+    """Run all checks that need no network, but for `graphics_probe`."""
     yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
-    yield from hidden_packages()
-    yield graphics()
+    hidden = list(hidden_packages())
+    yield from hidden or [Finding("hidden packages", "none")]
     yield from serial_ports()
     yield from cameras()
 
@@ -105,17 +121,46 @@ def hidden_packages() -> Iterator[Finding]:
             )
 
 
-def graphics() -> Finding:
-    """A finding about the library that draws the eyes of a simulation."""
-    if sys.platform != "linux":
-        return Finding("graphics", "the system's OpenGL")
-    found = [name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)]
-    if found:
-        return Finding("graphics", f"{' and '.join(found)} for simulated eyes")
+@contextlib.contextmanager
+def graphics_probe() -> Iterator[Callable[[], Finding]]:
+    """Start to draw with OpenGL in a process of its own; yield a function that waits for the result.
+
+    A broken driver hangs or crashes, and importing MuJoCo takes half a second.
+    """
+    if importlib.util.find_spec("mujoco") is None:
+        yield lambda: Finding(
+            "graphics", "not checked: only simulations draw, and the extra sim is not installed"
+        )
+        return
+    command = [sys.executable, "-c", PROBE]
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as child:
+        try:
+            yield lambda: graphics(child)
+        finally:
+            child.kill()
+
+
+def graphics(child: subprocess.Popen[str]) -> Finding:
+    """A finding about OpenGL, which draws the eyes of a simulation, from the output of PROBE."""
+    try:
+        name = child.communicate(timeout=PROBE_S)[0].strip()
+    except subprocess.TimeoutExpired:
+        name = ""
+    if child.returncode not in (0, None):
+        return Finding(
+            "graphics", "not checked: the package sim_node does not start", advice='pip install ".[sim]"'
+        )
+    if name:
+        return Finding("graphics", f"OpenGL draws ({name})")
+    missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return Finding(
         "graphics",
-        "neither EGL nor OSMesa: simulated eyes are drawn by ray casting, at a lower resolution",
-        advice="for full resolution: apt install libegl1 libgl1-mesa-dri",
+        "OpenGL does not draw: simulated eyes are drawn by ray casting, at a lower resolution",
+        advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
+        if missing
+        else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
     )
 
 

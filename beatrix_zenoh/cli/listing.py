@@ -58,11 +58,14 @@ class ListedRobot(NamedTuple):
 def look_up(client: Client) -> list[ListedRobot]:
     """Return all robots on line, sorted by name; of each name the simulation comes first."""
     with Monitor(client) as monitor:
-        infos = client.infos()
-        monitor.settle()
-        robots = [
-            robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT
-        ]
+        return listed(client, monitor)
+
+
+def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
+    """Return the robots that a monitor sees, as `look_up`, and their replies."""
+    infos = client.infos()
+    monitor.settle()
+    robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
     return [
         ListedRobot(place, robot.status, infos.get(place))
         for robot in robots

@@ -1,7 +1,7 @@
 """Why a query had no answer: found from the connection, the liveliness tokens and what else the robot sends.
 
 Zenoh 1.10 does not say it: a query to an absent robot, to one that has crashed, and one that the router's access rules
-refuse all end without a reply. The checks here need up to 2 s, so they run only after a query has failed.
+refuse all end without a reply. The checks here need up to 3 s, so they run only after a query has failed.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.request import Place
     from beatrix_zenoh.client.session import Client
 
-ROUTER_S = 0.3
+ROUTER_S = 1.0
 """A router that needs longer for a query of tokens counts as frozen."""
 NOTICE_S = 0.2
 """Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
 """A lost connection is restored within this time if the router answers."""
 POLL_S = 0.02
-ABSENT_S = 1.0
+ABSENT_S = 1.5
 """A query that reaches no node ends sooner; after this time its node has taken it, and ended."""
-POSITIONS_S = 0.5
+POSITIONS_S = 1.0
 """A node that publishes no positions for this long is frozen (they come every 20 ms)."""
 CLOCK_S = 1.0
 """Time limit of the query that every account may send."""

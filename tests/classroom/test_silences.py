@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import threading
@@ -230,6 +231,36 @@ def test_the_command_line_ends_with_the_exit_code_of_each_silence(
 def test_each_silence_has_an_exit_code_of_its_own() -> None:
     codes = [exit_code(reason) for _, reason, _ in TABLE]
     assert len({*codes, 0, 1, 2}) == len(TABLE) + 3
+
+
+def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[str, list[dict[str, str]]]:
+    """The findings of `beatrix doctor` about router, account and robots, by their subject."""
+    monkeypatch.chdir(lesson.folder)
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
+    monkeypatch.setenv("MUJOCO_GL", "off")  # drawing is no part of this test
+    done = beatrix("doctor", "--json")
+    found: dict[str, list[dict[str, str]]] = {}
+    for row in json.loads(done.stdout)["findings"]:
+        found.setdefault(row["what"], []).append(row)
+    assert done.returncode == 1
+    return found
+
+
+def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
+    with wrong_account(lesson) as case:
+        found = doctor(lesson, case, monkeypatch)
+    assert [row["state"] for row in found["router"] + found["account"]] == ["ok", "todo"]
+    assert "beatrix join ana.toml" in found["account"][0]["todo"]
+    assert "bea1 (hw)" not in found
+
+
+def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
+    with frozen(lesson) as case:
+        found = doctor(lesson, case, monkeypatch)
+    assert found["account"][0]["found"] == "ana of class 8b, accepted"
+    assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
+    assert "restart it" in found["bea2 (hw)"][0]["todo"]
+    assert found["bea1 (hw)"][0]["found"].startswith("answers")
 
 
 def test_the_window_says_that_the_router_refuses_the_account(lesson: Lesson) -> None:

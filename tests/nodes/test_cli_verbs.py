@@ -16,6 +16,7 @@ from stage import END_S, free_endpoint, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import CONTRACT
 from beatrix_zenoh.bus import Incoming
 
 
@@ -178,18 +179,34 @@ def test_top_into_a_pipe_prints_plain_tables(shell: Shell) -> None:
     assert any(line.startswith(NAME) for line in lines)
 
 
-def test_doctor_finds_router_contract_and_clock(shell: Shell) -> None:
+def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) -> None:
     done = shell.run("doctor", "--json")
-    findings = {(row["what"], row["found"].split(",")[0]) for row in json.loads(done.stdout)["findings"]}
+    rows = json.loads(done.stdout)["findings"]
     assert done.returncode == 0, done.stdout
-    assert ("router", "answers") in findings
-    assert any(what == f"{NAME} (sim)" and "its clock is" in found for what, found in findings)
+    assert {"what", "found", "state", "todo", "advice"} == {*rows[0]}
+    assert [(row["what"], row["found"]) for row in rows[:2]] == [
+        ("router", "answers"),
+        ("account", "none: this router is open to every program"),
+    ]
+    found = [row["found"] for row in rows if row["what"] == f"{NAME} (hw)"]
+    steps = (
+        "answers",
+        "positions a second of 50",
+        "its clock is",
+        f"same messages ({CONTRACT})",
+        "board",
+        "camera",
+    )
+    assert all(step in text for step, text in zip(steps, found, strict=False))
+    own = {row["what"]: row["found"] for row in rows}
+    assert (own["hidden packages"], "OpenGL" in own["graphics"]) == ("none", True)
 
 
 def test_doctor_explains_what_to_do_without_a_router() -> None:
     done = Shell(free_endpoint()).run("doctor")
     assert done.returncode == 1
     assert "beatrix router" in done.stdout
+    assert "account" not in done.stdout, "later steps make no sense"
 
 
 # -- moving ----------------------------------------------------------------------------------

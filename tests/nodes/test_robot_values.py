@@ -49,7 +49,10 @@ def test_a_robot_file_changes_the_limits_in_info(stage: Stage, lab: Path, module
     assert robot.info().limits.tilt_max == pytest.approx(math.radians(20))
 
 
-def test_doctor_and_preview_report_twins_with_different_values(stage: Stage, lab: Path) -> None:
+def test_doctor_and_preview_report_twins_with_different_values(
+    stage: Stage, lab: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "off")  # drawing is no part of this test
     stage.simulation("bea")
     stage.hardware("bea")
     other = stage.simulation("other", "--robot-file", str(lab))

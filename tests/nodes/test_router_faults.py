@@ -133,7 +133,7 @@ def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -
             began = time.monotonic()
             with pytest.raises(NoAnswer, match=said) as caught:
                 robot.stop()
-            assert (caught.value.reason, time.monotonic() - began < 3.5) == (Reason.NO_ROUTER, True)
+            assert (caught.value.reason, time.monotonic() - began < 8.0) == (Reason.NO_ROUTER, True)
             began = time.monotonic()
             with pytest.raises(NoAnswer, match=said):
                 Robot("bea", "hw", connect=endpoint, who="ben")

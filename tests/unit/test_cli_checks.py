@@ -10,6 +10,7 @@ import pytest
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.cli import checks, serving
+from sim_node import gl
 
 
 def test_advice_for_a_missing_extra_contains_the_command_that_installs_it(
@@ -56,10 +57,23 @@ def test_no_package_is_hidden_in_a_normal_installation() -> None:
     assert list(checks.hidden_packages()) == []
 
 
-def test_missing_graphics_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sys.platform", "linux")
-    monkeypatch.setattr("ctypes.util.find_library", lambda _: None)
-    assert "ray casting" in checks.graphics().found
+def test_graphics_that_do_not_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MUJOCO_GL", "off")
+    with checks.graphics_probe() as graphics:
+        found = graphics()
+    assert "ray casting" in found.found
+    assert found.state == "advice"
+
+
+def test_graphics_are_tried_by_drawing() -> None:
+    with checks.graphics_probe() as graphics:
+        assert ("OpenGL draws" in graphics().found) is (gl.backend() is not None)
+
+
+def test_graphics_are_not_checked_without_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    with checks.graphics_probe() as graphics:
+        assert graphics().state == "ok"
 
 
 def test_a_port_without_permission_is_reported_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,154 @@
+"""The checks of `beatrix doctor` from the router to each robot, in the order in which they can be made."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import CONTRACT, Fault, Info, Reason, Status
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.cli.checks import Finding
+from beatrix_zenoh.cli.listing import ListedRobot, listed, problems, state
+from beatrix_zenoh.client.clocks import clock_offset
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.plan import unlike
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.settings import Settings
+
+OFFSET_S = 0.05
+"""A larger clock offset makes the times of two robots hard to compare."""
+RATE_S = 0.6
+"""Time over which the rate of positions is measured."""
+SLOW = 0.9
+"""Part of the rate in the contract below which positions are too rare."""
+
+
+def network(settings: Settings) -> Iterator[Finding]:
+    """Findings about router, account and robots; the first step that fails is the last."""
+    try:
+        client = Client(settings)
+    except NoAnswer as error:
+        if error.reason is Reason.ACCOUNT_REFUSED:
+            yield Finding("router", "accepts connections")
+            yield Finding("account", "not accepted", error.message)
+        else:
+            yield Finding("router", "does not answer", error.message)
+        return
+    with client:
+        yield Finding("router", "answers")
+        yield accepted(settings.account)
+        try:
+            yield from robots(client)
+        except NoAnswer as error:
+            yield Finding("router", "was lost during the checks", error.message)
+
+
+def accepted(account: Account | None) -> Finding:
+    """A finding about the account, which the router has accepted."""
+    if account is None:
+        return Finding("account", "none: this router is open to every program")
+    until = "" if account.expires is None else f", valid until {account.expires}"
+    return Finding("account", f"{account.name} of class {account.class_name}, accepted{until}")
+
+
+def robots(client: Client) -> Iterator[Finding]:
+    """Findings about every robot on line."""
+    with Monitor(client) as monitor:
+        began_s = time.monotonic()
+        found = listed(client, monitor)
+        if not found:
+            yield Finding("robots", "none on line", advice="to start one: beatrix sim, or beatrix up")
+            return
+        time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
+        rates = {robot.place: monitor.robot(*robot.place).hz for robot in found}
+    nodes = Counter(client.bus.claims())
+    for robot in found:
+        yield from one_robot(client, robot, rates[robot.place], nodes[robot.place])
+    yield from unlike_twins({robot.place: robot.info for robot in found if robot.info is not None})
+
+
+def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) -> Iterator[Finding]:
+    """Findings about a robot: answer, state, rate of positions (Hz), clock, contract, board, cameras."""
+    name, robot = str(listed_robot), Robot(*listed_robot.place, client=client)
+    try:
+        status = robot.status()
+    except BeatrixError as error:
+        yield Finding(name, "on line, but does not answer", error.message)
+        return
+    if nodes > 1:
+        yield Finding(name, f"{nodes} nodes serve it, and all execute its commands", "end all but one")
+    text, well = " ".join(problems(status)), status.fault is Fault.NONE
+    yield Finding(name, f"answers, {state(status)}", todo="" if well else text, advice=text if well else "")
+    yield rate(name, hz)
+    yield clock(robot)
+    if listed_robot.info is not None:
+        yield contract(name, listed_robot.info)
+    yield from devices(name, status)
+
+
+def rate(name: str, hz: float) -> Finding:
+    """A finding about the positions that arrive in a second."""
+    text = f"{hz:.0f} positions a second of {keys.POSITIONS_HZ}"
+    if hz < SLOW * keys.POSITIONS_HZ:
+        return Finding(
+            name,
+            text,
+            advice="end other programs on its computer and on this one, or use a cable instead of Wi-Fi",
+        )
+    return Finding(name, text)
+
+
+def contract(title: str, info: Info) -> Finding:
+    """A finding about whether the robot has the same messages and keys as this computer."""
+    if info.contract == CONTRACT:
+        return Finding(
+            title, f"version {info.version}, same messages ({CONTRACT}), firmware {info.firmware or 'none'}"
+        )
+    return Finding(
+        title,
+        f"version {info.version} has contract {info.contract}, this computer has {CONTRACT}",
+        "install the same version of beatrix-zenoh on both",
+    )
+
+
+def devices(name: str, status: Status) -> Iterator[Finding]:
+    """Findings about the board, if it is connected, otherwise the state says why it is not, and about the cameras."""
+    board = status.board
+    if board.connected:
+        yield Finding(name, f"board {board.name or 'without a name'} at {board.port}")
+    for camera in status.cameras:
+        text = f"camera {camera.eye}: {camera.source or 'works while it is watched'}"
+        if camera.connected and not camera.trouble:
+            yield Finding(name, text)
+        else:
+            yield Finding(name, f"{text}, no pictures", camera.trouble or "plug the camera in")
+
+
+def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
+    """Findings about simulations whose robot values differ from those of the hardware of the same name."""
+    for (name, twin), info in infos.items():
+        hardware = infos.get((name, "hw"))
+        if twin == "sim" and hardware is not None and unlike(info, hardware):
+            yield Finding(
+                f"{name} (sim, hw)",
+                "simulation and hardware run with different values",
+                "start both with the same --robot-file, or without one",
+            )
+
+
+def clock(robot: Robot) -> Finding:
+    """A finding about the offset of the robot's wall clock from that of this computer."""
+    try:
+        offset, bound = clock_offset(robot.client, robot.name, robot.twin)
+    except BeatrixError as error:
+        return Finding(str(robot), "clock offset unknown", error.message)
+    ahead = "ahead" if offset > 0 else "behind"
+    text = f"its clock is {abs(offset) * 1e3:.2f} ms {ahead} (+- {bound * 1e3:.2f} ms)"
+    if abs(offset) > OFFSET_S + bound:
+        return Finding(str(robot), text, advice="to compare times, set both clocks (NTP)")
+    return Finding(str(robot), text)
