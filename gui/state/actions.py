@@ -16,13 +16,13 @@ class Action:
 
 @dataclass(frozen=True)
 class Send(Action):
-    """A motion of one robot, or of both: previewed, made by the simulation, and `lead_s` later by the hardware."""
+    """A motion. With two robots: previewed, then made by the simulation, and `lead_s` later by the hardware."""
 
     row: int
-    """its row in the history"""
+    """number of the request's row in the history"""
     query: MotionQuery | PoseQuery
     twins: tuple[str, ...]
-    """`sim`, `hw` or both"""
+    """`sim`, `hw`, or `sim` and `hw`"""
     lead_s: float = 0.0
 
 
@@ -53,7 +53,7 @@ class StopBoth(Action):
 
 @dataclass(frozen=True)
 class StopAll(Action):
-    """STOP for all robots at the router, on the same thread."""
+    """STOP for all robots at the router, on the thread of `StopBoth`."""
 
     row: int
 
@@ -170,7 +170,7 @@ class Outcome:
 
     row: int
     twin: str
-    """`sim`, `hw`, or empty: both, or none was reached"""
+    """`sim` or `hw`; empty: the outcome is that of several robots, or no robot was reached"""
     accepted: bool
     """true: a motion was accepted, or a command carried out; false: refused, or the motion did not reach its goal"""
     done: bool

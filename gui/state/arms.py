@@ -100,7 +100,7 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
 
 
 def _start(memory: Memory, world: World) -> ArmAngles | None:
-    """Return the angles that + or - start from: the set point, or the goal of a motion of both that is under way.
+    """Return the angles that + or - start from: the set point, or the goal of the motion that simulation and hardware are making.
 
     Both robots get one goal, so that robots that stand apart, as after STOP or during the lead, come together.
     """

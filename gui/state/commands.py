@@ -78,7 +78,7 @@ def stop(memory: Memory, world: World) -> list[Action]:
 
 
 def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
-    """Send a command to one robot or to the checked ones; HOME is a motion, which both make with the lead."""
+    """Send a command to one robot or to the checked ones; HOME is sent as a motion, with the lead."""
     if intent.command is Command.HOME:
         return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
     twins = (intent.twin,) if intent.twin else memory.choices.twins

@@ -1,4 +1,4 @@
-"""The head pad: target, both heads, limits and the previewed path."""
+"""The head pad: its target, the heads of simulation and hardware, limits and the previewed path."""
 
 from __future__ import annotations
 

@@ -168,7 +168,7 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
 
 
 def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
-    """Return the text of the first cause: a robot that was stopped because the other refused is not one."""
+    """Return the text of the first cause: if one robot refuses, the window stops the other robot, which is no cause."""
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
     if worst.failed:

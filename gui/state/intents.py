@@ -117,7 +117,7 @@ class ShowTab(Intent):
 
 @dataclass(frozen=True)
 class SetLead(Intent):
-    """Choose by how much the simulation leads the hardware (s); 0: both at once."""
+    """Choose by how much the simulation leads the hardware (s); 0: they move at the same time."""
 
     seconds: float
 

@@ -121,7 +121,7 @@ class Notice:
 
 @dataclass
 class HistoryCache:
-    """The last view of the history and its input, so that only changed rows are rendered again."""
+    """The last view of the history and what it was made from, so that only changed rows are rendered again."""
 
     context: tuple[object, ...] = ()
     """seat, robot, language and the like, which all rows depend on"""

@@ -31,7 +31,7 @@ WHATS: Final = {
 STREAM_S: Final = 1.0
 """Equal requests at one robot, each within this time of the one before, are one row."""
 LEAD_S: Final = 3.0
-"""An equal request at the other robot within this time is in the same row: the hardware may follow with a lead."""
+"""If a seat sends equal requests to simulation and hardware within this time, they are one row: the hardware may follow with a lead."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def _joined(group: Group, event: Event, twin: str) -> Group:
     else:
         new = replace(new, count=group.count + event.count * (twin == first))
     failed = group.reason is not Reason.OK and not (twin in group.motions and event.phase is not Phase.DONE)
-    kept = group if failed else new  # the end at one robot must not hide a refusal of the other
+    kept = group if failed else new  # the end at one robot must not hide the refusal of another robot
     return replace(
         new,
         began_s=group.began_s,

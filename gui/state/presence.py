@@ -11,7 +11,7 @@ from gui.state.world import LinkPhase, World
 FURTHEST_DEG = 1e4
 """larger angles come from a foreign publication, not from a robot"""
 STALE_S = 0.4
-"""A robot is silent if its newest positions are older (s); it publishes them every 20 ms."""
+"""A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
 
 def on_line(world: World, twin: str) -> bool:

@@ -84,7 +84,7 @@ def record(memory: Memory, row: Row, outcome: Outcome) -> None:
 
 
 def twin_of(outcome: Outcome) -> str:
-    """Return the robot that refused; if the request was for both, the SDK names it in the message."""
+    """Return the robot that refused; for a request to two robots the SDK names the refusing robot in the message."""
     named = NAMED.match(outcome.message)
     return outcome.twin or ("" if named is None else named[1])
 

@@ -1,4 +1,4 @@
-"""The decisions of the window: its view and the actions of intents. Each topic has a module of its own."""
+"""The decisions of the window: what it shows, and what an intent of the user does. Each topic has its own module."""
 
 from __future__ import annotations
 

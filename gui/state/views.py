@@ -14,7 +14,7 @@ class Condition(StrEnum):
 
     ABSENT = "absent"
     SILENT = "silent"
-    """its liveliness token is present, but positions are missing"""
+    """the robot has a liveliness token, but no positions arrive"""
     DISABLED = "disabled"
     NOT_CALIBRATED = "not calibrated"
     READY = "ready"
@@ -32,7 +32,7 @@ class ButtonView:
 
     text: str
     tooltip: str
-    """with its key, or why it is disabled"""
+    """what the button does, with its key; or why the button is disabled"""
     intent: Intent
     enabled: bool = True
     question: str = ""
@@ -150,7 +150,7 @@ class SendingView:
     cameras: bool
     lead_s: float
     lead_matters: bool
-    """whether both are checked"""
+    """whether Simulation and Hardware are checked, so that the lead has an effect"""
     title: str
     """state of the motion in a few words"""
     text: str
@@ -252,7 +252,7 @@ class ClassRowView:
     take: ButtonView
     """or give back"""
     show: ButtonView
-    """show this robot on the other page"""
+    """leave this page and show this robot"""
 
 
 @dataclass(frozen=True)

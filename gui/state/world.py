@@ -45,7 +45,7 @@ class PlanProgress:
     duration_s: float = 0.0
     lead_s: float = 0.0
     countdown_s: float = 0.0
-    """until the hardware is sent its motion"""
+    """time until the link sends the motion to the hardware"""
     path: MotionPath | None = None
     """the previewed path, degrees"""
 

@@ -1,0 +1,43 @@
+"""Requests of the teacher's window to all robots, of which one does not answer."""
+
+from __future__ import annotations
+
+import signal
+
+from linked import Linked
+from stage import Stage
+
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from gui.state.actions import Govern, StopAll, WatchClass
+
+
+def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> None:
+    with Stage() as stage:
+        stage.node("bea2")
+        hung = stage.hardware("bea")
+        with Linked(stage.endpoint, who="teacher") as linked:
+            linked.do(WatchClass(on=True))
+            linked.until(lambda world: len(world.robots) == 2, "all robots are listed")
+            linked.until(lambda world: world.seats == ("teacher",), "the seat is listed")
+            hung.send(signal.SIGSTOP)
+            linked.do(Govern(1, LeaseAction.FREEZE))
+            linked.until(
+                lambda world: any(robot.status and robot.status.frozen for robot in world.robots),
+                "the other robot is frozen",
+            )
+            linked.do(StopAll(2))
+            for row in (1, 2):
+                end = linked.end_of(row)
+                assert (end.accepted, end.reason) == (False, Reason.TIMED_OUT)
+                assert (end.robots, end.failed) == (2, ("bea (hw)",))
+            hung.send(signal.SIGCONT)
+            linked.do(WatchClass(on=False))
+            assert linked.world.robots == ()
+
+
+def test_without_a_robot_nothing_is_done() -> None:
+    with Stage() as stage, Linked(stage.endpoint, who="teacher") as linked:
+        linked.do(Govern(1, LeaseAction.FREEZE))
+        linked.do(StopAll(2))
+        for row in (1, 2):
+            assert not linked.end_of(row).accepted
