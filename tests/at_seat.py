@@ -10,13 +10,14 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
+from patience import PATIENCE_S, patiently
+
 from beatrix_zenoh import Robot as OneRobot
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.settings import resolve
 
-PATIENCE_S = 10.0
 HEARD: Counter[tuple[str, str]] = Counter()
 """Publications by key and session of the publisher."""
 ASKED: list[str] = []
@@ -26,7 +27,7 @@ ASKED: list[str] = []
 @cache
 def client() -> Client:
     """The session of this program."""
-    return Client(resolve())
+    return patiently(lambda: Client(resolve()))
 
 
 @cache

@@ -10,6 +10,7 @@ import socket
 from pathlib import Path
 from typing import Self
 
+from patience import patiently
 from stage import Process
 
 from beatrix_zenoh import account as accounts
@@ -163,7 +164,7 @@ class ClassRouter:
     def open(self, name: str, label: str = "") -> Bus:
         """A new session of an account, which the caller closes."""
         account = self.account(name)
-        return zbus.connect(account.connect, label=label, account=account)
+        return patiently(lambda: zbus.connect(account.connect, label=label, account=account))
 
     def close(self) -> None:
         for session in self._sessions.values():

@@ -92,6 +92,7 @@ def main() -> None:
         "bench_mega.py",
         "bench_twin.py",
         "bench_window.py",
+        "bench_classroom.py",
     ):
         console.print(f"\n{script}")
         subprocess.run([sys.executable, str(ROOT / "tools" / script)], check=True)

@@ -41,10 +41,12 @@ Row = tuple[str, str, str]
 class Served:
     """A process that prints `ready`."""
 
-    def __init__(self, module: str, *arguments: str) -> None:
+    def __init__(self, module: str, *arguments: str, account: Path | None = None) -> None:
+        """Start it, with an account of a class if it is given."""
         began = time.monotonic()
         command = [sys.executable, "-m", module, *arguments]
-        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+        env = {**os.environ, "BEATRIX_ACCOUNT": str(account or "")}
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=env)
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         assert line.startswith("ready"), line

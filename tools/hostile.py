@@ -1,6 +1,8 @@
 """Hostile and broken traffic at the port of a router, and a seat that floods a robot.
 
-`python tools/hostile.py ROBOT` floods the robot with motions and positions as the account of this computer.
+Both run as processes of their own until they are ended: `python tools/hostile.py flood ROBOT` sends motions to a robot and
+publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` replays and garbles
+what a client has sent (FILE).
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final, Self
 
 from beatrix_zenoh import bus as zbus
@@ -128,5 +131,16 @@ def flood(robot: str) -> None:
                 time.sleep(0.01)
 
 
+def attack(host: str, port: str, recorded: str) -> None:
+    """Attack a router's port until the end of the input."""
+    with Attack(host, int(port), Path(recorded).read_bytes()) as begun:
+        print("ready", flush=True)
+        sys.stdin.read()
+    print(dict(begun.sent), flush=True)
+
+
 if __name__ == "__main__":
-    flood(sys.argv[1])
+    if sys.argv[1] == "flood":
+        flood(sys.argv[2])
+    else:
+        attack(*sys.argv[2:5])

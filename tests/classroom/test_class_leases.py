@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -12,8 +13,9 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import ClassRouter
+from patience import PATIENCE_S, patiently
 from seat import PROGRAM, Seat, use_account
-from stage import PATIENCE_S, Process, until
+from stage import Process, until
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -33,7 +35,9 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     with ClassRouter(tmp_path_factory.mktemp("class"), "password", seats=str(SEATS)) as made:
         account = made.account("bea1")
         node = Node(
-            Sessions(lambda: zbus.connect(account.connect, account=account)), "bea1", VirtualHardware("bea1")
+            Sessions(lambda: patiently(lambda: zbus.connect(account.connect, account=account))),
+            "bea1",
+            VirtualHardware("bea1"),
         ).start()
         yield made
         node.close()
@@ -42,7 +46,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 def robot_of(router: ClassRouter, seat: str) -> Robot:
     """The robot through a session of a seat."""
     account = router.account(seat)
-    client = Client(Settings("bea1", account.connect, seat, account=account))
+    client = patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
     return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
 
 
@@ -91,8 +95,10 @@ def test_a_holder_that_is_gone_loses_the_robot_to_the_seat_that_waits(
             "frozen": lambda: holder.process.send(signal.SIGSTOP),
             "unplugged": cable.unplug,
         }
-        next_one = robot_of(router, "seat02")
-        try:
+        with contextlib.ExitStack() as stack:
+            stack.callback(holder.process.end, signal.SIGKILL)
+            next_one = robot_of(router, "seat02")
+            stack.callback(next_one.client.close)
             next_one.make_ready()
             start = next_one.positions().commanded.short
             holder.expect_ready()
@@ -106,6 +112,3 @@ def test_a_holder_that_is_gone_loses_the_robot_to_the_seat_that_waits(
             assert abs(next_one.positions().commanded.short) < 140, "it has not arrived"
             assert not next_one.status().moving
             lease.ask(next_one, LeaseAction.GIVE_BACK)
-        finally:
-            holder.process.end(signal.SIGKILL)
-            next_one.client.close()

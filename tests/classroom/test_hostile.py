@@ -10,8 +10,9 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import CLI, ClassRouter
+from patience import PATIENCE_S, patiently
 from seat import use_account
-from stage import PATIENCE_S, ROOT, Process, ready, until
+from stage import ROOT, Process, ready, until
 
 from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh._generated import keys
@@ -43,19 +44,24 @@ def start(folder: Path, account: Path, *command: str) -> Process:
 def teacher(router: ClassRouter) -> Iterator[Robot]:
     """The robot through the session of the teacher, which may move it again just after its own STOP."""
     account = router.account("teacher")
-    with Client(Settings("bea1", account.connect, "teacher", account=account)) as client:
+    with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
         yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
 
 
 def moves_and_stops(robot: Robot) -> None:
-    """The robot moves, and STOP ends the motion."""
-    start = robot.positions().commanded.short
-    motion = robot.look(yaw=-90.0 if start > 0 else 90.0, speed=30, wait=False)
-    until(lambda: abs(robot.positions().commanded.short - start) > 1, "moving")
+    """The robot moves, and STOP ends the motion. A motion may be lost in a flood of motions, STOP may not."""
+
+    def short() -> float:
+        return patiently(robot.positions).commanded.short
+
+    start = short()
+    goal = -90.0 if start > 0 else 90.0
+    motion = patiently(lambda: robot.look(yaw=goal, speed=30, wait=False))
+    until(lambda: abs(short() - start) > 1, "moving")
     assert robot.stop().result
     with pytest.raises(Interrupted):
         motion.wait()
-    assert not robot.status().moving
+    assert not patiently(robot.status).moving
 
 
 def recorded_session(router: ClassRouter) -> bytes:
@@ -64,7 +70,7 @@ def recorded_session(router: ClassRouter) -> bytes:
     with Cable("127.0.0.1", router.classroom.port) as cable:
         endpoint = f"tcp/127.0.0.1:{cable.port}"
         account = msgspec.structs.replace(account, connect=endpoint)
-        with Client(Settings("bea1", endpoint, "ana", account=account)) as client:
+        with patiently(lambda: Client(Settings("bea1", endpoint, "ana", account=account))) as client:
             Robot("bea1", "hw", client=client).look(yaw=1, speed=60)
         return bytes(max(cable.recorded, key=len))
 
@@ -86,7 +92,7 @@ def test_hostile_traffic_moves_nothing_and_stops_nothing(router: ClassRouter, te
 
 
 def test_stop_stops_beside_a_seat_that_floods(router: ClassRouter, teacher: Robot, tmp_path: Path) -> None:
-    flooding = start(tmp_path, router.path("ben"), str(ROOT / "tools/hostile.py"), "bea1")
+    flooding = start(tmp_path, router.path("ben"), str(ROOT / "tools/hostile.py"), "flood", "bea1")
     try:
         for _ in range(STOPS):
             moves_and_stops(teacher)

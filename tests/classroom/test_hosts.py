@@ -148,7 +148,7 @@ def test_a_seat_that_is_unplugged_loses_its_robot_and_comes_back(lesson: Lesson)
     assert ben.does("yaw('bea1') < 100"), "it has not arrived"
     ben.does("begin('bea1', 0)")
     lesson.school.plug(lesson.hosts["ana 8a"])
-    ana.until("robot('bea1').status().holder == 'ben'", "the seat is back")
+    ana.until("robot('bea1').status().holder != 'ana'", "the seat is back, without its robot")
     ben.does("robot('bea1').stop().result")
 
 

@@ -11,12 +11,12 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import Answering, ClassRouter, replies, settled
+from patience import PATIENCE_S, patiently
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 
 COMMAND = keys.command("bea1", "hw", "ana")
-PATIENCE_S = 20.0
 
 
 @pytest.fixture(params=["password", "certificate"])
@@ -51,7 +51,7 @@ def test_a_replayed_session_opens_nothing(router: ClassRouter) -> None:
     with Cable("127.0.0.1", router.classroom.port) as cable:
         endpoint = f"{router.classroom.protocol}/127.0.0.1:{cable.port}"
         relayed = msgspec.structs.replace(account, connect=endpoint)
-        with zbus.connect(endpoint, account=relayed) as session:
+        with patiently(lambda: zbus.connect(endpoint, account=relayed)) as session:
             token = keys.seat("ana", session.session_id)
             session.declare_token(token)
             assert replies(session, COMMAND), "the recording has a request that is carried out"

@@ -1,0 +1,25 @@
+"""Patience with a router that a busy computer keeps from answering in time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Final, TypeVar
+
+from beatrix_zenoh.errors import NoAnswer
+
+PATIENCE_S: Final = 20.0
+T = TypeVar("T")
+
+
+def patiently(connect: Callable[[], T]) -> T:
+    """Connect, again and again for PATIENCE_S; raises the last NoAnswer."""
+    deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
+    while True:
+        try:
+            return connect()
+        except NoAnswer:
+            if time.monotonic() > deadline:
+                raise
+            pause.wait(0.1)

@@ -1,0 +1,185 @@
+"""Robots and seats of a class as processes, and bare Zenoh with the same messages: delivered, age, processor time."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Self
+
+from bench_node import ROOT, Row, Served, cpu_s, free_endpoint
+
+from beatrix_zenoh._generated import keys
+
+LASTS_S: Final = 5.0
+TOGETHER: Final = 4
+EVERYONE: Final = keys.positions("*", "hw")
+PROGRAM: Final = str(ROOT / "tools/class_load.py")
+ROUTER: Final = """
+import json, sys, zenoh
+config = zenoh.Config()
+for key, value in {"mode": "router", "listen/endpoints": [sys.argv[1]], "scouting/multicast/enabled": False}.items():
+    config.insert_json5(key, json.dumps(value))
+with zenoh.open(config):
+    print("ready", flush=True)
+    sys.stdin.read()
+"""
+
+
+class Program:
+    """A process that prints `ready`, and then reads lines until the end of its input."""
+
+    def __init__(self, *command: str) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, *command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
+        )
+
+    def line(self) -> str:
+        """The next line of its output."""
+        assert self._process.stdout is not None
+        return self._process.stdout.readline()
+
+    def say(self, text: str) -> None:
+        """Send a line."""
+        assert self._process.stdin is not None
+        print(text, file=self._process.stdin, flush=True)
+
+    def cpu_s(self) -> float:
+        """Processor time used so far (s)."""
+        return cpu_s(self._process.pid)
+
+    def close(self) -> None:
+        """End its input, and wait for its end."""
+        self._process.communicate(timeout=20)
+
+
+def started(commands: Iterable[tuple[str, ...]]) -> list[Program]:
+    """Start robots or seats, a few at a time: on one computer they wait for each other."""
+    programs: list[Program] = []
+    for words in commands:
+        programs.append(Program(PROGRAM, *words))
+        if len(programs) > TOGETHER:
+            assert programs[-1 - TOGETHER].line() == "ready\n"
+    for program in programs[-TOGETHER:]:
+        assert program.line() == "ready\n"
+    return programs
+
+
+@contextlib.contextmanager
+def bare_router() -> Iterator[tuple[Program, str]]:
+    """A router with Zenoh's own settings, and its endpoint."""
+    endpoint = free_endpoint()
+    router = Program("-c", ROUTER, endpoint)
+    assert router.line() == "ready\n"
+    try:
+        yield router, endpoint
+    finally:
+        router.close()
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the seats have received."""
+
+    sent: int
+    """messages that there were to receive"""
+    ages_ms: list[float]
+    """of those that were received, sorted"""
+    cpu: tuple[float, float, float]
+    """share of a core: each robot, each seat, the router"""
+
+    def age_ms(self, share: float) -> float:
+        """The age that this share of the messages does not exceed."""
+        return self.ages_ms[min(len(self.ages_ms) - 1, int(share * len(self.ages_ms)))]
+
+    def __str__(self) -> str:
+        ages = " / ".join(f"{self.age_ms(share):.1f}" for share in (0.5, 0.99, 1.0))
+        cpu = " / ".join(f"{100 * share:.1f}" for share in self.cpu)
+        return f"{len(self.ages_ms)}/{self.sent}; {ages}; {cpu}"
+
+
+class Crowd:
+    """As many robots as seats at one router, each a process: `places` are their accounts, or the router's endpoint twice."""
+
+    def __init__(self, router: Served | Program, places: list[tuple[str, str]]) -> None:
+        self._router = router
+        self._keys = [keys.positions(f"rob{number:02d}", "hw") for number in range(1, len(places) + 1)]
+        self._robots = started(
+            ("robot", robot, key) for (robot, _), key in zip(places, self._keys, strict=True)
+        )
+        self._seats = started(("seat", seat) for _, seat in places)
+
+    def begin(self, *, all_robots: bool, lasts_s: float = LASTS_S) -> None:
+        """Let each seat watch its own robot, or all robots, for a time."""
+        for seat, key in zip(self._seats, self._keys, strict=True):
+            seat.say(f"{EVERYONE if all_robots else key} {lasts_s}")
+
+    def watch(self, *, all_robots: bool) -> Load:
+        """The load while each seat watches its own robot, or all robots."""
+        began, before = time.monotonic(), self._cpu_s()
+        self.begin(all_robots=all_robots)
+        found = [json.loads(seat.line()) for seat in self._seats]
+        seconds, after = time.monotonic() - began, self._cpu_s()
+        expected = len(self._robots) if all_robots else 1
+        unheard = sum(expected - seat["robots"] for seat in found)
+        cpu = [(late - early) / seconds for early, late in zip(before, after, strict=True)]
+        return Load(
+            sum(seat["sent"] for seat in found) + round(unheard * LASTS_S * keys.POSITIONS_HZ),
+            sorted(age for seat in found for age in seat["ages_ms"]),
+            (cpu[0], cpu[1], cpu[2]),
+        )
+
+    def skip(self) -> None:
+        """Wait for the results of `begin`."""
+        for seat in self._seats:
+            seat.line()
+
+    def _cpu_s(self) -> tuple[float, float, float]:
+        robots = statistics.mean(robot.cpu_s() for robot in self._robots)
+        seats = statistics.mean(seat.cpu_s() for seat in self._seats)
+        return robots, seats, self._router.cpu_s()
+
+    def close(self) -> None:
+        """End all processes."""
+        for program in (*self._seats, *self._robots):
+            program.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
+def crowd(router: Served, folder: Path, count: int) -> Crowd:
+    """So many robots and seats of the class whose accounts are in the folder."""
+    numbers = [f"{number:02d}" for number in range(1, count + 1)]
+    return Crowd(
+        router,
+        [(str(folder / f"robots/rob{one}.toml"), str(folder / f"seats/seat{one}.toml")) for one in numbers],
+    )
+
+
+def rows(router: Served, folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
+    """Figures of 50 Hz positions at the router of the class, and at a bare one in the same minutes."""
+    for count in counts:
+        loads: dict[bool, list[Load]] = {mode: [] for mode in (False, True)[: min(count, 2)]}
+        with crowd(router, folder, count) as ours:
+            for mode, found in loads.items():
+                found.append(ours.watch(all_robots=mode))
+        with bare_router() as (bare, endpoint), Crowd(bare, [(endpoint, endpoint)] * count) as others:
+            for mode, found in loads.items():
+                found.append(others.watch(all_robots=mode))
+        for mode, (own, reference) in loads.items():
+            figure = f"{count} robots, each seat watches {'all' if mode else 'its own'}"
+            ratios = [own.age_ms(share) / reference.age_ms(share) for share in (0.5, 0.99)]
+            ratios.append(own.cpu[2] / max(reference.cpu[2], 0.001))
+            yield f"{figure}", str(own), "nothing lost, p99 < 25 ms" if count == 30 else ""
+            yield "  the same with bare Zenoh", str(reference), ""
+            yield "  ratios: p50, p99, CPU of the router", " / ".join(f"{one:.2f}" for one in ratios), ""

@@ -1,0 +1,325 @@
+"""Figures of a class at its router, over real processes on loopback: load, STOP under load, leases, a restarted router.
+
+`python tools/bench_classroom.py [ROBOTS...]` prints them; the numbers of robots are 1, 10 and 30 by default.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+import bench_class_load
+import msgspec
+from bench_node import ROOT, Bare, Row, Served, paced, spread_ms
+from cable import Cable
+
+from beatrix_zenoh import BeatrixError, Robot
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh._generated.messages import EventKind, LeaseAction, Status
+from beatrix_zenoh.classroom import class_file, provision
+from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.settings import Settings
+
+NAME: Final = "bea1"
+"""The robot with a real node; the others only publish."""
+CLASS: Final = """
+name = "bench"
+addresses = ["127.0.0.1"]
+seats = 30
+robots = [{robots}]
+[router]
+port = {port}
+"""
+STOPS: Final = 300
+CROWD_S: Final = 15.0
+"""Time during which all seats watch all robots, longer than STOPS take."""
+REPEATS: Final = 5
+PATIENCE_S: Final = 20.0
+BACK_SEATS: Final = 5
+
+
+class School:
+    """A class with its accounts in a folder, and its router."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file = folder / "class.toml"
+        robots = [NAME, *(f"rob{number:02d}" for number in range(1, 31))]
+        self.file.write_text(CLASS.format(port=free_port(), robots=", ".join(f'"{one}"' for one in robots)))
+        self.classroom = class_file.read(self.file)
+        self.folder = folder / "bench"
+        provision.init(self.classroom, self.folder)
+        self.router = self.start_router()
+
+    def start_router(self) -> Served:
+        """Start the router, or start it again."""
+        self.router = Served("beatrix_zenoh.cli", "router", "--class", str(self.file))
+        return self.router
+
+    def path(self, name: str) -> Path:
+        """The file of an account."""
+        return next(self.folder.glob(f"*s/{name}.toml"))
+
+    @contextlib.contextmanager
+    def robot(self, seat: str) -> Iterator[Robot]:
+        """The robot through a session of a seat."""
+        account = accounts.load(self.path(seat))
+        with Client(Settings(NAME, account.connect, seat, account=account)) as client:
+            yield Robot(NAME, "hw", client=client, timeout_s=PATIENCE_S)
+
+
+# -- STOP ----------------------------------------------------------------------------------------
+
+
+def stops(what: str, robot: Robot, bare: Bare) -> Iterator[Row]:
+    """Times from STOP of the teacher to the robot's reply, at rest, alternating with a bare query."""
+    reference: list[float] = []
+
+    def ask() -> None:
+        began = time.perf_counter()
+        try:
+            robot.stop()
+        except (
+            BeatrixError
+        ):  # on a busy computer: the press is also published, and may have stopped the robot
+            unanswered.append(time.perf_counter() - began)
+        else:
+            took.append(time.perf_counter() - began)
+        time.sleep(0.005)
+        began = time.perf_counter()
+        bare.query()
+        reference.append(time.perf_counter() - began)
+
+    took: list[float] = []
+    unanswered: list[float] = []
+    paced(ask, STOPS)
+    ratios = [statistics.median(took) / statistics.median(reference), p99(took) / p99(reference)]
+    yield f"STOP, {what} [ms], failed", f"{spread_ms(took)}, {len(unanswered)}", "p99 < 50, 0"
+    yield "  a bare query at another router [ms]", spread_ms(reference), ""
+    yield "  ratios: p50, p99", " / ".join(f"{ratio:.1f}" for ratio in ratios), ""
+
+
+def p99(seconds: list[float]) -> float:
+    """The time that 99 % do not exceed."""
+    return sorted(seconds)[int(0.99 * len(seconds))]
+
+
+@contextlib.contextmanager
+def program(*command: str, account: Path | None = None) -> Iterator[subprocess.Popen[str]]:
+    """A program that prints `ready`; killed at the end."""
+    child = subprocess.Popen(
+        [sys.executable, *command],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "BEATRIX_ACCOUNT": str(account or "")},
+    )
+    assert child.stdout is not None
+    line = child.stdout.readline()
+    assert line == "ready\n", line
+    try:
+        yield child
+    finally:
+        child.kill()
+        child.communicate()
+
+
+def recording(school: School) -> bytes:
+    """What a program of a seat sends that asks the robot for its status."""
+    account = accounts.load(school.path("seat03"))
+    with Cable("127.0.0.1", school.classroom.port) as cable:
+        account = msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}")
+        with Client(Settings(NAME, account.connect, "seat03", account=account)) as client:
+            Robot(NAME, "hw", client=client).status()
+        return bytes(max(cable.recorded, key=len))
+
+
+def stop_rows(school: School, count: int) -> Iterator[Row]:
+    """STOP of the teacher: without load, beside a flooding seat, under attack, and while everyone watches everyone."""
+    hostile, recorded = str(ROOT / "tools/hostile.py"), school.folder / "recorded"
+    recorded.write_bytes(recording(school))
+    attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
+    with school.robot("teacher") as robot, bench_class_load.bare_router() as (_, endpoint):
+        bare = Bare(endpoint)
+        try:
+            robot.make_ready()
+            with robot.lease():  # so that the flooding seat moves nothing, and STOP is answered at once
+                yield from stops("without load", robot, bare)
+                with program(hostile, "flood", NAME, account=school.path("seat01")):
+                    yield from stops("beside a flooding seat", robot, bare)
+                with program(hostile, *attack):
+                    yield from stops("under hostile traffic", robot, bare)
+                with bench_class_load.crowd(school.router, school.folder, count) as crowd:
+                    crowd.begin(all_robots=True, lasts_s=CROWD_S)
+                    time.sleep(1.0)
+                    yield from stops(f"while {count} seats watch {count} robots", robot, bare)
+                    crowd.skip()
+        finally:
+            bare.close()
+
+
+# -- leases --------------------------------------------------------------------------------------
+
+
+def handover(robot: Robot, seat: str, fault: Callable[[], object]) -> tuple[float, float]:
+    """Times from a fault of the holder until the robot rests, and until `seat` holds it (s)."""
+    rests = held = 0.0
+    with robot.status_stream() as statuses:
+        began = time.monotonic()
+        fault()
+        while not (rests and held):
+            status: Status = statuses.next(PATIENCE_S)
+            now = time.monotonic() - began
+            rests = rests or (0.0 if status.moving else now)
+            held = held or (now if status.holder == seat else 0.0)
+    return rests, held
+
+
+def lease_rows(school: School) -> Iterator[Row]:
+    """Times of handing over a robot to the next seat in the queue."""
+    with school.robot("seat01") as first, school.robot("seat02") as following:
+        first.make_ready()
+        took = []
+        for _ in range(REPEATS):
+            held = first.lease()
+            lease.ask(following, LeaseAction.WAIT)
+            took.append(handover(following, "seat02", held.close)[1])
+            lease.ask(following, LeaseAction.GIVE_BACK)
+        yield "lease: given back -> the next seat holds it [ms]", spread_ms(took), ""
+        for what in ("killed", "frozen", "unplugged"):
+            ends = [lost(school, following, what, number) for number in range(REPEATS)]
+            rests, held_s = zip(*ends, strict=True)
+            to_reach = "" if what == "killed" else "the session's lease is 2 s"
+            yield (
+                f"lease: holder {what} in a motion -> the robot rests [ms]",
+                spread_ms(list(rests)),
+                to_reach,
+            )
+            yield "  -> the next seat holds it [ms]", spread_ms(list(held_s)), to_reach
+
+
+def lost(school: School, following: Robot, what: str, number: int) -> tuple[float, float]:
+    """Times of `handover` after the holder was lost in a motion."""
+    account = accounts.load(school.path("seat03"))
+    with Cable("127.0.0.1", school.classroom.port) as cable:
+        path = school.folder / "seat03-relayed.toml"
+        path.write_text(msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}").text())
+        with program(str(ROOT / "tests/at_seat.py"), account=path) as holder:
+            assert holder.stdin is not None
+            assert holder.stdout is not None
+            goal = 150 if number % 2 else -150
+            for expression in (f"bool(robot('{NAME}').lease())", f"begin('{NAME}', {goal}, 20)"):
+                said = ""
+                deadline = time.monotonic() + PATIENCE_S
+                while not said.startswith("= "):
+                    assert time.monotonic() < deadline, said
+                    print(expression, file=holder.stdin, flush=True)
+                    said = holder.stdout.readline()
+            lease.ask(following, LeaseAction.WAIT)
+            time.sleep(0.3)  # the arms turn at full speed
+            faults = {
+                "killed": holder.kill,
+                "frozen": lambda: holder.send_signal(signal.SIGSTOP),
+                "unplugged": cable.unplug,
+            }
+            times = handover(following, "seat02", faults[what])
+            lease.ask(following, LeaseAction.GIVE_BACK)
+    return times
+
+
+# -- restart of the router -----------------------------------------------------------------------
+
+
+def restart_rows(school: School) -> Iterator[Row]:
+    """A restart of the router while one robot moves: when all are back, and what has moved."""
+    resting = "rob01"
+    still = Served("hw_node", "--name", resting, "--port", "virtual:", account=school.path(resting))
+    back_s, stopped_s, moved = [], [], []
+    with contextlib.ExitStack() as stack:
+        robots = [
+            stack.enter_context(school.robot(f"seat{number:02d}")) for number in range(1, BACK_SEATS + 1)
+        ]
+        others = [Robot(resting, "hw", client=robot.client, timeout_s=PATIENCE_S) for robot in robots]
+        for number in range(REPEATS):
+            for robot in (robots[0], others[1]):
+                answered(robot.make_ready)
+            rest = others[0].positions().commanded.short
+            answered(lambda goal=150 if number % 2 else -150: robots[0].look(yaw=goal, speed=20, wait=False))  # type: ignore[misc]
+            time.sleep(0.5)
+            killed = time.monotonic()
+            os.kill(school.router.pid, signal.SIGKILL)
+            school.router.end()
+            school.start_router()
+            ready = time.monotonic()
+            threads = [
+                threading.Thread(target=answered, args=(robot.status,)) for robot in (*robots, *others)
+            ]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            back_s.append(time.monotonic() - ready)
+            done = [event for event in robots[1].past_events() if event.kind is EventKind.MOTION][-1]
+            stopped_s.append(done.t_mono_ns / 1e9 - killed)
+            where = robots[1].positions().commanded.short
+            moved.append(abs(others[1].positions().commanded.short - rest))
+            moved.append(abs(robots[1].positions().commanded.short - where))
+    still.end()
+    yield (
+        f"router restarted: ready -> {2 * BACK_SEATS} pairs of seat and robot work [ms]",
+        spread_ms(back_s),
+        "< 1000",
+    )
+    yield "router killed -> the moving robot rests [ms]", spread_ms(stopped_s), ""
+    yield "moved from then on, and the robot at rest [deg]", f"{max(moved):.2f}", "0"
+
+
+def answered(ask: Callable[[], object]) -> None:
+    """Ask until it succeeds."""
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            ask()
+        except BeatrixError:
+            assert time.monotonic() < deadline, "no answer"
+            time.sleep(0.01)
+        else:
+            return
+
+
+def rows(folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
+    """All figures."""
+    school = School(folder)
+    try:
+        yield "", "received/sent; age p50/p99/largest [ms]; CPU robot/seat/router [% of a core]", ""
+        yield from bench_class_load.rows(school.router, school.folder, counts)
+        node = Served("hw_node", "--name", NAME, "--port", "virtual:", account=school.path(NAME))
+        yield from stop_rows(school, counts[-1])
+        yield from lease_rows(school)
+        yield from restart_rows(school)
+        node.end()
+    finally:
+        school.router.end()
+
+
+def main() -> None:
+    """Print the rows."""
+    counts = tuple(int(word) for word in sys.argv[1:]) or (1, 10, 30)
+    with TemporaryDirectory() as folder:
+        for figure, measured, to_reach in rows(Path(folder), counts):
+            print(f"{figure:<75} {measured:<45} {to_reach}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
