@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import CONTRACT, Fault, Info, Reason, Status
-from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.checks import Finding
 from beatrix_zenoh.cli.listing import ListedRobot, listed, problems, state
 from beatrix_zenoh.client.clocks import clock_offset
@@ -17,6 +16,7 @@ from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import without_rights
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.settings import Settings
 
@@ -41,17 +41,23 @@ def network(settings: Settings) -> Iterator[Finding]:
         return
     with client:
         yield Finding("router", "answers")
-        yield accepted(settings.account)
         try:
-            yield from robots(client)
+            account = accepted(client)
+            yield account
+            if not account.todo:
+                yield from robots(client)
         except NoAnswer as error:
             yield Finding("router", "was lost during the checks", error.message)
 
 
-def accepted(account: Account | None) -> Finding:
-    """A finding about the account, which the router has accepted."""
+def accepted(client: Client) -> Finding:
+    """A finding about the account, whose session the router has opened."""
+    account = client.settings.account
     if account is None:
         return Finding("account", "none: this router is open to every program")
+    refused = without_rights(client)
+    if refused is not None:
+        return Finding("account", "has no rights", refused.message)
     until = "" if account.expires is None else f", valid until {account.expires}"
     return Finding("account", f"{account.name} of class {account.class_name}, accepted{until}")
 

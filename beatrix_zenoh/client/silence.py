@@ -127,11 +127,8 @@ class Unanswered:
         return NoAnswer(Reason.NODE_LOST, detail=Detail(field=title(self.place)))
 
     def _absent(self, present: Collection[Place]) -> NoAnswer:
-        client, account = self.client, self.client.settings.account
-        token = client.token
-        if account is not None and token and not present and not client.bus.router_passes(token):
-            return NoAnswer(Reason.ACCOUNT_REFUSED, zbus.without_rights(client.bus.endpoint, account))
-        return absence(self.place, present, client.bus.endpoint)
+        refused = None if present else without_rights(self.client)
+        return refused or absence(self.place, present, self.client.bus.endpoint)
 
     def _refused(self) -> NoAnswer:
         """Return the error of a query that ended without a reply although the robot is on line."""
@@ -156,6 +153,14 @@ class Unanswered:
         publishes = publishing(self.client.bus, [self.place])
         detail = Detail(field=title(self.place), value=limit_s, unit="s")
         return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN, detail=detail)
+
+
+def without_rights(client: Client) -> NoAnswer | None:
+    """Return the error if the router has accepted the account and drops all that it sends; None if not, or if unknown."""
+    account, token = client.settings.account, client.token
+    if account is None or not token or client.bus.router_passes(token):
+        return None
+    return NoAnswer(Reason.ACCOUNT_REFUSED, zbus.without_rights(client.bus.endpoint, account))
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:

@@ -28,7 +28,7 @@ from gui.link.stopping import Stopping
 from gui.link.worker import Part, Worker
 from gui.state import actions
 from gui.state.actions import Action, Outcome
-from gui.state.world import World
+from gui.state.world import LinkPhase, World
 
 Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
 """Actions that robots of the shown name answer."""
@@ -252,7 +252,9 @@ class Link:
             self._connection.trouble
             or f"The window looks for the router at {self._connection.settings.connect}."
         )
-        return failed(row, "", NoAnswer(Reason.NO_ROUTER, trouble))
+        refused = self._connection.phase is LinkPhase.REFUSED
+        reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
+        return failed(row, "", NoAnswer(reason, trouble))
 
     def _drop_all(self) -> None:
         self._plans.drop(stopped())

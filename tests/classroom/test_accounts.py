@@ -16,10 +16,13 @@ from stage import Process
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.classroom.certificates import Authority
+from beatrix_zenoh.cli import robot_checks
+from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.settings import Settings, resolve
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +97,14 @@ def test_a_certificate_of_the_class_under_an_unknown_name_may_do_nothing(certifi
     with zbus.connect(account.connect, account=account) as session:
         assert session.robots() == []
         assert replies(session, keys.stop("*", "*")) == []
+    with Client(Settings("bea1", account.connect, "zoe", account=account)) as client:
+        with pytest.raises(NoAnswer, match="has no seat or robot of this name any more") as error:
+            Robot("bea1", "hw", client=client).status()
+        assert error.value.reason is Reason.ACCOUNT_REFUSED
+        assert [finding.found for finding in robot_checks.network(client.settings)] == [
+            "answers",
+            "has no rights",
+        ]
     robot.undeclare_token(keys.alive("bea1", "hw"))
 
 

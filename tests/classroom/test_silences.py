@@ -27,6 +27,7 @@ from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.settings import Settings
+from gui.state.actions import StopBoth
 from gui.state.state import State
 from gui.state.world import LinkPhase
 
@@ -270,6 +271,8 @@ def test_the_window_says_that_the_router_refuses_the_account(lesson: Lesson) -> 
         assert banner is not None
         assert "refuses this window's account" in banner.text
         assert "refuses account ana of class 8b" in world.trouble
+        linked.do(StopBoth(1))
+        assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
 
 
 def test_accounts_that_changed_while_a_program_runs_are_named(tmp_path: Path) -> None:
