@@ -218,10 +218,18 @@ class Stage:
     def close(self) -> None:
         """Clients first, then robots, their boards, the router last."""
         self.close_clients()
-        for node in self._nodes:
-            node.close()
+        self.end_nodes()
         for process in reversed(self._processes):
             process.end()
+        self.end_router()
+
+    def end_nodes(self) -> None:
+        """End the nodes in this process."""
+        while self._nodes:
+            self._nodes.pop(0).close()
+
+    def end_router(self) -> None:
+        """End the router; robots and clients go on."""
         self._router.close()
 
     def __enter__(self) -> Self:

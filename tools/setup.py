@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = "cli,hw,sim,plot,rerun,gui,classroom"
+EXTRAS = "cli,hw,sim,plot,rerun,gui,classroom,web"
 PURPOSES = ("demo", "test")
 
 

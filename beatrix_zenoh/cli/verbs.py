@@ -17,6 +17,7 @@ VERBS = {
     "sim": "serving",
     "hw": "serving",
     "gui": "serving",
+    "web": "web",
     "ls": "listing",
     "info": "listing",
     "echo": "echo",

@@ -1,0 +1,3 @@
+"""The control page for browsers: Chromebooks, tablets, telephones."""
+
+from __future__ import annotations

@@ -1,0 +1,278 @@
+"""The state behind all pages: session, robots, drivers, pictures. Its methods run on the thread of the server's loop."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+from typing import Final, Protocol
+
+import msgspec
+
+from beatrix_zenoh import names, threads
+from beatrix_zenoh.client import Client, Monitor, Presence
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.web import driving, view
+from beatrix_zenoh.web.driving import DEAD_MAN_S, Driver
+from beatrix_zenoh.web.eyes import Camera, Eye
+from beatrix_zenoh.web.messages import Outcome, refused
+from beatrix_zenoh.web.protection import Visitor
+from beatrix_zenoh.web.stopping import Stopping
+
+GONE_S: Final = 5.0
+"""A driver whose page is silent for this long has gone: the robot is given back."""
+CLOSE_S: Final = 3.0
+"""Time for sessions and subscriptions to close."""
+SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to go on."
+GONE: Final = "This page was silent for too long, so the robot was given back. Press Drive to take it again."
+TAKEN: Final = "The robot was handed over to {holder}. Press Drive to take it again."
+ENDED: Final = (
+    "The robot or the router was started again, so nobody drives. Press Drive to take the robot again."
+)
+NAME_IN_USE: Final = (
+    "Another page drives {robot} as {seat}, or waits for it. Type another name, then press Drive."
+)
+SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
+NOT_DRIVING: Final = "Press Drive first: you watch this robot."
+NO_ROBOT: Final = "There is no robot {name} at the router. Choose one of the list."
+
+
+class Page(Protocol):
+    """A page that is open in a browser."""
+
+    visitor_of_page: Visitor
+    place: Place | None
+    driver: Driver | None
+
+    def report(self, outcome: Outcome) -> None:
+        """Show the outcome of a request beside its control."""
+
+    def show(self, state: bytes) -> None:
+        """Show a state, unless the browser has not read the earlier ones."""
+
+    def close(self) -> None:
+        """Close its web socket."""
+
+
+class Picturing(Protocol):
+    """A web socket that shows pictures."""
+
+    def changed(self, camera: Camera) -> None:
+        """Send the newest picture of a camera, if the browser has drawn the last one."""
+
+
+class Hub:
+    """Passes requests of pages to robots, and the states of robots to pages."""
+
+    def __init__(self, settings: Settings, only: str | None, call: Callable[..., object]) -> None:
+        """Open the session.
+
+        Args:
+            settings: router and seat.
+            only: name of the only robot that pages may use; None: all of the router.
+            call: runs a function with its arguments on the server's loop; any thread may use it.
+
+        Raises:
+            NoAnswer: NO_ROUTER.
+        """
+        self.settings, self._only, self._call = settings, only, call
+        self.client = Client(settings)
+        self.monitor = Monitor(self.client)
+        self._router = True
+        self.client.bus.watch_router(lambda there: self._set_router(there=there))
+        self.pages: set[Page] = set()
+        self._stopping = Stopping()
+        self._closing: list[threading.Thread] = []
+        self._eyes: dict[Camera, tuple[Eye, set[Picturing]]] = {}
+
+    def _set_router(self, *, there: bool) -> None:
+        self._router = there
+
+    def drivers(self) -> Iterable[Driver]:
+        """Pages that drive or wait."""
+        return [page.driver for page in self.pages if page.driver is not None]
+
+    # -- states --------------------------------------------------------------------------------------
+
+    def places(self) -> list[Place]:
+        """Robots that pages may use, the simulation of each name first."""
+        found = {
+            (robot.robot, robot.twin): robot.presence is not Presence.ABSENT
+            for robot in self.monitor.robots()
+            if self._only in (None, robot.robot)
+        }
+        return [place for place, present in found.items() if present]
+
+    def show(self) -> None:
+        """Send each page the state of its robot, and end drivers whose lease has ended."""
+        places = self.places()
+        listed = [{"robot": robot, "twin": twin} for robot, twin in places]
+        states = {page.place: page.place and self.monitor.robot(*page.place) for page in self.pages}
+        shown = {place: state and view.state_of(state) for place, state in states.items()}
+        for page in list(self.pages):
+            if page.place is None and places:
+                page.place = places[0]  # its state follows with the next call
+            state = states.get(page.place)
+            if page.driver is not None and state is not None and state.status is not None:
+                status = state.status
+                if page.driver.lost(status.lease, status.holder):
+                    self.end_driver(page, TAKEN.format(holder=status.holder) if status.holder else ENDED)
+            driver = page.driver
+            content = {
+                "kind": "state",
+                "router": self._router,
+                "robots": listed,
+                "robot": shown.get(page.place),
+                "you": {
+                    "seat": "" if driver is None else driver.seat,
+                    "drives": driver is not None and bool(driver.lease),
+                    "waits": driver is not None and not driver.lease,
+                },
+            }
+            page.show(msgspec.json.encode(content))
+
+    def watch(self, page: Page, place: Place) -> None:
+        """Show another robot; the page's driver of the former one ends."""
+        if place not in self.places():
+            page.report(refused("robot", NO_ROBOT.format(name=names.tidy(place[0]))))
+        elif place != page.place:
+            self.end_driver(page)
+            page.place = place
+
+    # -- driving -------------------------------------------------------------------------------------
+
+    def drive(self, page: Page, name: str) -> None:
+        """Take the robot of a page, or wait for it, under a seat of this name."""
+        if page.driver is not None or page.place is None:
+            return
+        account = self.settings.account
+        seat = self.settings.who if account is not None else f"web-{names.tidy(name)}"[:32].strip("-")
+        robot = page.place[0]
+        if any((driver.place, driver.seat) == (page.place, seat) for driver in self.drivers()):
+            text = NAME_IN_USE if account is None else SEAT_IN_USE
+            page.report(refused("drive", text.format(robot=robot, seat=seat)))
+            return
+        settings = Settings(robot, self.settings.connect, seat, account=account)
+        driver: Driver
+
+        def ended(text: str) -> None:
+            self._call(lambda: self.end_driver(page, text) if page.driver is driver else None)
+
+        driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
+
+    def end_driver(self, page: Page, text: str = "") -> None:
+        """Give the robot back; `text` tells the page why. A robot stops the motion of a session that ends."""
+        driver, page.driver = page.driver, None
+        if driver is None:
+            return
+        driver.drop()
+        self._close_later(driver.close)
+        if text:
+            page.report(refused("drive", text))
+
+    def driver_of(self, page: Page, control: str) -> Driver | None:
+        """The driver of a page that drives; otherwise tells the page to drive first."""
+        driver = page.driver
+        if driver is None or not driver.lease:
+            page.report(refused(control, NOT_DRIVING))
+            return None
+        return driver
+
+    def check_heartbeats(self) -> None:
+        """Stop robots whose page has become silent while they move."""
+        for page in list(self.pages):
+            driver = page.driver
+            if driver is None:
+                continue
+            silent_s = driver.silent()
+            if silent_s > GONE_S:
+                self.end_driver(page, GONE)
+            elif silent_s > DEAD_MAN_S and driver.busy and not driver.stopped:
+                self.stop_driver(driver, page)
+                page.report(refused("drive", SILENT))
+
+    def hidden(self, page: Page) -> None:
+        """Stop the robot of a page that is no longer visible."""
+        if page.driver is not None and page.driver.busy:
+            self.stop_driver(page.driver, page)
+
+    def stop_driver(self, driver: Driver, page: Page) -> None:
+        """Stop the robot of one page, because the page is silent or hidden."""
+        driver.stopped = True
+        driver.drop()
+        self._send_stop(driver.place[0], driver, self._reporter(page))
+
+    # -- STOP ----------------------------------------------------------------------------------------
+
+    def stop(self, visitor: Visitor, robot: str, stop: str, page: Page | None) -> None:
+        """Send STOP to simulation and hardware of a name, for any page; `stop` is its number."""
+        if not names.PATTERN.fullmatch(robot) or not visitor.is_new_stop(stop):
+            return
+        own = None
+        for driver in self.drivers():
+            if driver.place[0] == robot:
+                driver.drop()
+        pages = [other for other in self.pages if other.visitor_of_page is visitor]
+        for other in pages:
+            if other.driver is not None and other.driver.place[0] == robot:
+                own = other.driver
+        self._send_stop(robot, own, self._reporter(*(pages if page is None else [page])))
+
+    def _send_stop(self, robot: str, driver: Driver | None, report: driving.Report) -> None:
+        """Send STOP through the session of a driver, whose seat need not pause then, or else the hub's own."""
+        own = None if driver is None else driver.client
+        self._stopping.press([self.client] if own is None else [own, self.client], robot, report)
+
+    def _reporter(self, *pages: Page) -> driving.Report:
+        """A function that reports to pages, for other threads."""
+
+        def report(outcome: Outcome) -> None:
+            for page in pages:
+                self._call(page.report, outcome)
+
+        return report
+
+    # -- pictures ------------------------------------------------------------------------------------
+
+    def look(self, socket: Picturing, cameras: Iterable[Camera]) -> None:
+        """Begin to send pictures to a web socket; cameras work only while a page shows them."""
+        for camera in cameras:
+            if camera not in self._eyes:
+                eye = Eye(self.client, camera, lambda changed: self._call(self._picture, changed))
+                self._eyes[camera] = eye, set()
+            self._eyes[camera][1].add(socket)
+
+    def _picture(self, camera: Camera) -> None:
+        for socket in list(self._eyes[camera][1]) if camera in self._eyes else []:
+            socket.changed(camera)
+
+    def newest(self, camera: Camera) -> tuple[int, bytes] | None:
+        """Number and JPEG of the newest picture of a camera; None if none has come."""
+        picture = self._eyes[camera][0].newest if camera in self._eyes else None
+        return None if picture is None else (picture.seq, picture.jpeg)
+
+    def look_away(self, socket: Picturing) -> None:
+        """End the pictures of a web socket."""
+        for camera, (eye, sockets) in list(self._eyes.items()):
+            sockets.discard(socket)
+            if not sockets:
+                del self._eyes[camera]
+                self._close_later(eye.end)
+
+    def _close_later(self, close: Callable[[], None]) -> None:
+        """Close a session or a subscription on a thread, because it may wait for the router."""
+        self._closing = [thread for thread in self._closing if thread.is_alive()]
+        self._closing.append(threads.start(close, "web-close"))
+
+    def close(self) -> None:
+        """Stop what pages move, and end all sessions and threads."""
+        for page in list(self.pages):
+            self.end_driver(page)
+        for camera in list(self._eyes):
+            self._close_later(self._eyes.pop(camera)[0].end)
+        self._stopping.close()
+        deadline_s = time.monotonic() + CLOSE_S
+        for thread in self._closing:
+            thread.join(max(0.0, deadline_s - time.monotonic()))
+        self.client.close()

@@ -1,0 +1,85 @@
+"""STOP on a thread of its own, which waits for nothing else."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import CommandReply
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.group_stop import STOP_S, request_stop
+from beatrix_zenoh.client.request import GroupRequest
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.web.messages import Outcome, refused
+
+REPLIES_MAX: Final = 16
+"""STOPs whose replies are awaited at once; further ones are sent, and their replies are not reported."""
+NO_REPLY: Final = "STOP was sent. {} did not answer: if it moves, switch its power off."
+
+Report = Callable[[Outcome], object]
+"""Takes the outcome of STOP for each robot. Called on threads of `Stopping`."""
+
+
+class Press(NamedTuple):
+    """A STOP to send."""
+
+    clients: Sequence[Client]
+    """sessions to send it through: the first that is connected, else the last"""
+    robot: str
+    report: Report
+
+
+class Sent(NamedTuple):
+    """A STOP that was sent."""
+
+    press: Press
+    request: GroupRequest[CommandReply]
+
+
+class Stopping:
+    """Sends STOP to simulation and hardware of a name; another thread waits for the replies."""
+
+    def __init__(self) -> None:
+        self._presses: queue.SimpleQueue[Press | None] = queue.SimpleQueue()
+        self._sent: queue.Queue[Sent | None] = queue.Queue(REPLIES_MAX)
+        self._threads: list[threading.Thread] = [
+            threads.start(self._send_all, "web-stop"),
+            threads.start(self._report_all, "web-stop-replies"),
+        ]
+
+    def press(self, clients: Sequence[Client], robot: str, report: Report) -> None:
+        """Send STOP now; returns at once."""
+        self._presses.put(Press(clients, robot, report))
+
+    def _send_all(self) -> None:
+        while (press := self._presses.get()) is not None:
+            connected = [client for client in press.clients if client.bus.connected]
+            try:
+                sent = Sent(press, request_stop((connected or press.clients[-1:])[0], press.robot))
+            except BeatrixError as error:
+                press.report(refused("stop", error.message))
+                continue
+            with contextlib.suppress(queue.Full):
+                self._sent.put_nowait(sent)
+        self._sent.put(None)
+
+    def _report_all(self) -> None:
+        while (sent := self._sent.get()) is not None:
+            replies = list(sent.request.replies(STOP_S))
+            for (_, twin), reply in replies:
+                text = f"{sent.press.robot} ({twin}): {reply.message}"
+                sent.press.report(Outcome("stop", ok=reply.result, text=text))
+            if not replies:
+                sent.press.report(refused("stop", NO_REPLY.format(sent.press.robot)))
+
+    def close(self) -> None:
+        """End the threads."""
+        self._presses.put(None)
+        deadline_s = time.monotonic() + STOP_S
+        for thread in self._threads:
+            thread.join(max(0.0, deadline_s - time.monotonic()))

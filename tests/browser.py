@@ -1,0 +1,185 @@
+"""A real browser without a screen, controlled over Chrome's DevTools protocol."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import subprocess
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+from stage import START_S, until
+from tornado.websocket import websocket_connect
+
+T = TypeVar("T")
+OPTIONS = (
+    "--headless=new",
+    "--no-sandbox",  # tests may run as root
+    "--disable-dev-shm-usage",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-extensions",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-breakpad",
+    "--no-proxy-server",
+    "--remote-debugging-port=0",
+)
+LONGEST = 50_000_000
+"""Longest message of the browser, bytes: a picture of the page"""
+KEYS = {" ": "Space", "Escape": "Escape", "ArrowLeft": "ArrowLeft"}
+
+
+class Browser:
+    """Chromium with one page."""
+
+    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
+        self._process = subprocess.Popen(
+            ["chromium", *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self._runner = asyncio.Runner()
+        self._number = 0
+        self.events: list[dict[str, Any]] = []
+        found = folder / "DevToolsActivePort"
+        until(lambda: found.exists() and found.read_text().count("\n") == 1, "the browser runs", START_S)
+        port, path = found.read_text().split("\n")
+        address = f"ws://127.0.0.1:{port}{path}"
+        self._socket = self._do(lambda: websocket_connect(address, max_message_size=LONGEST))
+        (page,) = (
+            target for target in self.call("Target.getTargets")["targetInfos"] if target["type"] == "page"
+        )
+        attached = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)
+        self._session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            self.call(f"{domain}.enable")
+        self.resize(*size)
+
+    _session: str | None = None
+
+    def _do(self, work: Callable[[], Awaitable[T]]) -> T:
+        async def run() -> T:
+            return await work()
+
+        return self._runner.run(run())
+
+    def call(self, method: str, **parameters: object) -> dict[str, Any]:
+        """Send a command of the protocol and return its result."""
+        self._number += 1
+        command: dict[str, object] = {"id": self._number, "method": method, "params": parameters}
+        if self._session is not None:
+            command["sessionId"] = self._session
+
+        async def ask() -> dict[str, Any]:
+            await self._socket.write_message(json.dumps(command))
+            while True:
+                text = await asyncio.wait_for(self._socket.read_message(), START_S)
+                assert text is not None, "the browser has ended"
+                message: dict[str, Any] = json.loads(text)
+                if message.get("id") == self._number:
+                    assert "error" not in message, message
+                    result: dict[str, Any] = message["result"]
+                    return result
+                self.events.append(message)
+
+        return self._do(ask)
+
+    def resize(self, width: int, height: int, *, touch: bool = False) -> None:
+        """Set the size of the page, in CSS pixels."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=touch,
+        )
+
+    def open(self, address: str) -> None:
+        """Load a page, until nothing is missing that would move its elements."""
+        self.call("Page.navigate", url=address)
+        loaded = f"location.href === {json.dumps(address)} && document.readyState === 'complete'"
+        self.wait(lambda: bool(self.run(loaded)), "the page is loaded")
+
+    def run(self, script: str) -> Any:
+        """The value of a JavaScript expression."""
+        done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in done, done
+        return done["result"].get("value")
+
+    def text(self, selector: str) -> str:
+        """The text of an element; empty if there is none."""
+        found: str = self.run(f"document.querySelector({json.dumps(selector)})?.textContent ?? ''")
+        return found
+
+    def wait(self, holds: Callable[[], bool], what: str) -> None:
+        """Wait for a condition; shows the page's text if it fails."""
+        try:
+            until(holds, what, START_S)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {self.run('document.body.innerText')} {self.errors()}") from None
+
+    def press(self, selector: str) -> None:
+        """Press the mouse button on an element, and hold it."""
+        self._mouse("mousePressed", selector)
+
+    def release(self, selector: str) -> None:
+        """Release the mouse button."""
+        self._mouse("mouseReleased", selector)
+
+    def click(self, selector: str) -> None:
+        """Click an element."""
+        self.press(selector)
+        self.release(selector)
+
+    def _mouse(self, kind: str, selector: str) -> None:
+        self.run(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
+        box = self.run(
+            f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])(document.querySelector({json.dumps(selector)}).getBoundingClientRect())"
+        )
+        self.call("Input.dispatchMouseEvent", type=kind, x=box[0], y=box[1], button="left", clickCount=1)
+
+    def key(self, key: str) -> None:
+        """Press and release a key."""
+        for kind in ("rawKeyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=KEYS[key])
+
+    def type(self, text: str) -> None:
+        """Type a text into the element that has the focus."""
+        self.call("Input.insertText", text=text)
+
+    def picture(self, path: Path) -> None:
+        """Write a picture of what is visible."""
+        path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
+
+    def errors(self) -> list[str]:
+        """Errors that the page has logged."""
+        return [
+            json.dumps(event["params"])
+            for event in self.events
+            if event["method"] == "Runtime.exceptionThrown"
+            or (event["method"] == "Log.entryAdded" and event["params"]["entry"]["level"] == "error")
+        ]
+
+    def close(self) -> None:
+        """End the browser."""
+        self._session = None
+        self.call("Browser.close")
+        self._process.wait(START_S)
+
+        async def end() -> None:
+            while await asyncio.wait_for(self._socket.read_message(), START_S) is not None:
+                pass  # until the end of what the browser has sent
+            self._socket.close()
+
+        self._do(end)
+        self._runner.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()

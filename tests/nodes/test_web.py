@@ -1,0 +1,259 @@
+"""The control page: one driver at a time, heartbeats, STOP, pictures. Real server, robots and router."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from stage import Stage, ready, until
+from web_client import WebClient, WebSocket, serving
+
+from beatrix_zenoh import Robot
+
+NAMES, PRESSES = itertools.count(1), itertools.count(1)
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    """Two robots."""
+    with Stage() as made:
+        made.hardware("bea1")
+        made.hardware("bea2")
+        yield made
+
+
+@pytest.fixture(scope="module")
+def robot(stage: Stage) -> Robot:
+    """The robot that pages show first; tests ask it where it is."""
+    return ready(stage.robot("bea1", "hw"))
+
+
+@pytest.fixture(scope="module")
+def port(stage: Stage, robot: Robot) -> Iterator[int]:
+    with serving(stage.endpoint) as made:
+        yield made
+
+
+@pytest.fixture
+def browser(port: int) -> Iterator[WebClient]:
+    """A browser that has loaded the page."""
+    with WebClient(port) as made:
+        made.load()
+        yield made
+
+
+@pytest.fixture
+def driver(browser: WebClient, robot: Robot) -> Iterator[WebSocket]:
+    """A page that drives, from home, under a seat that no test has stopped before."""
+    robot.emergency_stop()  # frees the robot at once
+    ready(robot)
+    page = browser.connect().drive(f"mia{next(NAMES)}")
+    yield page
+    page.close()
+
+
+def resting(state: dict[str, Any]) -> bool:
+    """Whether a state shows that no motion is running."""
+    return not state["robot"]["status"]["moving"]
+
+
+def hold(page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
+    """Hold a button until a message fulfils `holds`, with a heartbeat for each state."""
+    press = next(PRESSES)
+
+    def held(message: dict[str, Any]) -> bool:
+        nonlocal press
+        if "heartbeat" in message.get("text", "") or "rest" in message.get("text", ""):
+            press = next(PRESSES)  # this computer was too busy for a heartbeat: press again
+        page.send("hold", press=press, part=part, sign=1, speed=20)
+        return holds(message)
+
+    found = page.wait(held, what)
+    page.send("release", press=press)
+    return found
+
+
+def jog(page: WebSocket, part: str, moved: float) -> None:
+    """Hold a button until its angle has changed by `moved` deg."""
+    index = ("yaw", "pitch", "roll").index(part)
+    hold(
+        page,
+        part,
+        lambda message: message["kind"] == "state" and abs(message["robot"]["head"][index]) > moved,
+        "moved",
+    )
+
+
+def slowly_home(page: WebSocket) -> None:
+    """Begin a motion that takes longer than the test."""
+    page.send("home", speed=2)
+    page.state(lambda state: not resting(state), "moves")
+
+
+# -- driving -------------------------------------------------------------------------------------------
+
+
+def test_a_held_button_moves_and_letting_go_ends_it(driver: WebSocket, robot: Robot) -> None:
+    jog(driver, "yaw", 5.0)
+    driver.state(resting, "at rest")
+    rests = robot.positions().head.yaw
+    late = next(PRESSES) - 1
+    driver.send("hold", press=late, part="yaw", sign=1, speed=20)  # a heartbeat that comes late
+    driver.send("command", command="ready")
+    driver.outcome("ready")
+    assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
+
+
+def test_a_jog_ends_at_the_limit_with_a_sentence(driver: WebSocket, robot: Robot) -> None:
+    refused = hold(driver, "pitch", lambda message: message.get("control") == "pitch", "a refusal")
+    assert "at most 35.0° is allowed" in refused["text"]
+    driver.state(resting, "at rest")
+    assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
+
+
+def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> None:
+    jog(driver, "yaw", 3.0)
+    slowly_home(driver)
+    assert (
+        "No heartbeat"
+        in driver.wait(lambda message: "heartbeat" in message.get("text", ""), "stopped", beat=False)["text"]
+    )
+    driver.wait(lambda message: message["kind"] == "state" and resting(message), "at rest", beat=False)
+    assert abs(robot.positions().head.yaw) > 1.0
+
+
+def test_a_web_socket_that_closes_stops_the_robot_and_gives_it_back(driver: WebSocket, robot: Robot) -> None:
+    jog(driver, "yaw", 3.0)
+    slowly_home(driver)
+    driver.close()
+    until(lambda: not robot.status().moving and not robot.status().holder, "stopped, and free")
+    assert abs(robot.positions().head.yaw) > 1.0
+
+
+def test_a_hidden_page_stops_the_robot(driver: WebSocket, robot: Robot) -> None:
+    jog(driver, "yaw", 3.0)
+    slowly_home(driver)
+    driver.send("hidden")
+    driver.state(resting, "at rest")
+    assert abs(robot.positions().head.yaw) > 1.0
+
+
+def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
+    driver: WebSocket, browser: WebClient
+) -> None:
+    other = browser.connect()
+    seen = other.state(lambda state: state["robot"] and state["robot"]["status"]["holder"], "who drives")
+    assert seen["robot"]["status"]["holder"].startswith("web-mia")
+    other.send("home", speed=40)
+    assert other.outcome("home")["text"] == "Press Drive first: you watch this robot."
+    other.send("drive", name="ben")
+    other.state(lambda state: state["robot"]["status"]["waiting"] == ["web-ben"], "waits")
+    driver.send("leave")
+    other.state(lambda state: state["you"]["drives"], "drives")
+    other.close()
+
+
+def test_a_name_drives_from_one_page_only(driver: WebSocket, browser: WebClient) -> None:
+    holder = driver.seen[-1]["you"]["seat"]
+    other = browser.connect()
+    other.state(lambda state: state["robot"] is not None, "a robot")
+    other.send("drive", name=holder.removeprefix("web-"))
+    assert f"Another page drives bea1 as {holder}" in other.outcome("drive")["text"]
+    other.close()
+
+
+def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage) -> None:
+    with stage.robot("bea1", "hw", "teacher").lease():
+        assert "handed over to teacher" in driver.outcome("drive")["text"]
+        driver.state(lambda state: not state["you"]["drives"], "watches")
+
+
+def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, stage: Stage) -> None:
+    other = browser.connect()
+    other.state(lambda state: len(state["robots"]) == 2, "both robots")
+    other.send("watch", robot="bea2", twin="hw")
+    other.state(lambda state: state["robot"]["robot"] == "bea2", "the second robot")
+    other.drive("cleo")
+    other.send("command", command="ready")
+    assert other.outcome("ready")["ok"]
+    jog(other, "yaw", 2.0)
+    assert stage.robot("bea1", "hw").status().holder.startswith("web-mia")
+    other.close()
+
+
+def test_a_robot_that_is_not_there_is_refused(browser: WebClient) -> None:
+    page = browser.connect()
+    page.send("watch", robot="nobody", twin="sim")
+    assert "There is no robot nobody" in page.outcome("robot")["text"]
+
+
+def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
+    with serving(stage.endpoint, only="bea2") as port, WebClient(port) as browser:
+        browser.load()
+        state = browser.connect().state(lambda state: state["robot"] is not None, "a robot")
+    assert state["robots"] == [{"robot": "bea2", "twin": "hw"}]
+
+
+def test_pages_are_told_of_robots_and_routers_that_go() -> None:
+    with Stage() as stage:
+        stage.node("bea1")
+        with serving(stage.endpoint) as port, WebClient(port) as browser:
+            browser.load()
+            page = browser.connect()
+            page.state(lambda state: state["robot"] and state["robot"]["presence"] == "on line", "on line")
+            stage.end_nodes()
+            page.state(lambda state: state["robot"]["presence"] == "absent", "absent")
+            stage.end_router()
+            page.state(lambda state: not state["router"], "no router")
+
+
+# -- STOP ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("way", ["web socket", "post"])
+def test_every_page_can_stop(driver: WebSocket, port: int, robot: Robot, way: str) -> None:
+    with WebClient(port) as viewer:
+        viewer.load()
+        page = viewer.connect()
+        jog(driver, "yaw", 3.0)
+        slowly_home(driver)
+        if way == "post":
+            body = json.dumps({"do": "stop", "robot": "bea1", "stop": "7"})
+            assert viewer.fetch("/stop", body).code == 200
+        else:
+            page.send("stop", robot="bea1", stop="7")
+        assert page.outcome("stop")["ok"]
+    assert not robot.status().moving
+    assert abs(robot.positions().head.yaw) > 1.0
+
+
+def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
+    driver: WebSocket, browser: WebClient, robot: Robot
+) -> None:
+    pictures = [browser.connect("/pictures?robot=bea1&twin=hw") for _ in range(5)]
+    for socket in pictures:
+        first = socket.read()
+        assert isinstance(first, bytes)
+        assert (first[0] in (0, 1), first[1:3]) == (True, b"\xff\xd8")
+        for number in "01" * 50:  # confirmations that ask for more than there is
+            socket.send_raw(number)
+    jog(driver, "yaw", 3.0)
+    slowly_home(driver)
+    driver.send("stop", robot="bea1", stop="8")
+    until(lambda: not robot.status().moving, "stopped")
+    assert abs(robot.positions().head.yaw) > 1.0
+    jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # who pressed STOP need not pause
+
+
+def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Robot) -> None:
+    def streaming() -> bool:
+        return any(camera.streaming for camera in robot.status().cameras)
+
+    socket = browser.connect("/pictures?robot=bea1&twin=hw")
+    assert socket.read() is not None
+    until(streaming, "the cameras work")
+    socket.close()
+    until(lambda: not streaming(), "the cameras rest")

@@ -1,0 +1,203 @@
+"""Who may use the control page, and the verb that serves it. Real server and router."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import signal
+from collections.abc import Iterator
+
+import pytest
+from shell import CLI, beatrix
+from stage import Process, Stage, until
+from tornado.websocket import WebSocketClosedError
+from web_client import PIN, WebClient, serving
+
+from beatrix_zenoh.cli import web
+from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.web import server
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    """A router without robots."""
+    with Stage() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def port(stage: Stage) -> Iterator[int]:
+    with serving(stage.endpoint) as made:
+        yield made
+
+
+@pytest.fixture
+def browser(port: int) -> Iterator[WebClient]:
+    """A browser that has loaded the page."""
+    with WebClient(port) as made:
+        made.load()
+        yield made
+
+
+# -- who may use it ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example:{port}", "Origin": "http://evil.example:{port}"},
+        {"Host": "127.0.0.1:1"},
+        {"Host": "192.168.1.20:{port}"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "http://127.0.0.1:3000"},
+        {"Origin": "null"},
+        {"Origin": ""},
+        {"Cookie": ""},
+        {"Cookie": "beatrix-{port}=guessed"},
+    ],
+)
+@pytest.mark.parametrize("path", ["/live", "/pictures?robot=bea1&twin=hw"])
+def test_web_sockets_of_foreign_pages_are_refused(
+    browser: WebClient, path: str, headers: dict[str, str]
+) -> None:
+    sent = {name: value.format(port=browser.port) for name, value in headers.items()}
+    code, sentence = browser.refusal(path, **sent)
+    assert (code, sentence.endswith(".")) == (403, True)
+
+
+def test_a_rebound_name_gets_no_page(browser: WebClient) -> None:
+    response = browser.fetch("/", Host=f"evil.example:{browser.port}")
+    assert response.code == 403
+    assert "Open the address that `beatrix web` has printed" in response.body.decode()
+    assert "Set-Cookie" not in response.headers
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Origin": "http://evil.example"}, {"Origin": ""}, {"X-XSRFToken": ""}, {"Cookie": ""}]
+)
+def test_a_foreign_page_cannot_send_stop(browser: WebClient, headers: dict[str, str]) -> None:
+    body = json.dumps({"do": "stop", "robot": "bea1", "stop": "1"})
+    assert browser.fetch("/stop", body, **headers).code == 403
+
+
+def test_every_reply_forbids_foreign_content_and_frames(browser: WebClient) -> None:
+    for path in ("/", "/static/page.js", "/nowhere"):
+        headers = browser.fetch(path).headers
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy
+        assert "frame-ancestors 'none'" in policy
+        assert (headers["X-Frame-Options"], headers["Cache-Control"]) == ("DENY", "no-store")
+        assert "Access-Control-Allow-Origin" not in headers
+
+
+def test_cookies_are_for_this_page_only(port: int) -> None:
+    with WebClient(port) as browser:
+        cookies = browser.fetch("/").headers.get_list("Set-Cookie")
+        cookies += browser.fetch("/").headers.get_list("Set-Cookie")
+    assert len(cookies) == 2
+    assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
+
+
+def test_scripts_load_nothing_from_elsewhere(browser: WebClient) -> None:
+    for name in ("page.html", "login.html", "page.js", "eyes.js", "texts.js", "page.css"):
+        text = (server.STATIC / name).read_text()
+        assert "http://" not in text
+        assert "https://" not in text
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"do":"fly"}', '{"do":"hold","press":1}', "x" * 100])
+def test_a_message_that_cannot_be_read_closes_the_page(browser: WebClient, text: str) -> None:
+    page = browser.connect()
+    page.send_raw(text)
+    until(lambda: page.read() is None, "closed")
+    assert page.code == 4002
+
+
+def test_a_page_that_floods_is_closed(browser: WebClient) -> None:
+    page = browser.connect()
+    with contextlib.suppress(WebSocketClosedError):
+        for _ in range(1000):
+            page.send("beat")
+    until(lambda: page.read() is None, "closed")
+    assert page.code == 4001
+
+
+# -- PIN -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
+    """A browser at a server with a PIN, which serves loopback only: tests must not open other ports."""
+    monkeypatch.setattr(server, "ALL", server.LOOPBACK)
+    with serving(stage.endpoint, pin=PIN) as port, WebClient(port) as made:
+        yield made
+
+
+def test_the_page_is_behind_the_pin(locked: WebClient) -> None:
+    assert 'name="pin"' in locked.load()
+    assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
+    wrong = locked.log_in("000000")
+    assert wrong.code == 403
+    assert "This PIN is wrong." in wrong.body.decode()
+    assert locked.log_in(PIN).code == 303
+    assert 'id="stop"' in locked.load()
+    assert locked.connect().read() is not None
+
+
+def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
+    locked.load()
+    assert locked.fetch("/", f"pin={PIN}", Origin="http://evil.example").code == 403
+    assert list(locked.cookies) == ["_xsrf"]
+
+
+def test_wrong_pins_are_limited(locked: WebClient) -> None:
+    locked.load()
+    for _ in range(5):
+        locked.log_in("000000")
+    assert "Too many wrong PINs. Wait" in locked.log_in(PIN).body.decode()
+    assert "_xsrf" in locked.cookies
+    assert locked.refusal()[0] == 403
+
+
+# -- the verb ------------------------------------------------------------------------------------------
+
+
+def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
+    words = ("--connect", stage.endpoint, "--who", "ana", "--port", str(free_port()))
+    process = Process(*CLI, "web", *words)
+    process.expect(f"ready http://127.0.0.1:{words[-1]}/")
+    assert process.end(signal.SIGINT) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "sentence"),
+    [
+        (("--port", "{port}"), 1, "Choose another one with --port"),
+        (("--who", "teacher"), 1, "Pages would outrank the class"),
+        (("--connect", "tcp/127.0.0.1:{port}", "--port", "{free}"), 3, "router"),
+    ],
+)
+def test_the_verb_says_why_it_cannot_serve(
+    stage: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
+) -> None:
+    given = [word.format(port=port, free=free_port()) for word in words]
+    more = [] if "--connect" in words else ["--connect", stage.endpoint]
+    done = beatrix("web", *more, *given)
+    assert done.returncode == code
+    assert sentence in done.stderr
+
+
+def test_with_lan_the_verb_prints_a_pin_but_never_that_of_the_environment(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web, "own_address", lambda: "192.168.1.20")
+    monkeypatch.setattr(server, "serve", lambda *_, **given: given["ready"](8088))
+    printed = beatrix("web", "--lan")
+    assert re.search(r"^PIN: \d{6}$", printed.stderr, re.MULTILINE)
+    assert "ready http://192.168.1.20:8088/" in printed.stdout
+    monkeypatch.setenv("BEATRIX_WEB_PIN", PIN)
+    assert PIN not in (done := beatrix("web", "--lan")).stderr + done.stdout
+    assert "PIN: that of BEATRIX_WEB_PIN" in done.stderr
+    monkeypatch.setenv("BEATRIX_WEB_PIN", "1")
+    assert beatrix("web", "--lan").returncode == 2

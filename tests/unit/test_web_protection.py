@@ -1,0 +1,160 @@
+"""The control page without a network: hosts, PINs, cookies, texts and contrasts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from beatrix_zenoh._generated.messages import Fault
+from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.web import messages, protection
+from beatrix_zenoh.web.driving import AHEAD_S, BRAKE_S, DEAD_MAN_S, jog_query
+from beatrix_zenoh.web.handlers import FULL
+from beatrix_zenoh.web.protection import Attempts, Login, Visitors
+from beatrix_zenoh.web.server import STATIC
+
+
+@pytest.mark.parametrize(
+    ("host", "address", "allowed"),
+    [
+        ("127.0.0.1:8088", "127.0.0.1", True),
+        ("localhost:8088", "127.0.0.1", True),
+        ("LocalHost:8088", "127.0.0.1", True),
+        ("192.168.1.20:8088", "192.168.1.20", True),
+        ("localhost:8088", "192.168.1.20", False),
+        ("127.0.0.1:8088", "192.168.1.20", False),
+        ("127.0.0.1", "127.0.0.1", False),
+        ("127.0.0.1:80", "127.0.0.1", False),
+        ("teacher.example:8088", "192.168.1.20", False),
+        ("192.168.1.20.evil.example:8088", "192.168.1.20", False),
+        ("", "127.0.0.1", False),
+    ],
+)
+def test_a_host_is_the_address_of_the_connection(host: str, address: str, allowed: bool) -> None:
+    assert protection.host_allowed(host, address, 8088) is allowed
+
+
+def test_the_port_of_http_may_be_omitted() -> None:
+    assert protection.host_allowed("127.0.0.1", "127.0.0.1", 80)
+
+
+def test_one_address_gets_five_tries_a_minute() -> None:
+    login = Login("123456")
+    for moment in range(5):
+        assert login.refusal("654321", "a", float(moment)) == protection.WRONG_PIN
+    assert "Wait 56 s" in login.refusal("123456", "a", 4.0)
+    assert login.refusal("123456", "b", 4.0) == ""
+    assert login.refusal(" 123456 ", "a", 60.0) == ""
+
+
+def test_all_addresses_together_get_sixty_tries_a_minute() -> None:
+    attempts = Attempts()
+    for number in range(60):
+        assert attempts.wait_s(str(number), 1.0) == 0
+        attempts.failed(str(number), 1.0)
+    assert attempts.wait_s("new", 2.0) == 59.0
+    assert attempts.wait_s("new", 61.0) == 0
+
+
+def test_pins_are_random_and_of_six_digits() -> None:
+    pins = {protection.new_pin() for _ in range(50)}
+    assert len(pins) > 40
+    assert all(re.fullmatch(r"\d{6}", pin) for pin in pins)
+
+
+@pytest.mark.parametrize("pin", ["", "12345", "x" * 65])
+def test_a_chosen_pin_has_a_length(pin: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(protection.PIN_VARIABLE, pin)
+    with pytest.raises(WrongUsage, match="choose 6 to 64") as refused:
+        protection.chosen_pin()
+    assert not pin or pin not in refused.value.message
+
+
+def test_the_oldest_of_too_many_browsers_is_logged_out() -> None:
+    visitors = Visitors()
+    first = visitors.admit()
+    cookies = [visitors.admit() for _ in range(protection.VISITORS_MAX)]
+    assert visitors.find(first) is None
+    assert all(visitors.find(cookie) for cookie in cookies)
+    assert visitors.find(None) is None
+
+
+def test_a_stop_counts_once() -> None:
+    visitors = Visitors()
+    visitor = visitors.find(visitors.admit())
+    assert visitor is not None
+    assert [visitor.is_new_stop(number) for number in ("1", "1", "2")] == [True, False, True]
+
+
+def test_a_jog_outlives_its_heartbeat_by_little_more_than_the_limit() -> None:
+    assert BRAKE_S < DEAD_MAN_S < AHEAD_S <= 0.5
+    hold = messages.Hold(press=1, part="long", sign=-1, speed=40.0)
+    query = jog_query(hold, 0.25)
+    assert query.absolute is False
+    assert "-0.17" in str(query.position.z) if hasattr(query, "position") else False
+
+
+# -- the page ------------------------------------------------------------------------------------------
+
+PAGE, SCRIPTS = (STATIC / "page.html").read_text(), [STATIC / "page.js", STATIC / "eyes.js"]
+TEXTS = dict(re.findall(r'^  "([^"]+)": "(.*)",$', (STATIC / "texts.js").read_text(), re.MULTILINE))
+STYLE = (STATIC / "page.css").read_text()
+COLOURS = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", STYLE))
+
+
+def used() -> Iterator[str]:
+    """Keys of texts that the scripts use, `*` for what is computed."""
+    for path in SCRIPTS:
+        script = path.read_text()
+        for key in re.findall(r'text\(\s*["`]([^"`]+)["`]', script):
+            yield re.sub(r"\$\{[^}]*\}", "*", key)
+
+
+def test_every_text_that_the_page_uses_is_in_the_catalogue() -> None:
+    patterns = {re.escape(key).replace(r"\*", ".+") for key in used()}
+    assert len(patterns) > 20
+    assert [key for key in patterns if not any(re.fullmatch(key, known) for known in TEXTS)] == []
+    scripts = "".join(path.read_text() for path in SCRIPTS)
+    unused = [
+        key
+        for key in TEXTS
+        if f'"{key}"' not in scripts and not any(re.fullmatch(pattern, key) for pattern in patterns)
+    ]
+    assert unused == []
+
+
+def test_codes_of_closed_web_sockets_agree() -> None:
+    assert f"const FULL = {FULL};" in (STATIC / "page.js").read_text()
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance (WCAG 2.1)."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize(
+    ("text", "ground"),
+    [
+        *[(text, ground) for text in ("text", "dim") for ground in ("ground", "panel", "field", "raised")],
+        *[(text, "panel") for text in ("good", "warn", "bad")],
+        ("text", "notice"),
+        ("accent-text", "accent"),
+        ("held-text", "held"),
+        ("stop-text", "stop"),
+        ("stop-text", "stop-pressed"),
+    ],
+)
+def test_texts_can_be_read(text: str, ground: str) -> None:
+    lighter, darker = sorted((luminance(COLOURS[text]), luminance(COLOURS[ground])), reverse=True)
+    assert (lighter + 0.05) / (darker + 0.05) >= 4.5
+
+
+def test_every_refusal_has_a_place_beside_its_control() -> None:
+    places = " ".join(re.findall(r'data-for="([^"]+)"', PAGE)).split()
+    commands = re.findall(r'data-command="([^"]+)"', PAGE)
+    assert {*messages.ROTATIONS, *messages.ARMS, *commands, "home", "drive", "robot"} == set(places)
+    assert Fault.EMERGENCY.name.lower() in TEXTS["state.emergency"].lower().replace(" stop", "")

@@ -1,0 +1,212 @@
+"""A server of the control page in this process, and a client that sends what browsers send, or should not send."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import queue
+import re
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+from http.cookies import SimpleCookie
+from typing import Any, Self, TypeVar
+
+from stage import EVENT_S, PATIENCE_S, until
+from tornado.httpclient import HTTPRequest, HTTPResponse
+from tornado.simple_httpclient import SimpleAsyncHTTPClient
+from tornado.websocket import websocket_connect
+
+from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.web import server
+
+T = TypeVar("T")
+PIN = "246810"
+
+
+@contextlib.contextmanager
+def serving(endpoint: str, *, only: str | None = None, pin: str | None = None) -> Iterator[int]:
+    """Serve the page on loopback; yields the port."""
+    shutdown, ports = Shutdown(), queue.SimpleQueue[int]()
+    settings = Settings("bea", endpoint, "ana")
+    thread = threading.Thread(
+        target=server.serve,
+        args=(settings, 0),
+        kwargs={"only": only, "pin": pin, "ready": ports.put, "shutdown": shutdown},
+    )
+    thread.start()
+    try:
+        yield ports.get(timeout=EVENT_S)
+    finally:
+        shutdown.request()
+        thread.join(EVENT_S)
+
+
+class WebSocket:
+    """One web socket; it is read while a test waits for a message."""
+
+    def __init__(self, browser: WebClient, path: str, headers: dict[str, str]) -> None:
+        self._do = browser.do
+        self.seen: list[dict[str, Any]] = []
+        self._closed = False
+        request = HTTPRequest(f"ws://127.0.0.1:{browser.port}{path}", headers=headers)
+        self._socket = self._do(lambda: websocket_connect(request))
+
+    def send(self, do: str, **fields: object) -> None:
+        """Send a message of the page."""
+        self.send_raw(json.dumps({"do": do, **fields}))
+
+    def send_raw(self, text: str) -> None:
+        """Send any text."""
+        self._do(lambda: self._socket.write_message(text))
+
+    def read(self) -> str | bytes | None:
+        """The next message; None if the web socket is closed."""
+        message = None
+        if not self._closed:
+            message = self._do(lambda: asyncio.wait_for(self._socket.read_message(), PATIENCE_S))
+            self._closed = message is None
+        return message
+
+    def wait(self, holds: Callable[[dict[str, Any]], bool], what: str, beat: bool = True) -> dict[str, Any]:
+        """The next message that fulfils `holds`; with `beat` each state is confirmed, as the page does."""
+        found: list[dict[str, Any]] = []
+
+        def look() -> bool:
+            text = self.read()
+            assert text is not None, f"closed ({self.code}): {what}"
+            message = json.loads(text)
+            self.seen.append(message)
+            if message["kind"] == "state":
+                self.send("seen")
+                if beat and (message["you"]["drives"] or message["you"]["waits"]):
+                    self.send("beat")
+            found.extend([message] if holds(message) else [])
+            return bool(found)
+
+        until(look, what)
+        return found[0]
+
+    def state(self, holds: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
+        """The next state that fulfils `holds`."""
+        return self.wait(lambda message: message["kind"] == "state" and holds(message), what)
+
+    def outcome(self, control: str, *, beat: bool = True) -> dict[str, Any]:
+        """The next outcome of a control."""
+        return self.wait(lambda message: message.get("control") == control, f"outcome of {control}", beat)
+
+    def drive(self, name: str) -> Self:
+        """Take the robot."""
+        self.state(lambda state: state["robot"] is not None, "a robot")
+        self.send("drive", name=name)
+        self.state(lambda state: state["you"]["drives"], f"{name} drives")
+        return self
+
+    @property
+    def code(self) -> int | None:
+        """The code with which the server has closed it."""
+        return self._socket.close_code
+
+    def close(self) -> None:
+        """Close it, and read what has come until then."""
+
+        async def close() -> None:  # in the loop of this socket
+            self._socket.close()
+
+        self._do(close)
+        while self.read() is not None:
+            pass
+
+
+class WebClient:
+    """A browser without a page: it keeps cookies, and sends the headers that it is told to send."""
+
+    def __init__(self, port: int) -> None:
+        self.port = port
+        self.cookies: dict[str, str] = {}
+        self.token = ""
+        self._runner = asyncio.Runner()
+        self._sockets: list[WebSocket] = []
+
+    def do(self, work: Callable[[], Awaitable[T]]) -> T:
+        """Run a coroutine to its end."""
+
+        async def run() -> T:
+            return await work()
+
+        return self._runner.run(run())
+
+    def headers(self, **more: str) -> dict[str, str]:
+        """Headers of the control page; an empty value omits one."""
+        own = {
+            "Host": f"127.0.0.1:{self.port}",
+            "Origin": f"http://127.0.0.1:{self.port}",
+            "Cookie": "; ".join(f"{name}={value}" for name, value in self.cookies.items()),
+            "X-XSRFToken": self.token,
+        }
+        return {name: value for name, value in {**own, **more}.items() if value}
+
+    def fetch(self, path: str, body: str | None = None, **headers: str) -> HTTPResponse:
+        """The response to GET, or to POST with a body; redirections are not followed."""
+
+        async def ask() -> HTTPResponse:
+            request = HTTPRequest(
+                f"http://127.0.0.1:{self.port}{path}",
+                method="GET" if body is None else "POST",
+                headers=self.headers(**headers),
+                body=body,
+                follow_redirects=False,
+            )
+            client = SimpleAsyncHTTPClient(force_instance=True)
+            try:
+                return await client.fetch(request, raise_error=False)
+            finally:
+                client.close()
+
+        response = self.do(ask)
+        for cookie in response.headers.get_list("Set-Cookie"):
+            self.cookies |= {name: part.value for name, part in SimpleCookie(cookie).items()}
+        return response
+
+    def load(self) -> str:
+        """The page, as a browser loads it."""
+        response = self.fetch("/")
+        if response.code == 303:
+            response = self.fetch("/")
+        page = response.body.decode()
+        found = re.search(r'(?:name="token" content|name="_xsrf" value)="([^"]+)"', page)
+        self.token = found[1] if found else ""
+        return page
+
+    def log_in(self, pin: str) -> HTTPResponse:
+        """The response to a PIN."""
+        return self.fetch("/", f"pin={pin}")
+
+    def connect(self, path: str = "/live", **headers: str) -> WebSocket:
+        """Open a web socket; see `refusal` for one that is refused."""
+        socket = WebSocket(self, path, self.headers(**headers))
+        self._sockets.append(socket)
+        return socket
+
+    def refusal(self, path: str = "/live", **headers: str) -> tuple[int, str]:
+        """Status and text of a web socket that is refused."""
+        response = self.fetch(
+            path,
+            **{
+                "Upgrade": "websocket",
+                "Connection": "Upgrade",
+                "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+                "Sec-WebSocket-Version": "13",
+                **headers,
+            },
+        )
+        return response.code, response.body.decode()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        for socket in self._sockets:
+            socket.close()
+        self._runner.close()
