@@ -17,6 +17,7 @@ from tornado.httpclient import HTTPRequest, HTTPResponse
 from tornado.simple_httpclient import SimpleAsyncHTTPClient
 from tornado.websocket import websocket_connect
 
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from beatrix_zenoh.web import server
@@ -26,10 +27,12 @@ PIN = "246810"
 
 
 @contextlib.contextmanager
-def serving(endpoint: str, *, only: str | None = None, pin: str | None = None) -> Iterator[int]:
+def serving(
+    endpoint: str, *, only: str | None = None, pin: str | None = None, account: Account | None = None
+) -> Iterator[int]:
     """Serve the page on loopback; yields the port."""
     shutdown, ports = Shutdown(), queue.SimpleQueue[int]()
-    settings = Settings("bea", endpoint, "ana")
+    settings = Settings("bea", endpoint, "ana" if account is None else account.name, account=account)
     thread = threading.Thread(
         target=server.serve,
         args=(settings, 0),

@@ -111,6 +111,9 @@ class Front(Guarded):
             self.render("page.html", token=self.xsrf_token.decode())
         elif self.context.login.needed:
             self.form("")
+        elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
+            # A foreign page that loads this as a picture or a frame would log out other browsers.
+            self.refuse(403, protection.FOREIGN_ORIGIN)
         else:
             self.admit()
             self.redirect("/", status=303)

@@ -106,6 +106,8 @@ class Hub:
 
     def show(self) -> None:
         """Send each page the state of its robot, and end drivers whose lease has ended."""
+        if not self.pages:
+            return
         places = self.places()
         listed = [{"robot": robot, "twin": twin} for robot, twin in places]
         states = {page.place: page.place and self.monitor.robot(*page.place) for page in self.pages}

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 from class_router import ClassRouter, start_node
-from stage import ready
+from stage import ready, until
+from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh._generated.messages import Reason
@@ -50,3 +51,26 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
         Robot("bea1", "hw", client=clients["ben"]).look(yaw=0)
     Robot("ana", "hw", client=clients["ben"]).stop()
     Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)
+
+
+def test_pages_of_a_seat_drive_one_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
+    """The router lets their server use the seat of its account only."""
+    account = router.account("ben")
+    robot = Robot("bea1", "hw", client=clients["teacher"])
+    until(lambda: not robot.status().holder, "no seat drives")
+    with serving(account.connect, account=account) as port, WebClient(port) as browser:
+        browser.load()
+        first, second = browser.connect(), browser.connect()
+        for page in (first, second):
+            page.state(lambda state: len(state["robots"]) == 2, "both robots")
+            page.send("watch", robot="bea1", twin="hw")
+        first.state(lambda state: state["robot"]["robot"] == "bea1", "watches")
+        first.drive("mia")
+        assert robot.status().holder == "ben"
+        second.send("drive", name="noa")
+        assert "All pages of this server use the seat ben" in second.outcome("drive")["text"]
+        second.send("watch", robot="ana", twin="hw")
+        second.send("drive", name="noa")
+        assert "account ben" in second.outcome("drive")["text"]
+        second.send("stop", robot="bea1", stop="1")
+        assert second.outcome("stop")["ok"]

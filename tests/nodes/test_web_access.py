@@ -81,6 +81,13 @@ def test_a_foreign_page_cannot_send_stop(browser: WebClient, headers: dict[str, 
     assert browser.fetch("/stop", body, **headers).code == 403
 
 
+@pytest.mark.parametrize("use", ["image", "iframe", "script"])
+def test_a_foreign_page_that_embeds_the_page_is_not_logged_in(port: int, use: str) -> None:
+    with WebClient(port) as browser:
+        response = browser.fetch("/", **{"Sec-Fetch-Dest": use})
+    assert (response.code, browser.cookies) == (403, {})
+
+
 def test_every_reply_forbids_foreign_content_and_frames(browser: WebClient) -> None:
     for path in ("/", "/static/page.js", "/nowhere"):
         headers = browser.fetch(path).headers
