@@ -23,9 +23,7 @@ WRONG_TOTAL: Final = 60
 VISITORS_MAX: Final = 256
 STOPS_KEPT: Final = 32
 
-WRONG_PIN: Final = (
-    "This PIN is wrong. Read it at the computer that runs `beatrix web`; it is new after each start."
-)
+WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
 WAIT: Final = "Too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
 FOREIGN_HOST: Final = (
     "This address is not one that this server serves. Open the address that `beatrix web` has printed."

@@ -40,9 +40,10 @@ def status_of(status: Status) -> dict[str, object]:
 
 
 def problems(status: Status) -> list[str]:
-    """Fault and warnings in sentences."""
-    fault = [] if status.fault is Fault.NONE else [FAULT_TEXT.get(status.fault, f"{status.fault}.")]
-    return [*fault, *status.warnings]
+    """Fault and warnings in sentences; pages have a sentence of their own for the emergency stop."""
+    if status.fault in (Fault.NONE, Fault.EMERGENCY):
+        return status.warnings
+    return [FAULT_TEXT.get(status.fault, f"{status.fault}."), *status.warnings]
 
 
 def tidy(angles: tuple[float, ...]) -> list[float]:

@@ -77,6 +77,11 @@ def test_a_pupil_drives_from_a_browser(
     browser.release("#yaw-plus")
     assert not robot.status().moving
 
+    robot.emergency_stop()
+    browser.wait(lambda: browser.text("#state") == "Emergency stop", "the emergency is shown")
+    browser.click("[data-command=reset]")
+    browser.wait(lambda: browser.text("#state") == "Motors off", "reset")
+
     stop = "(({bottom, width, height}) => [bottom, width, height])(document.querySelector('#stop').getBoundingClientRect())"
     for width, height in ((360, 640), (1366, 768)):
         browser.resize(width, height)

@@ -5,6 +5,7 @@ import { text } from "./texts.js";
 const BEAT_MS = 100; // heartbeats of a page that drives, also while a button is held
 const LOST_MS = 1500; // the server sends ten states a second
 const RETRY_MS = 1000;
+const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 40]; // °/s
 const ROTATIONS = ["yaw", "pitch", "roll"];
 const ARMS = ["short", "middle", "long"];
@@ -165,6 +166,7 @@ function trouble(name) {
     return text(`trouble.${name}`, { robot: title, seconds: (robot.age_s ?? 0).toFixed(1) });
   }
   const notes = [...robot.status.problems];
+  if (robot.status.emergency) notes.unshift(text("trouble.emergency"));
   if (robot.status.frozen) notes.push(text("trouble.frozen"));
   if (robot.status.speed_limit) notes.push(text("trouble.limit", { speed: Math.round(robot.status.speed_limit) }));
   return notes.join(" ");
@@ -223,6 +225,7 @@ function showDriver() {
   document.querySelector("[data-command=ready]").classList.toggle(
     "next", Boolean(you.drives && status && !status.emergency && !(status.enabled && status.calibrated)));
   document.querySelector("[data-command=reset]").hidden = !status?.emergency;
+  document.querySelector("[data-command=reset]").classList.toggle("next", you.drives);
 }
 
 function showNumbers() {
@@ -285,13 +288,23 @@ function build() {
 function command(button) {
   const name = button.dataset.command;
   report(name, true, "");
-  if (name === "disable" && !button.dataset.armed) {
-    button.dataset.armed = "yes";
-    button.textContent = text("command.disable.again");
-    setTimeout(() => { delete button.dataset.armed; button.textContent = text("command.disable"); }, 3000);
+  if (name === "disable" && state?.you.drives && !button.dataset.armed) {
+    confirm(button);
     return;
   }
   send({ do: "command", command: name });
+}
+
+function confirm(button) {
+  // The head sinks without power: a second press within a while, and no dialog, which would hide STOP.
+  button.dataset.armed = "yes";
+  button.textContent = text("command.disable.again");
+  report("disable", false, text("command.disable.note"));
+  setTimeout(() => {
+    delete button.dataset.armed;
+    button.textContent = text("command.disable");
+    if (document.querySelector("[data-for~=disable]").textContent === text("command.disable.note")) report("disable", true, "");
+  }, CONFIRM_MS);
 }
 
 function drive() {

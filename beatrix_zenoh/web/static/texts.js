@@ -24,6 +24,7 @@ export const TEXTS = {
   "trouble.silent": "{robot} has sent nothing for {seconds} s: it is frozen, or its network is. The angles are old.",
   "trouble.full": "Too many pages are open. Close one, then load this page again.",
   "trouble.closed": "The server has closed this page. Load it again.",
+  "trouble.emergency": "The emergency stop is latched: the motors are off. Look at the robot, then press Drive and Reset.",
   "trouble.limit": "The teacher has limited the speed to {speed}°/s.",
   "trouble.frozen": "The teacher has frozen this robot: only the teacher moves it.",
 
@@ -41,7 +42,8 @@ export const TEXTS = {
   "command.ready": "Make ready",
   "command.ready.tip": "Set the head upright and straight ahead first: motors on, and this is home.",
   "command.disable": "Motors off",
-  "command.disable.again": "The head sinks: press again",
+  "command.disable.again": "Confirm",
+  "command.disable.note": "Without power the head sinks, and home is lost. Hold the head, then press Confirm.",
   "command.reset": "Reset",
   "command.home": "Home",
   "speed": "Speed of the fastest arm",
