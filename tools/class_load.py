@@ -24,6 +24,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated.keys import POSITIONS_HZ
 from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh.errors import Refused
 
 SETTLE_S: Final = 1.0
 """From a subscription to the first message that counts."""
@@ -63,7 +64,10 @@ class Ours:
         """Pass key, number and time of messages to `handle`; return a function that ends it."""
 
         def receive(received: zbus.Received) -> None:
-            message = codec.decode(received.payload, Positions)
+            try:
+                message = codec.decode(received.payload, Positions)
+            except Refused:  # damaged, which happens on a computer that is far too busy: counts as lost
+                return
             handle(received.key, message.seq, message.t_mono_ns)
 
         return self._bus.subscribe(key, receive)
