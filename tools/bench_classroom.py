@@ -32,7 +32,8 @@ from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 
 NAME: Final = "bea1"
-"""The robot with a real node; the others only publish."""
+RESTING: Final = "bea2"
+"""Robots with real nodes; the others only publish."""
 CLASS: Final = """
 name = "bench"
 addresses = ["127.0.0.1"]
@@ -54,7 +55,7 @@ class School:
 
     def __init__(self, folder: Path) -> None:
         self.file = folder / "class.toml"
-        robots = [NAME, *(f"rob{number:02d}" for number in range(1, 31))]
+        robots = [NAME, RESTING, *(f"rob{number:02d}" for number in range(1, 31))]
         self.file.write_text(CLASS.format(port=free_port(), robots=", ".join(f'"{one}"' for one in robots)))
         self.classroom = class_file.read(self.file)
         self.folder = folder / "bench"
@@ -243,14 +244,12 @@ def lost(school: School, following: Robot, what: str, number: int) -> tuple[floa
 
 def restart_rows(school: School) -> Iterator[Row]:
     """A restart of the router while one robot moves: when all are back, and what has moved."""
-    resting = "rob01"
-    still = Served("hw_node", "--name", resting, "--port", "virtual:", account=school.path(resting))
     back_s, stopped_s, moved = [], [], []
     with contextlib.ExitStack() as stack:
         robots = [
             stack.enter_context(school.robot(f"seat{number:02d}")) for number in range(1, BACK_SEATS + 1)
         ]
-        others = [Robot(resting, "hw", client=robot.client, timeout_s=PATIENCE_S) for robot in robots]
+        others = [Robot(RESTING, "hw", client=robot.client, timeout_s=PATIENCE_S) for robot in robots]
         for number in range(REPEATS):
             for robot in (robots[0], others[1]):
                 answered(robot.make_ready)
@@ -275,7 +274,6 @@ def restart_rows(school: School) -> Iterator[Row]:
             where = robots[1].positions().commanded.short
             moved.append(abs(others[1].positions().commanded.short - rest))
             moved.append(abs(robots[1].positions().commanded.short - where))
-    still.end()
     yield (
         f"router restarted: ready -> {2 * BACK_SEATS} pairs of seat and robot work [ms]",
         spread_ms(back_s),
@@ -301,16 +299,16 @@ def answered(ask: Callable[[], object]) -> None:
 def rows(folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
     """All figures."""
     school = School(folder)
-    try:
+    with contextlib.ExitStack() as stack:
+        stack.callback(lambda: school.router.end())  # noqa: PLW0108  # the router that runs then
         yield "", "received/sent; age p50/p99/largest [ms]; CPU robot/seat/router [% of a core]", ""
         yield from bench_class_load.rows(school.router, school.folder, counts)
-        node = Served("hw_node", "--name", NAME, "--port", "virtual:", account=school.path(NAME))
+        for name in (NAME, RESTING):
+            node = Served("hw_node", "--name", name, "--port", "virtual:", account=school.path(name))
+            stack.callback(node.end)
         yield from stop_rows(school, counts[-1])
         yield from lease_rows(school)
         yield from restart_rows(school)
-        node.end()
-    finally:
-        school.router.end()
 
 
 def main() -> None:
