@@ -21,7 +21,7 @@ from gui.theme import apply_theme, style_of
 
 PERIOD_MS = 50
 REFRESH_DELAY_MS = 10
-"""Between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
+"""Time between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
 ANSWERED = (Send, SendCommand, SendLease, Ready)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003

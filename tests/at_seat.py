@@ -18,9 +18,9 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.settings import resolve
 
-HEARD: Counter[tuple[str, str]] = Counter()
+RECEIVED: Counter[tuple[str, str]] = Counter()
 """Publications by key and session of the publisher."""
-ASKED: list[str] = []
+QUERIES: list[str] = []
 """Keys of queries that reached a queryable of this seat."""
 
 
@@ -43,7 +43,7 @@ def ready(name: str) -> str:
 
 
 def begin(name: str, yaw: float, speed: float = 10.0) -> str:
-    """Begin a motion, deg and deg/s."""
+    """Begin a motion of the head; yaw in deg, speed in deg/s."""
     robot(name).look(yaw=yaw, speed=speed, wait=False)
     return name
 
@@ -56,28 +56,28 @@ def yaw(name: str) -> float:
 def listen(*keys: str) -> int:
     """Subscribe to keys."""
     for key in keys:
-        client().bus.subscribe(key, lambda received: HEARD.update([(received.key, received.session)]))
+        client().bus.subscribe(key, lambda received: RECEIVED.update([(received.key, received.session)]))
     return len(keys)
 
 
-def heard() -> list[tuple[str, str]]:
-    """What has come."""
-    return list(HEARD)
+def publications() -> list[tuple[str, str]]:
+    """Key and session of each publication that has arrived."""
+    return list(RECEIVED)
 
 
 def spy(key: str) -> str:
-    """Serve a key of others."""
-    client().bus.serve(key, lambda incoming: ASKED.append(incoming.key))
+    """Serve a key that belongs to another account."""
+    client().bus.serve(key, lambda incoming: QUERIES.append(incoming.key))
     return key
 
 
-def asked() -> list[str]:
-    """Queries that came."""
-    return ASKED
+def queries() -> list[str]:
+    """Keys of the queries that have arrived."""
+    return QUERIES
 
 
 def can_connect(account: str, endpoint: str = "") -> bool:
-    """Whether the router of the account's class, or another, accepts the account in a file; raises if not."""
+    """Connect with the account in a file, to the router of its class or to another; raises if the router refuses."""
     shown = accounts.load(Path(account))
     with zbus.connect(endpoint or shown.connect, account=shown):
         return True

@@ -1,4 +1,4 @@
-"""What a test runs against."""
+"""The bodies that contract tests run against: simulation, hardware node, Mega."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Body:
 
 
 def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:
-    """Run a test with this fixture on the bodies of its mark, or on all: what the node decides alone needs no second one."""
+    """Run a test with this fixture on the bodies of its mark, or on all."""
     if fixture in metafunc.fixturenames:
         mark = metafunc.definition.get_closest_marker("bodies")
         metafunc.parametrize(fixture, mark.args if mark else bodies, indirect=True)

@@ -99,13 +99,13 @@ class Browser:
         )
 
     def open(self, address: str) -> None:
-        """Load a page, until nothing is missing that would move its elements."""
+        """Load a page, and wait until it is complete."""
         self.call("Page.navigate", url=address)
         loaded = f"location.href === {json.dumps(address)} && document.readyState === 'complete'"
         self.wait(lambda: bool(self.run(loaded)), "the page is loaded")
 
     def run(self, script: str) -> Any:
-        """The value of a JavaScript expression."""
+        """Return the value of a JavaScript expression."""
         done = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in done, done
         return done["result"].get("value")
@@ -116,7 +116,7 @@ class Browser:
         return found
 
     def wait(self, holds: Callable[[], bool], what: str) -> None:
-        """Wait for a condition; shows the page's text if it fails."""
+        """Wait until a JavaScript condition holds; the error shows the page's text."""
         try:
             until(holds, what, START_S)
         except AssertionError as error:
@@ -172,7 +172,7 @@ class Browser:
 
         async def end() -> None:
             while await asyncio.wait_for(self._socket.read_message(), START_S) is not None:
-                pass  # until the end of what the browser has sent
+                pass  # read until the browser closes the connection
             self._socket.close()
 
         self._do(end)

@@ -1,4 +1,4 @@
-"""Callers of the access rules, and what they read."""
+"""Callers of the access rules, and the reasons of their refusals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def refusal(
     resting: bool = True,
     lease: int = 0,
 ) -> Reason:
-    """The reason for which an action is refused; OK if it is not."""
+    """Return the reason of a refused action; OK if it is allowed."""
     try:
         access.authorize(action, caller, now_s, resting=resting, lease=lease)
     except Refused as refused:

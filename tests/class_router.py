@@ -37,7 +37,7 @@ standby = "{standby}"
 
 
 def two_free_ports() -> int:
-    """A port that is free, as is the next one: the link to a second router has it."""
+    """Return a free port whose successor is free, too: the link to a second router uses the successor."""
     while True:
         port = free_port()
         with contextlib.suppress(OSError, OverflowError), socket.socket() as following:
@@ -59,7 +59,7 @@ class Answering:
         incoming.finish()
 
     def _concrete(self, asked: str) -> str:
-        """The own key, with the seat from the query."""
+        """Return the queryable's own key with the seat of the query."""
         own, chunks = self._key.split("/"), asked.split("/")
         seats = chunks if len(chunks) == len(own) else own
         return "/".join(
@@ -67,7 +67,7 @@ class Answering:
         ).replace("*", "zoe")
 
 
-class Heard:
+class ReceivedKeys:
     """The keys of publications that a subscription receives."""
 
     def __init__(self, bus: Bus, key: str) -> None:
@@ -75,15 +75,15 @@ class Heard:
         self._end = bus.subscribe(key, lambda received: self._queue.put(received.key))
 
     def until(self, key: str) -> list[str]:
-        """All keys up to this one."""
-        heard = []
+        """Wait for this key; return all keys up to it."""
+        received = []
         while True:
-            heard.append(self._queue.get(timeout=ANSWER_S))
-            if heard[-1] == key:
-                return heard
+            received.append(self._queue.get(timeout=ANSWER_S))
+            if received[-1] == key:
+                return received
 
     def so_far(self) -> list[str]:
-        """All keys that have come."""
+        """Return all keys that have arrived."""
         found = []
         while not self._queue.empty():
             found.append(self._queue.get())
@@ -102,7 +102,7 @@ def class_text(
     address: str = "127.0.0.1",
     seats: str = '["ana", "ben"]',
 ) -> str:
-    """A class file: robots bea1 and bea2, a teacher."""
+    """Return a class file with the robots bea1 and bea2 and a teacher."""
     return CLASS.format(auth=auth, port=port, standby=standby, name=name, address=address, seats=seats)
 
 
@@ -127,7 +127,7 @@ class ClassRouter:
         self._processes: list[Process] = [self.process]
 
     def start(self, file: Path | None = None) -> Process:
-        """Start the router, or the one of another file."""
+        """Start the router of this class, or of another file."""
         process = Process(*CLI, "router", "--class", str(file or self.class_file), inside=self._inside)
         process.expect("ready")
         return process
@@ -143,26 +143,26 @@ class ClassRouter:
         self._processes.append(self.process)
 
     def make_anew(self) -> None:
-        """Make the accounts anew, as after the loss of the folder; for a router that starts later."""
+        """Create all accounts again, as after the loss of the folder; the next router that starts uses them."""
         shutil.rmtree(self.folder)
         provision.init(self.classroom, self.folder)
 
     def path(self, name: str) -> Path:
-        """The file of an account."""
+        """Return the path of an account's file."""
         return next(self.folder.glob(f"*s/{name}.toml"))
 
     def account(self, name: str) -> Account:
         return accounts.load(self.path(name))
 
     def session(self, name: str, program: str = "client") -> Bus:
-        """The session of an account, one for each of its programs."""
+        """Return the session of an account; each program of the account has its own."""
         label = f"{name} {program}"
         if label not in self._sessions:
             self._sessions[label] = self.open(name, label)
         return self._sessions[label]
 
     def open(self, name: str, label: str = "") -> Bus:
-        """A new session of an account, which the caller closes."""
+        """Open a new session of an account; the caller closes it."""
         account = self.account(name)
         return patiently(lambda: zbus.connect(account.connect, label=label, account=account))
 
@@ -188,7 +188,7 @@ def start_node(folder: Path, account: Path) -> Process:
 
 
 def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
-    """Key and payload of all replies to a query."""
+    """Return key and payload of all replies to a query."""
     query = bus.query(key, timeout_s=ANSWER_S)
     found = []
     try:
@@ -200,5 +200,5 @@ def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
 
 
 def settled(bus: Bus) -> None:
-    """Wait until the router has handled all that this session has declared."""
+    """Wait until the router has handled all declarations of this session."""
     bus.tokens("beatrix/nothing/here/@alive", ANSWER_S)

@@ -1,4 +1,4 @@
-"""What every test gets: a clean environment, loopback only, and a look at what it left behind."""
+"""Fixtures of every test: a clean environment, loopback only, and a check for remaining threads and processes."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def no_settings_from_outside(
     monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """No test reaches the developer's own robot, or class."""
+    """Hide the settings of the developer, so that no test reaches their robot or class."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.getbasetemp() / "config"))
     for name in os.environ:
         if name.startswith(("BEATRIX_", "ZENOH_")):
@@ -148,7 +148,7 @@ def no_settings_from_outside(
 
 
 def running_threads() -> set[threading.Thread]:
-    """Python's threads, without the stand-ins for Zenoh's own that once called into Python."""
+    """Return Python's threads without the dummy objects of Zenoh threads that have called into Python."""
     return {thread for thread in threading.enumerate() if not isinstance(thread, threading._DummyThread)}
 
 

@@ -1,4 +1,4 @@
-"""What firmware 1.0 of 2023 was told and answered, as measured: the reference for all text ports."""
+"""Recorded commands and replies of firmware 1.0 of 2023: the reference for all text ports."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 DIALOGUES = sorted((Path(__file__).parent / "firmware/dialogues").glob("*.txt"))
 
 
-class Said(NamedTuple):
+class Entry(NamedTuple):
     """One line of a dialogue."""
 
     to_robot: bool
@@ -16,24 +16,24 @@ class Said(NamedTuple):
     text: str
 
 
-def read(path: Path) -> list[Said]:
-    """A dialogue with its escapes resolved."""
-    said = []
+def read(path: Path) -> list[Entry]:
+    """Read a recorded dialogue; escapes are resolved."""
+    entries = []
     for line in path.read_text(encoding="ascii").splitlines():
         if not line.startswith("#"):
             direction, ms, text = line.split(" ", 2)
-            said.append(Said(direction == ">", int(ms), text.replace("\\r", "\r").replace("\\n", "\n")))
-    return said
+            entries.append(Entry(direction == ">", int(ms), text.replace("\\r", "\r").replace("\\n", "\n")))
+    return entries
 
 
-def wanted(dialogue: list[Said]) -> list[Said]:
-    """The replies; to @STOPALL as ours are."""
-    replies, asked, count = [], "", 0
-    for said in dialogue:
-        if said.to_robot:
-            asked, count = said.text, 0
+def expected_replies(dialogue: list[Entry]) -> list[Entry]:
+    """Return the replies of the dialogue; to @STOPALL, whose second reply has changed, those of this firmware."""
+    replies, command, count = [], "", 0
+    for entry in dialogue:
+        if entry.to_robot:
+            command, count = entry.text, 0
         else:
             count += 1
-            stop = asked == "@STOPALL\r" and count == 2
-            replies.append(said._replace(text="ACK\n") if stop else said)
+            stop = command == "@STOPALL\r" and count == 2
+            replies.append(entry._replace(text="ACK\n") if stop else entry)
     return replies

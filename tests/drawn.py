@@ -17,7 +17,7 @@ FIRST_S = 60.0
 
 
 def fresh(images: Subscription[CameraImage]) -> npt.NDArray[np.uint8]:
-    """A picture of a moment after this call; shape (height, width, 3)."""
+    """Return a picture that was taken after this call; shape (height, width, 3)."""
     now_ns = time.monotonic_ns()
     while (image := images.next(FIRST_S)).t_mono_ns <= now_ns:
         pass

@@ -1,4 +1,4 @@
-"""USB cameras of a test: named pipes, which tests/fake_camera.c makes cameras of in a program that it is preloaded into."""
+"""Simulated USB cameras: named pipes that look like cameras to a program with tests/fake_camera.c preloaded."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PIPE = 1 << 20
 
 
 def library(folder: Path) -> Path:
-    """Build what is to be preloaded (LD_PRELOAD)."""
+    """Build the library for LD_PRELOAD."""
     built = folder / "fake_camera.so"
     command = [
         "gcc",
@@ -35,7 +35,7 @@ def library(folder: Path) -> Path:
 
 
 class FakeCamera:
-    """One camera; plugged in from the start. What is sent while it does not stream is lost."""
+    """One camera, plugged in from the start. Pictures that are sent while it does not stream are lost."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -60,17 +60,17 @@ class FakeCamera:
         assert os.write(self._pipe, data) == len(data), "the pipe is full"
 
     def refuse(self, number: int, from_hz: int = 1) -> None:
-        """Fail with this errno from now on if it shall begin at this rate or above; 0: work again."""
+        """From now on refuse with this errno to stream at this rate or above; errno 0: work again."""
         path = self.path.with_name(f"{self.path.name}.refuses")
         path.write_text(f"{number} {from_hz}") if number else path.unlink()
 
     @property
     def asked(self) -> str:
-        """Size, format, period and buffers that it streams with; empty if it does not."""
+        """Size, format, period and buffers of the stream; empty if the camera does not stream."""
         path = self.path.with_name(f"{self.path.name}.asked")
         try:
             return path.read_text()
-        except FileNotFoundError:  # the other process removes it at any time
+        except FileNotFoundError:  # the other process may remove the file at any time
             return ""
 
     def close(self) -> None:

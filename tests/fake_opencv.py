@@ -1,4 +1,4 @@
-"""OpenCV of a test, with one USB camera: it can be unplugged, be slow or in use, and block."""
+"""A fake OpenCV with one USB camera that can be unplugged, slow, in use or blocked."""
 
 from __future__ import annotations
 
@@ -55,32 +55,32 @@ class FakeCapture:
     """Stands for `cv2.VideoCapture`."""
 
     def __init__(self, module: FakeOpenCv) -> None:
-        self._module, self._there = module, module.plugged
+        self._module, self._connected = module, module.plugged
         self._pause = threading.Event()
         self.asked: dict[int, float] = {}
         self.released = False
         self.thread = threading.current_thread()
 
     def isOpened(self) -> bool:  # noqa: N802
-        return self._there
+        return self._connected
 
     def set(self, property_id: int, value: float, /) -> bool:
         self.asked[property_id] = value
-        return False  # as of a driver that refuses
+        return False  # as a driver that refuses does
 
     def grab(self) -> bool:
-        assert threading.current_thread() is self.thread, "Windows wants one thread"
+        assert threading.current_thread() is self.thread, "on Windows one thread must make all calls"
         self._module.goes_on.wait(10.0)
         if self._module.failures:
             self._module.failures -= 1
             return False
         self._pause.wait(0.005)
-        self._there = self._there and self._module.plugged  # one that was unplugged needs to be opened anew
-        return self._there and bool(self._module.endless or self._module.pictures)
+        self._connected = self._connected and self._module.plugged  # open an unplugged one again
+        return self._connected and bool(self._module.endless or self._module.pictures)
 
     def retrieve(self) -> tuple[bool, Pixels | None]:
         return True, plain() if self._module.endless else self._module.pictures.popleft()
 
     def release(self) -> None:
-        assert threading.current_thread() is self.thread, "Windows wants one thread"
+        assert threading.current_thread() is self.thread, "on Windows one thread must make all calls"
         self.released = True

@@ -1,4 +1,4 @@
-"""The computers of a school: each reaches the router's computer, and no other.
+"""The computers of a school: each computer reaches only the router's.
 
 Each is a network namespace where this computer permits them: linked to the router's by a cable of its own, without a
 route to any other address, and without multicast. Elsewhere all of them are processes on loopback.
@@ -87,7 +87,7 @@ class School:
         return host
 
     def unplug(self, host: Host) -> None:
-        """Pull the cable of a computer; without namespaces, suspend its processes, which others cannot tell from it."""
+        """Pull the cable of a computer; without namespaces suspend its processes, which looks the same to others."""
         self._connect(host, "down", signal.SIGSTOP)
 
     def plug(self, host: Host) -> None:
@@ -105,7 +105,7 @@ class School:
         folder = self._folder / name
         folder.mkdir()
         inside: tuple[str, ...] = ()
-        if self.isolated:  # `cat` keeps the namespace until this process closes its input, or ends
+        if self.isolated:  # `cat` keeps the namespace until this process closes the input of `cat`, or ends
             make = (*self.router.inside, "unshare", "--net") if self.hosts else NAMESPACE
             keeper = subprocess.Popen([*make, "cat"], stdin=subprocess.PIPE)
             self._namespaces.append(keeper)

@@ -54,17 +54,17 @@ class Linked:
 
     @property
     def world(self) -> World:
-        """What is known now."""
+        """Return the present world."""
         return self.link.world()
 
     def do(self, action: Action) -> None:
         """Carry out an action and assert that the call returns at once."""
         began_s = time.monotonic()
         self.link.do(action)
-        assert time.monotonic() - began_s < 1.0, "it waited"
+        assert time.monotonic() - began_s < 1.0, "the call waited"
 
     def until(self, holds: Callable[[World], bool], what: str, timeout_s: float = PATIENCE_S) -> World:
-        """The first world that fulfils `holds`."""
+        """Wait for the first world that fulfils `holds`."""
         seen: list[World] = []
 
         def look() -> bool:
@@ -78,7 +78,7 @@ class Linked:
         return seen[0]
 
     def on_line(self, *twins: str) -> World:
-        """The world once the robots of these twins publish."""
+        """Wait until the robots of these twins publish; return the world."""
         return self.until(
             lambda world: (
                 all(world.twin(twin).presence is Presence.ON_LINE for twin in twins)
@@ -88,24 +88,24 @@ class Linked:
         )
 
     def of(self, row: int, twin: str | None = None) -> list[Outcome]:
-        """The outcomes of a row, of one twin or of all."""
+        """Return the outcomes of a row, of one twin or of all."""
         return [found for found in list(self.outcomes) if found.row == row and twin in (None, found.twin)]
 
     def end_of(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
-        """The last outcome of a row and twin."""
+        """Wait for the last outcome of a row and twin."""
         until(lambda: any(found.done for found in self.of(row, twin)), f"row {row} {twin} ends", timeout_s)
         (last,) = [found for found in self.of(row, twin) if found.done]
         return last
 
     def accepted(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
-        """The first outcome of a row and twin, which must be good."""
+        """Wait for the first outcome of a row and twin, and assert that it is good."""
         until(lambda: bool(self.of(row, twin)), f"row {row} {twin} is accepted", timeout_s)
         first = self.of(row, twin)[0]
         assert first.accepted, first
         return first
 
     def close(self) -> None:
-        """End the link, in the time that it is allowed."""
+        """End the link, and assert its time limit."""
         began_s = time.monotonic()
         self.link.close()
         assert time.monotonic() - began_s < 3.0
@@ -125,7 +125,7 @@ def short(world: World, twin: str) -> float:
 
 
 def at_home(linked: Linked) -> None:
-    """Stop both robots, and make them ready where they rest."""
+    """Stop both robots, and make them ready at their present position."""
     linked.outcomes.clear()
     linked.on_line("sim", "hw")
     linked.do(StopBoth(-1))

@@ -21,27 +21,27 @@ class LossyPort:
     def __init__(self, board: VirtualBoard) -> None:
         self.board = board
         self.lose: list[int] = []
-        self.gone = self.mute = False
+        self.unplugged = self.mute = False
         self.free = threading.Event()
         self.free.set()
         self.forged = b""
         self.instead = b""
-        """Comes in the place of every frame that is lost."""
+        """Bytes that `read` returns instead of each lost frame."""
         self._decoder = Decoder()
 
     def write(self, data: bytes) -> bytes:
-        if self.gone:
-            raise OSError("gone")
+        if self.unplugged:
+            raise OSError("unplugged")
         self.board.write(data)
-        return b""  # it comes over the wire
+        return b""  # replies are returned by `read`
 
     def wake(self) -> None:
         self.board.wake()
 
     def read(self, timeout_s: float) -> bytes:
         self.free.wait(10)
-        if self.gone:
-            raise OSError("gone")
+        if self.unplugged:
+            raise OSError("unplugged")
         out, self.forged = self.forged, b""
         for frame in self._decoder.feed(self.board.read(timeout_s)):
             if self.mute:
@@ -54,7 +54,7 @@ class LossyPort:
         return out
 
     def close(self) -> None:
-        """The board behind stays."""
+        """Keep the board running."""
 
 
 class Rig:
@@ -64,9 +64,9 @@ class Rig:
         self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))
         self.ticker = RealTimeTicker(self.virtual)
         self.port = LossyPort(self.virtual)
-        self.heard: list[Telemetry] = []
+        self.samples: list[Telemetry] = []
         self.link_changes = 0
-        self.board = Board(lambda: self.port, self.heard.append, self._changed)
+        self.board = Board(lambda: self.port, self.samples.append, self._changed)
         self.board.start()
         assert self.board.wait_for(lambda _: True, 2.0)
 
@@ -74,12 +74,12 @@ class Rig:
         self.link_changes += 1
 
     def steps(self) -> tuple[int, int, int]:
-        """Where the firmware has the arms."""
+        """Return the set points of the firmware, in steps."""
         with self.virtual.lock:
             return self.virtual.firmware.steps()
 
     def rest(self) -> tuple[int, int, int]:
-        """Wait until no arm has stepped for 0.2 s; where they are then."""
+        """Wait until no arm has stepped for 0.2 s; return their positions."""
         seen: list[tuple[int, int, int]] = []
 
         def at_rest() -> bool:

@@ -24,16 +24,16 @@ class Program:
         self._begun = begun
 
     def say(self, line: str, answers: int = 2) -> list[str]:
-        """Send a line and return this many lines of answers."""
+        """Send a line and return this number of reply lines."""
         self.port.write(line.encode() + b"\r")
         return self.read(answers)
 
     def read(self, lines: int) -> list[str]:
-        """The next lines."""
+        """Return the next lines from the port."""
         return [self.port.readline().decode() for _ in range(lines)]
 
     def begin(self) -> Program:
-        """Enable and set the zero, as programs do."""
+        """Enable the motors and set the zero, as programs of 2023 begin."""
         assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
         self._begun()
         return self
@@ -53,7 +53,7 @@ class Place:
         self.start = 0.0
 
     def far(self) -> bool:
-        """Whether the robot moves and has made some steps."""
+        """Whether the robot is moving and has made some steps."""
         return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
 
     def turn(self, steps: int) -> bytes:

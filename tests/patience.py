@@ -1,4 +1,4 @@
-"""Patience with a router that a busy computer keeps from answering in time."""
+"""Repeated connection attempts, for a router that a busy computer delays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def patiently(connect: Callable[[], T]) -> T:
-    """Connect, again and again for PATIENCE_S; raises the last NoAnswer."""
+    """Try to connect for PATIENCE_S; raises the last NoAnswer."""
     deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
     while True:
         try:

@@ -1,4 +1,4 @@
-"""A program of 2023 at the text port, in virtual time: it opens the board itself, or a node passes its lines on."""
+"""A program of 2023 at the text port, in virtual time: opening the board itself, or behind a node that passes lines on."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware
 
 BYTE_MS: Final = 10 / 9.6
-"""On the wire at 9600 baud."""
-BEAT_MS: Final = 100
+"""Time of a byte (ms) at 9600 baud."""
+HEARTBEAT_MS: Final = 100
 LOOK_MS: Final = 10
-"""Between two looks at what came back, where no test asks for more: each costs more than the firmware's milliseconds."""
+"""Default time (ms) between two polls of the replies, because a poll costs more than the firmware's milliseconds."""
 LAST: Final = 1
 
 
 class Program:
-    """Sends lines and collects the lines that come back, with their times in ms, rounded up to the next look.
+    """Sends lines and collects the reply lines with their times in ms, rounded up to the next poll.
 
-    `framed`: through a host that speaks frames all the time; then flags, warnings and telemetry are collected as well.
-    `look_ms`: from one look to the next, a divisor of BEAT_MS.
+    `framed`: behind a host that always sends frames; then flags, warnings and telemetry are collected as well.
+    `look_ms`: from one poll to the next, a divisor of HEARTBEAT_MS.
     """
 
     def __init__(self, core: Core | None = None, *, framed: bool = False, look_ms: int = LOOK_MS) -> None:
@@ -48,23 +48,23 @@ class Program:
             self.frame(FrameType.PING)
 
     def send(self, data: bytes) -> None:
-        """Give bytes as they are."""
+        """Send bytes unchanged."""
         self.core.receive(data)
         self._look()
 
     def say(self, *lines: str) -> list[str]:
-        """Send lines, wait until an idle board has answered them; what came back since the last look."""
+        """Send lines and wait until an idle board has answered them; return the new lines."""
         for line in lines:
             self.send(line.encode("ascii") + b"\r")
         self.tick(5)
         return self.new()
 
     def frame(self, kind: FrameType, payload: bytes = b"") -> None:
-        """Another program sends frames."""
+        """Send a frame, as another program does."""
         self.send(encode(kind, 1, payload))
 
     def ready(self) -> Program:
-        """As programs begin."""
+        """Send the lines with which programs of 2023 begin."""
         assert self.say("@ENMOTORS ON", "@CALNOW") == ["ACK\n"] * 4
         return self
 
@@ -77,25 +77,25 @@ class Program:
         return self.new()
 
     def new(self) -> list[str]:
-        """Lines since the last look."""
+        """Return the lines since the last call."""
         found = [line for _, line in self.lines[self._read :]]
         self._read = len(self.lines)
         return found
 
     def tick(self, ms: int = 1) -> None:
-        """Let time pass; a host that speaks frames does so meanwhile."""
+        """Let time pass (ms); a host with frames sends heartbeats meanwhile."""
         end_ms = self.ms + ms
         while self.ms < end_ms:
             pause_ms = min(self.look_ms - self.ms % self.look_ms, end_ms - self.ms)
             self.ms += pause_ms
             self.core.tick(pause_ms)
-            if self.framed and self.ms % BEAT_MS == 0:
+            if self.framed and self.ms % HEARTBEAT_MS == 0:
                 self.core.receive(encode(FrameType.PING, 1, b""))
             self._look()
 
     @property
     def position(self) -> Steps:
-        """What the program is told."""
+        """Return the position that the port reports to the program."""
         self.new()
         ack, empty, numbers, done = self.say("@GETALLPOS")
         assert (ack, empty, done) == ("ACK\n", "\n", "ACK\n")

@@ -23,18 +23,18 @@ class PtyBoard:
         self.boots = 0
         self.deaf = False
         self.lost_text = 0
-        """Which TEXT from now on does not arrive: 1 is the next, 0 none."""
+        """Number of the TEXT frame that will be lost: 1 is the next, 0 none."""
         self._over = threading.Event()
         self._threads: list[threading.Thread] = []
         self.plug()
 
     def plug(self) -> None:
-        """Appear, freshly started: motors off, home unknown."""
+        """Create the port and start the board: motors off, home unknown."""
         self.boots += 1
         self._over = threading.Event()
         self._master, slave = os.openpty()
         tty.setraw(slave)
-        self._slave = slave  # kept open, so that the master does not hang up between two programs
+        self._slave = slave  # keep it open, so that the master does not hang up between two programs
         self.path.unlink(missing_ok=True)
         self.path.symlink_to(os.ttyname(slave))
         self.board = VirtualBoard(Firmware(boot=self.boots, name="bea"))
@@ -59,7 +59,7 @@ class PtyBoard:
                     os.write(self._master, self._arriving(data))
 
     def _arriving(self, data: bytes) -> bytes:
-        """Without what gets lost; the board gives whole frames."""
+        """Return the bytes without lost frames; the board returns whole frames."""
         kept = b""
         for block in data.split(b"\0"):
             text = any(frame.type == FrameType.TEXT for frame in Decoder().feed(block + b"\0"))
@@ -71,7 +71,7 @@ class PtyBoard:
         return kept
 
     def unplug(self) -> None:
-        """Disappear in the middle of whatever it does."""
+        """Remove the port at once."""
         self.path.unlink(missing_ok=True)
         self._over.set()
         for thread in self._threads:

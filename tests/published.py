@@ -1,4 +1,4 @@
-"""What a robot publishes, message by message, as a subscriber receives it."""
+"""The publications of a robot, message by message, as a subscriber receives them."""
 
 from __future__ import annotations
 
@@ -24,47 +24,47 @@ class Published(Generic[M]):
     def __init__(self, robot: Robot, key: str, kind: type[M]) -> None:
         self.all: list[M] = []
         self._kind = kind
-        self._seen = 0
-        self._news = threading.Condition()
+        self._read_count = 0
+        self._changed = threading.Condition()
         robot.client.bus.subscribe(key, self._receive)
 
     def _receive(self, received: Received) -> None:
         message = codec.decode(received.payload, self._kind)
-        with self._news:
+        with self._changed:
             self.all.append(message)
-            self._news.notify()
+            self._changed.notify()
 
     def next(self, holds: Callable[[M], bool] = lambda _: True, timeout_s: float = EVENT_S) -> M:
-        """Return the next message that fulfils `holds`; later calls continue behind it."""
+        """Return the next message that fulfils `holds`; later calls continue after it."""
         deadline = time.monotonic() + timeout_s
-        with self._news:
+        with self._changed:
             while True:
-                while self._seen < len(self.all):
-                    self._seen += 1
-                    if holds(self.all[self._seen - 1]):
-                        return self.all[self._seen - 1]
-                received = self._news.wait(max(0.0, deadline - time.monotonic()))
+                while self._read_count < len(self.all):
+                    self._read_count += 1
+                    if holds(self.all[self._read_count - 1]):
+                        return self.all[self._read_count - 1]
+                received = self._changed.wait(max(0.0, deadline - time.monotonic()))
                 assert received, (
                     f"not published within {timeout_s} s; last of {len(self.all)}: {self.all[-1:]}"
                 )
 
 
 def published_positions(robot: Robot) -> Published[Positions]:
-    """Positions of a robot from now on; returns when the first has arrived."""
+    """Subscribe to the positions of a robot; return when the first has arrived."""
     positions = Published(robot, keys.positions(robot.name, robot.twin), Positions)
     positions.next()
     return positions
 
 
 def published_statuses(robot: Robot) -> Published[Status]:
-    """Statuses of a robot from now on; returns when the first has arrived."""
+    """Subscribe to the statuses of a robot; return when the first has arrived."""
     statuses = Published(robot, keys.status(robot.name, robot.twin), Status)
     statuses.next()
     return statuses
 
 
 def without_clocks(status: Status) -> Status:
-    """A status without what differs from one publication to the next: clocks, and the counters of the physics."""
+    """Return a status without the fields that differ in each publication: clocks and physics counters."""
     cameras = [msgspec.structs.replace(camera, hz=0.0) for camera in status.cameras]
     return msgspec.structs.replace(status, t_mono_ns=0, t_wall_ns=0, plant=None, cameras=cameras)
 
@@ -72,7 +72,7 @@ def without_clocks(status: Status) -> Status:
 def regular(statuses: Published[Status]) -> Status:
     """Return a free robot's status at the moment of a publication that no change has caused.
 
-    The next such publication is due in a second: what is published before is published because it has changed.
+    The next periodic publication is due in a second, so an earlier one was caused by a change.
     """
     before = statuses.next()
     while True:

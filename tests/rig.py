@@ -1,4 +1,4 @@
-"""A firmware under test in virtual time, and the hands to work it with."""
+"""A firmware under test in virtual time, and the host that sends its requests."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Steps = tuple[int, int, int]
 
 
 class Core(Protocol):
-    """The firmware, whatever it was compiled to."""
+    """The interface of a compiled firmware, the same for every target."""
 
     def receive(self, data: bytes) -> None: ...
     def transmit(self) -> bytes: ...
@@ -47,7 +47,7 @@ class Core(Protocol):
 
 
 class HostFirmware:
-    """The host library; one per process may be in use at a time, since its state is the library's."""
+    """The host library; one per process may be in use at a time, because its state is in the library."""
 
     _REPORT = struct.Struct("<6q6iIII")
 
@@ -59,7 +59,7 @@ class HostFirmware:
         self._sent = b""
 
     def receive(self, data: bytes) -> None:
-        """Give bytes to the serial port."""
+        """Pass bytes to the serial port."""
         size = self._library.receive_size()
         while data or self._report()[14]:
             chunk = data[:size]
@@ -68,7 +68,7 @@ class HostFirmware:
             self._drain()
 
     def transmit(self) -> bytes:
-        """All that was sent since the last call."""
+        """Return all bytes that were sent since the last call."""
         self._drain()
         sent, self._sent = self._sent, b""
         return sent
@@ -92,7 +92,7 @@ class HostFirmware:
 
 
 class Rig:
-    """The host of a firmware: talks to it frame by frame; every reply and telemetry is looked at."""
+    """The host of a firmware: sends frames, and checks every reply and telemetry frame."""
 
     def __init__(self, core: Core | None = None) -> None:
         self.core = core or Firmware()
@@ -104,7 +104,7 @@ class Rig:
         self.raw(encode(FrameType.HELLO, 0, b""))
 
     def ask(self, kind: int, payload: bytes = b"") -> Error:
-        """Send a request; its acknowledgement must be there when this returns."""
+        """Send a request and return its acknowledgement, which must arrive before `receive` returns."""
         self._seq = self._seq % 255 + 1
         self.others.clear()
         self.core.receive(encode(kind, self._seq, payload))
@@ -114,11 +114,11 @@ class Rig:
         return Error(reply.payload[0])
 
     def enable(self, value: int = 1) -> Error:
-        """ENABLE."""
+        """Send ENABLE."""
         return self.ask(FrameType.ENABLE, Enable(value).pack())
 
     def ready(self) -> Rig:
-        """Enabled and calibrated."""
+        """Enable and calibrate the board."""
         assert self.enable() == Error.OK
         assert self.ask(FrameType.CALIBRATE) == Error.OK
         return self
@@ -131,14 +131,14 @@ class Rig:
         straight: bool = False,
         motion: int | None = None,
     ) -> Error:
-        """MOVE, or MOVE_STRAIGHT at the first speed, under the next number, unless told which."""
+        """Send MOVE, or MOVE_STRAIGHT with the first speed; the default number is the next one."""
         self.motion = (self.motion + 1) % 65536 if motion is None else motion
         speeds = (speed, speed, speed) if isinstance(speed, int) else speed
         move = MoveStraight(self.motion, target, speeds[0]) if straight else Move(self.motion, target, speeds)
         return self.ask(move.kind, move.pack())
 
     def raw(self, data: bytes) -> list[Frame]:
-        """Send bytes as they are; everything but telemetry that came back."""
+        """Send bytes unchanged; return all received frames but telemetry."""
         self.others.clear()
         self.core.receive(data)
         self._look()
@@ -169,7 +169,7 @@ class Rig:
 
     @property
     def outcome(self) -> Outcome:
-        """How the last motion ended."""
+        """Return the outcome of the last motion."""
         return Outcome(self.last.outcome)
 
     @property

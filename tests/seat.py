@@ -1,4 +1,4 @@
-"""A seat of a class: a program (at_seat.py) that does what a test says."""
+"""A seat of a class: a program (at_seat.py) that evaluates expressions of a test."""
 
 from __future__ import annotations
 
@@ -22,36 +22,36 @@ class Seat:
         self.process = process
 
     def expect_ready(self) -> None:
-        """Wait until it reads lines."""
+        """Wait until the program reads lines."""
         self.process.expect("ready")
 
     def line(self, expression: str) -> str:
-        """Let it evaluate an expression; return `= result` or `! error`."""
+        """Let the program evaluate an expression; return `= result` or `! error`."""
         self.process.say(expression)
         return self.process.expect(("= ", "! "))
 
     def does(self, expression: str) -> object:
-        """Let it evaluate an expression that must succeed."""
-        said = self.line(expression)
-        assert said.startswith("= "), f"{expression}: {said}"
-        value: object = ast.literal_eval(said.removeprefix("= "))
+        """Let the program evaluate an expression that must succeed; return its value."""
+        reply = self.line(expression)
+        assert reply.startswith("= "), f"{expression}: {reply}"
+        value: object = ast.literal_eval(reply.removeprefix("= "))
         return value
 
     def refused(self, expression: str) -> str:
-        """Let it evaluate an expression that must fail; return the error."""
-        said = self.line(expression)
-        assert said.startswith("! "), f"{expression}: {said}"
-        return said.removeprefix("! ")
+        """Let the program evaluate an expression that must fail; return the error."""
+        reply = self.line(expression)
+        assert reply.startswith("! "), f"{expression}: {reply}"
+        return reply.removeprefix("! ")
 
     def until(self, expression: str, what: str) -> None:
         """Wait until an expression is true; errors count as false."""
-        said: list[str] = []
+        replies: list[str] = []
 
         def holds() -> bool:
-            said.append(self.line(expression))
-            return said[-1] == "= True"
+            replies.append(self.line(expression))
+            return replies[-1] == "= True"
 
         try:
             until(holds, what)
         except AssertionError as error:
-            raise AssertionError(f"{error}; {expression}: {said[-1]}") from None
+            raise AssertionError(f"{error}; {expression}: {replies[-1]}") from None

@@ -1,4 +1,4 @@
-"""A user who types `beatrix`, and the robots at the same router."""
+"""A user of the command line, and robots at the same router."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ NAME = "bea1"
 
 
 def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
-    """Run `beatrix` to its end in this process, which need not import everything anew; `answers` are typed at it."""
+    """Run `beatrix` to its end in this process, which avoids new imports; `answers` are its input."""
     stdout, stderr = io.StringIO(), io.StringIO()
     warnings = logging.StreamHandler(stderr)
-    warnings.setLevel(logging.WARNING)  # as Python prints them where no handler is set
+    warnings.setLevel(logging.WARNING)  # as Python prints log records without a handler
     logging.getLogger().addHandler(warnings)
     try:
         with (
@@ -88,7 +88,7 @@ class Shell:
 
 @contextlib.contextmanager
 def both() -> Iterator[Shell]:
-    """Router, simulation and virtual robot by `beatrix up`, whose coverage tests/nodes/test_cli_serving.py counts."""
+    """Start router, simulation and virtual robot with `beatrix up`; test_cli_serving.py counts its coverage."""
     endpoint = free_endpoint()
     where = ("--connect", endpoint, "--name", NAME)
     up = Process(*CLI, "up", *where, "--hw", "virtual:", "--ready", "--json", traced=False)
@@ -104,7 +104,7 @@ def both() -> Iterator[Shell]:
 
 @contextlib.contextmanager
 def another(shell: Shell, name: str) -> Iterator[Process]:
-    """One more robot at the same router."""
+    """Start another robot at the same router."""
     where = ("--name", name, "--connect", shell.endpoint)
     process = Process(*CLI, "hw", *where, "--port", "virtual:", traced=False)
     try:
@@ -115,13 +115,13 @@ def another(shell: Shell, name: str) -> Iterator[Process]:
 
 
 def wait_until_free(shell: Shell) -> None:
-    """Wait until no seat holds the robots and a seat that was stopped has been quiet for long enough."""
+    """Wait until no seat holds the robots and the pause of a stopped seat has ended."""
     with shell.robot("hw") as hardware, shell.robot("sim") as simulation:
         until(lambda: is_free(hardware) and is_free(simulation), "both are free", 10.0)
 
 
 def is_free(robot: Robot) -> bool:
-    """Whether a robot has no driver, and neither a motion nor STOP in the last three seconds."""
+    """Whether a robot has no holder, and had neither a motion nor STOP in the last three seconds."""
     kinds = (EventKind.MOTION, EventKind.STOP)
     last_ns = max((event.t_wall_ns for event in robot.past_events() if event.kind in kinds), default=0)
     return not robot.status().holder and time.time_ns() - last_ns > QUIET_S * 1e9

@@ -27,28 +27,28 @@ START_S = 60.0
 """A busy machine may need this long to import MuJoCo; a test that passes does not wait for it."""
 END_S = 30.0
 PATIENCE_S = 10.0
-"""For an answer on a busy machine."""
+"""Time limit (s) of an answer on a busy machine."""
 EVENT_S = 20.0
-"""For an event whose time is not what a test is about."""
+"""Time limit (s) of an event whose delay no test checks."""
 ROOT = Path(__file__).resolve().parent.parent
 
 
 def untraced() -> dict[str, str]:
     """Environment of a process whose coverage is not counted.
 
-    Counting doubles what a robot's process costs; and a KeyboardInterrupt inside coverage's tracer leaves its lock taken
+    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer leaves its lock taken
     for ever.
     """
     return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 
 
 def free_endpoint() -> str:
-    """A loopback endpoint nobody listens on."""
+    """Return a loopback endpoint on which no process listens."""
     return f"tcp/127.0.0.1:{free_port()}"
 
 
 def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> None:
-    """Poll a condition that has no event of its own, to a deadline."""
+    """Poll a condition that causes no event, until a deadline."""
     deadline = time.monotonic() + timeout_s
     pause = threading.Event()
     while not holds():
@@ -57,7 +57,7 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> N
 
 
 class Process:
-    """A child process whose output lines are read as they come."""
+    """A child process whose output lines are read as they arrive."""
 
     def __init__(
         self,
@@ -90,7 +90,7 @@ class Process:
         self._queue.put(None)
 
     def expect(self, beginning: str | tuple[str, ...], timeout_s: float = START_S) -> str:
-        """The next line that begins so, or in one of these ways."""
+        """Wait for the next line with this beginning, or with one of several."""
         deadline = time.monotonic() + timeout_s
         while True:
             try:
@@ -103,14 +103,14 @@ class Process:
                 return line
 
     def expect_all(self, *beginnings: str) -> None:
-        """The next lines that begin so, in any order."""
+        """Wait for lines with these beginnings, in any order."""
         missing = set(beginnings)
         while missing:
             line = self.expect(tuple(missing))
             missing -= {beginning for beginning in missing if line.startswith(beginning)}
 
     def say(self, line: str) -> None:
-        """Write a line to its standard input."""
+        """Write a line to the standard input of the process."""
         assert self._child.stdin is not None, "started with listens=True"
         self._child.stdin.write(line + "\n")
         self._child.stdin.flush()
@@ -120,7 +120,7 @@ class Process:
         self._child.send_signal(number)
 
     def wait(self, timeout_s: float = END_S) -> int:
-        """Exit code, when it has ended."""
+        """Wait for the end of the process; return its exit code."""
         code = self._child.wait(timeout=timeout_s)
         self._reader.join(timeout=5)
         while not self._queue.empty():
@@ -133,7 +133,7 @@ class Process:
         return code
 
     def end(self, number: signal.Signals = signal.SIGTERM) -> int:
-        """End it if it still runs; exit code."""
+        """End the process if it still runs; return its exit code."""
         if self._child.poll() is None:
             self._child.send_signal(signal.SIGCONT)
             self._child.send_signal(number)
@@ -172,11 +172,11 @@ class Stage:
         return process
 
     def simulation(self, name: str, *arguments: str) -> Process:
-        """A simulation that serves."""
+        """Start a simulation; return when it serves."""
         return self._robot("sim_node", name, *arguments)
 
     def hardware(self, name: str, port: str = "virtual:") -> Process:
-        """A hardware node that serves."""
+        """Start a hardware node; return when it serves."""
         return self._robot("hw_node", name, "--port", port)
 
     def _robot(self, module: str, name: str, *arguments: str) -> Process:
@@ -186,7 +186,7 @@ class Stage:
         return process
 
     def mega(self, path: Path, *options: str) -> Process:
-        """A simulated Mega with the shipped firmware, a port at `path`; options and words are those of tests/avr/live.py."""
+        """Start a simulated Mega with a port at `path`; options and commands are those of tests/avr/live.py."""
         process = self._started(
             Process("tests/avr/live.py", "--path", str(path), *options, listens=True, traced=False)
         )
@@ -194,20 +194,20 @@ class Stage:
         return process
 
     def node(self, name: str, body: VirtualHardware | None = None) -> Node:
-        """A node inside this process, on a virtual board of its own unless a body is given."""
+        """Start a node inside this process, on a virtual board of its own unless a body is given."""
         body = body or VirtualHardware(name)
         node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body).start()
         self._nodes.append(node)
         return node
 
     def client(self, who: str = "ana") -> Client:
-        """A client's session."""
+        """Open the session of a client."""
         client = Client(Settings("bea", self.endpoint, who))
         self._clients.append(client)
         return client
 
     def robot(self, name: str, twin: str, who: str = "ana") -> Robot:
-        """A robot through a session of its own."""
+        """Return a robot with a session of its own."""
         return Robot(name, twin, client=self.client(who), timeout_s=PATIENCE_S)
 
     def close_clients(self) -> None:
@@ -216,7 +216,7 @@ class Stage:
             self._clients.pop().close()
 
     def close(self) -> None:
-        """Clients first, then robots, their boards, the router last."""
+        """End the clients, then robots and boards, and the router last."""
         self.close_clients()
         self.end_nodes()
         for process in reversed(self._processes):
@@ -240,7 +240,7 @@ class Stage:
 
 
 def ready(robot: Robot) -> Robot:
-    """Emergency latch cleared, motors on and calibrated."""
+    """Clear the emergency latch, enable and calibrate the robot."""
     robot.reset()
     robot.enable()
     robot.calibrate()
@@ -248,7 +248,7 @@ def ready(robot: Robot) -> Robot:
 
 
 def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = EVENT_S) -> None:
-    """Until the robot's status fulfils `holds`."""
+    """Wait until the robot's status fulfils `holds`."""
     until(lambda: holds(robot.status()), what, timeout_s)
 
 
@@ -259,7 +259,7 @@ def ask_raw(
     encoding: str | None = None,
     timeout_s: float = 8.0,
 ) -> list[Reply]:
-    """All replies to a query, as a foreign client sees them."""
+    """Return all replies to a query, as a foreign client receives them."""
     query = client.bus.query(selector, payload, encoding)
     deadline = time.monotonic() + timeout_s
     answers = []

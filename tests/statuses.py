@@ -1,4 +1,4 @@
-"""Status of a robot at rest that may move."""
+"""The status of a robot at rest that may move."""
 
 from __future__ import annotations
 

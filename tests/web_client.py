@@ -1,4 +1,4 @@
-"""A server of the control page in this process, and a client that sends what browsers send, or should not send."""
+"""A server of the control page in this process, and a client that sends requests of browsers, or forged ones."""
 
 from __future__ import annotations
 
@@ -72,8 +72,10 @@ class WebSocket:
             self._closed = message is None
         return message
 
-    def wait(self, holds: Callable[[dict[str, Any]], bool], what: str, beat: bool = True) -> dict[str, Any]:
-        """The next message that fulfils `holds`; with `beat` each state is confirmed, as the page does."""
+    def wait(
+        self, holds: Callable[[dict[str, Any]], bool], what: str, heartbeat: bool = True
+    ) -> dict[str, Any]:
+        """The next message that fulfils `holds`; with `heartbeat` each state is confirmed, as the page does."""
         found: list[dict[str, Any]] = []
 
         def look() -> bool:
@@ -83,7 +85,7 @@ class WebSocket:
             self.seen.append(message)
             if message["kind"] == "state":
                 self.send("seen")
-                if beat and (message["you"]["drives"] or message["you"]["waits"]):
+                if heartbeat and (message["you"]["drives"] or message["you"]["waits"]):
                     self.send("beat")
             found.extend([message] if holds(message) else [])
             return bool(found)
@@ -95,9 +97,11 @@ class WebSocket:
         """The next state that fulfils `holds`."""
         return self.wait(lambda message: message["kind"] == "state" and holds(message), what)
 
-    def outcome(self, control: str, *, beat: bool = True) -> dict[str, Any]:
+    def outcome(self, control: str, *, heartbeat: bool = True) -> dict[str, Any]:
         """The next outcome of a control."""
-        return self.wait(lambda message: message.get("control") == control, f"outcome of {control}", beat)
+        return self.wait(
+            lambda message: message.get("control") == control, f"outcome of {control}", heartbeat
+        )
 
     def drive(self, name: str) -> Self:
         """Take the robot."""
@@ -108,11 +112,11 @@ class WebSocket:
 
     @property
     def code(self) -> int | None:
-        """The code with which the server has closed it."""
+        """The code with which the server has closed the web socket."""
         return self._socket.close_code
 
     def close(self) -> None:
-        """Close it, and read what has come until then."""
+        """Close the web socket, and read the messages that have arrived."""
 
         async def close() -> None:  # in the loop of this socket
             self._socket.close()
@@ -123,7 +127,7 @@ class WebSocket:
 
 
 class WebClient:
-    """A browser without a page: it keeps cookies, and sends the headers that it is told to send."""
+    """A browser without a page: it keeps cookies, and sends the given headers."""
 
     def __init__(self, port: int) -> None:
         self.port = port

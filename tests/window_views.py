@@ -42,14 +42,14 @@ PATH = Path(
 
 
 def ready() -> World:
-    """Both robots are ready, and stand nearly alike."""
+    """Both robots are ready, at nearly the same position."""
     sim = posed("sim", ARMS, HeadAngles(12.0, -6.0, 4.0))
     hw = posed("hw", (11.2, -4.1, 6.9), HeadAngles(9.0, -4.5, 3.1))
     return world(sim, hw, names=("bea1", "bea2"))
 
 
 def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known: bool | str) -> RobotState:
-    """A robot that you drive, with this head orientation."""
+    """A robot that this seat drives, with this head orientation."""
     made = robot(twin, arms=arms, known=status(twin, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
     assert made.positions is not None
     turned = msgspec.structs.replace(made.positions, head=Head(*map(math.radians, head)))

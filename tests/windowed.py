@@ -34,7 +34,7 @@ class Windowed:
 
     @property
     def last(self) -> str:
-        """The last command with its outcome, as STOP shows it."""
+        """The last command with its outcome, as shown beside STOP."""
         return self.window.panels.stop_bar.last.text()
 
     def press(self, button: QWidget) -> None:
@@ -62,7 +62,7 @@ class Windowed:
             QApplication.sendEvent(widget, event)
 
     def check(self, box: QAbstractButton, *, on: bool = True) -> None:
-        """Click a box unless it has the wanted state."""
+        """Click a box unless it has this state."""
         if box.isChecked() != on:
             QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
         assert box.isChecked() is on
@@ -105,10 +105,10 @@ class Windowed:
     def until_at(self, robot: Robot, *arms: float) -> None:
         """Wait until a robot reports these angles (deg) of short, middle and long arm, and rests."""
 
-        def there() -> bool:
+        def arrived() -> bool:
             return near(robot.positions().arms, arms) and not robot.status().moving
 
-        self.until(there, f"{robot} at {arms}; it is at {robot.positions().arms}")
+        self.until(arrived, f"{robot} at {arms}; it is at {robot.positions().arms}")
 
     def until_ready(self, *twins: str) -> None:
         """Wait until the window shows that these robots are ready."""
@@ -139,4 +139,4 @@ def windowed(
             window.close()
             window.deleteLater()
             closing_s = time.monotonic()
-    assert time.monotonic() - closing_s < 3.0, "it took too long to close"
+    assert time.monotonic() - closing_s < 3.0, "closing the window took too long"

@@ -1,6 +1,6 @@
 """A process that measures how long this computer keeps a process waiting that wants to run.
 
-Robots move in real time. If the computer, or the host of a virtual one, stops all processes for a while, a test about them
+Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of robots
 has no result: it is skipped if it fails, and the skip says how long the computer stood still.
 
 `python tests/witness.py` prints, at its begin and for each time that it woke up later than STALL_S, the monotonic time and its delay, s.
@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 STALL_S = 0.25
-"""Longer than a busy computer keeps a process waiting that seldom runs."""
+"""Delay (s) that is longer than a busy computer delays a process that seldom runs."""
 PERIOD_S = 0.02
 
 
@@ -41,7 +41,7 @@ class Witness:
 
     @property
     def began(self) -> bool:
-        """Whether it measures."""
+        """Whether the process has begun to measure."""
         return bool(self._stalls)
 
     def longest_s(self, since_s: float) -> float:

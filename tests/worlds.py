@@ -29,7 +29,7 @@ ENDPOINT = "tcp/127.0.0.1:7447"
 
 
 def vector(short: float, middle: float, long: float) -> Vector3:
-    """Degrees to a message's rad."""
+    """Convert degrees to a vector of a message (rad)."""
     return Vector3(*map(math.radians, (short, middle, long)))
 
 

@@ -20,7 +20,7 @@ from gui.state.world import World
 
 PLACE = "commands"
 PAUSE_S: Final = 0.5
-"""Between two poses of a choreography that is saved."""
+"""Time (s) between two poses of a saved choreography."""
 UNDO_KEPT: Final = 50
 
 

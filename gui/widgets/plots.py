@@ -37,7 +37,7 @@ FOREIGN_S: Final = 1.0
 LEAST_ARM_DEG: Final = 20.0
 """Least height of the plot of an arm."""
 LEAST_DIFFERENCE_DEG: Final = 2.0
-"""The same of the difference."""
+"""Least height of the plot of the difference."""
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
 SIGNS: Final = ("—", "– –", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""

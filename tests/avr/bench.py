@@ -22,9 +22,9 @@ VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "
 BUDGETS: Final = {"step x": 300, "step y": 300, "step z": 300, "receive": 100, "transmit": 100, "tick": 8000}
 """Cycles that firmware/beatrix/src/core/hal.h allows; up to half of a step interrupt is waiting for the exact cycle."""
 TICK: Final = 32
-_GONE: Final = (6, 7)
+_ENDED_STATES: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
-_HEARD: Final = 4096
+_RECEIVE_SIZE: Final = 4096
 """Bytes fetched at once."""
 _PIECE: Final = 16_000_000
 """Cycles for each call into C, so that Python can handle a keyboard interrupt."""
@@ -68,10 +68,10 @@ class Work(NamedTuple):
 
     calls: int
     cycles: int
-    """of all calls"""
+    """Cycles of all calls."""
     longest: int
     last: int
-    """when it was called last"""
+    """Cycle of the last call."""
 
 
 class Byte(NamedTuple):
@@ -83,7 +83,7 @@ class Byte(NamedTuple):
 
 @cache
 def _library() -> ctypes.CDLL:
-    """Compile mega.c if it is newer than what is there; tests in parallel may both do so."""
+    """Compile mega.c if it is newer than the library; two tests in parallel may compile it at the same time."""
     BUILD.mkdir(parents=True, exist_ok=True)
     source, library = HERE / "mega.c", BUILD / "mega.so"
     if not library.exists() or library.stat().st_mtime < source.stat().st_mtime:
@@ -113,7 +113,7 @@ def _library() -> ctypes.CDLL:
 class Avr:
     """An Arduino Mega with this firmware (.elf or .hex), after reset. Use it in `with`.
 
-    Times are cycles of 62.5 ns since power came, or milliseconds of 16 000 cycles. `eeprom` is what
+    Times are cycles of 62.5 ns since power-on, or milliseconds of 16 000 cycles. `eeprom` is what
     the memory holds before; without it, nothing. Raises Crashed as soon as the program is lost.
     """
 
@@ -124,7 +124,7 @@ class Avr:
         self._report = self._c.bench_report(self._board).contents
         self.byte_cycles = round(16_000_000 * 10 / baud)
         """Cycles of a byte on the host's wire: 10 bits."""
-        self._heard = ctypes.create_string_buffer(_HEARD)
+        self._receive_buffer = ctypes.create_string_buffer(_RECEIVE_SIZE)
         self._wire_free = 0
 
     def __enter__(self) -> Self:
@@ -147,10 +147,10 @@ class Avr:
         return int(self._report.cycle)
 
     def run_until(self, cycle: int) -> None:
-        """Run until this cycle, or an instruction further."""
+        """Run until this cycle; the last instruction may end later."""
         while self.cycle < cycle:
             state = self._c.bench_run(self._board, min(cycle, self.cycle + _PIECE))
-            if state in _GONE:
+            if state in _ENDED_STATES:
                 raise Crashed(f"state {state} at cycle {self.cycle}")
 
     def run(self, cycles: int) -> None:
@@ -175,16 +175,16 @@ class Avr:
         self.run_until(self.send(data))
 
     def sent(self, since: int = 0) -> NDArray[np.void]:
-        """All bytes from the board, from the given one on: fields `cycle` (of the stop bit) and `byte`."""
+        """All bytes from the board, from this index on: fields `cycle` (of the stop bit) and `byte`."""
         count = int(self._report.sent)
         return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
 
     def receive(self) -> bytes:
         """Complete bytes from the board since the last call."""
-        heard = b""
-        while count := self._c.bench_receive(self._board, self._heard, _HEARD):
-            heard += self._heard.raw[:count]
-        return heard
+        received = b""
+        while count := self._c.bench_receive(self._board, self._receive_buffer, _RECEIVE_SIZE):
+            received += self._receive_buffer.raw[:count]
+        return received
 
     @property
     def overruns(self) -> int:
@@ -250,7 +250,7 @@ class Avr:
         self._c.bench_analogue(self._board, pin, millivolts)
 
     def hang(self) -> int:
-        """Break the main loop: its next instruction becomes a jump to itself, interrupts go on. For `mend`."""
+        """Replace the next instruction of the main loop by a jump to itself; interrupts continue. For `mend`."""
         for _ in range(1000):
             if self._c.bench_in_main(self._board):
                 return int(self._c.bench_hang(self._board))

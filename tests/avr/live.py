@@ -1,14 +1,14 @@
 """A simulated Mega behind a pseudo-terminal, in real time.
 
 python tests/avr/live.py --path /tmp/board    then  python -m hw_node --name bea --port /tmp/board
-Lines on standard input work it, and are repeated when done:
-  reset         the button, or what opening a real port does
-  freeze, go    the processor stands still, and goes on
-  unplug, plug  the cable, and with it the power: the port is gone, then a new one is there
-  noise, quiet  one byte in a hundred is another, both ways
-  swallow       the next answer to a numbered request gets lost
+Each line on standard input is a command, and is printed again when it was carried out:
+reset         press the reset button, as opening a real port does
+freeze, go    suspend the processor, and let it continue
+unplug, plug  pull the cable, which also cuts the power and removes the port; plug it in again
+noise, quiet  begin or end to damage one byte in a hundred, in both directions
+swallow       lose the next reply to a numbered request
   quit
-It ends with its standard input, and says how well it has kept time.
+The program ends with its standard input, and prints its delays behind real time.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from beatrix_zenoh._generated.serial import BAUD, FrameType
 from beatrix_zenoh.board.link import Decoder
 
 SLICE_S: Final = 0.001
-"""What the board says of itself waits so long at most; what it hears goes onto its wire at once."""
-ASKED_SLICE_S, ASKED_S = 10 / BAUD, 0.005
-"""The same, one byte's time, for so long after it was spoken to: it is about to answer."""
+"""Longest delay of bytes from the board (s); bytes to the board are passed on at once."""
+ACTIVE_SLICE_S, ACTIVE_S = 10 / BAUD, 0.005
+"""The same while a reply is expected, the time of one byte; and how long after the last input that is (s)."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
-"""Cycles in one go after this process has had to wait: control lines still get through."""
+"""Most cycles that are simulated at once after a delay of this process, so that control lines are still read."""
 SPOILT: Final = 0.01
 PR_SET_TIMERSLACK: Final = 29
 """linux/prctl.h; ns."""
@@ -46,11 +46,13 @@ WORDS: Final = ("reset", "freeze", "go", "unplug", "plug", "noise", "quiet", "sw
 
 
 class Cable:
-    """A pseudo-terminal whose link comes and goes, with what can happen to bytes on their way."""
+    """A pseudo-terminal that can be plugged and unplugged, and that can damage or lose bytes."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.master, self._slave = os.openpty()  # the other end stays open: programs come and go
+        self.master, self._slave = (
+            os.openpty()
+        )  # keep the other end open, because programs open and close the port
         tty.setraw(self._slave)
         os.set_blocking(self.master, False)
         path.unlink(missing_ok=True)
@@ -60,15 +62,15 @@ class Cable:
         self.noisy = self.swallowing = False
 
     def take(self) -> bytes:
-        """What programs have sent; something must have come."""
+        """Return the bytes that programs have sent; blocks if there are none."""
         return self._spoilt(os.read(self.master, 4096))
 
-    def give(self, said: bytes) -> None:
+    def give(self, data: bytes) -> None:
         """Send bytes to the program that has the port open."""
         if self.swallowing:
-            said = self._without_an_answer(said)
+            data = self._without_one_reply(data)
         with contextlib.suppress(BlockingIOError):  # without a reader; a real chip's buffer overflows as well
-            os.write(self.master, self._spoilt(said))
+            os.write(self.master, self._spoilt(data))
 
     def _spoilt(self, data: bytes) -> bytes:
         if not self.noisy:
@@ -76,41 +78,41 @@ class Cable:
         chance = self._chance
         return bytes(chance.randrange(256) if chance.random() < SPOILT else byte for byte in data)
 
-    def _without_an_answer(self, said: bytes) -> bytes:
-        """Whole frames, but for the first that answers a request with a number."""
-        *frames, self._begun = (self._begun + said).split(b"\0")
+    def _without_one_reply(self, data: bytes) -> bytes:
+        """Return the complete frames without the first reply to a numbered request."""
+        *frames, self._begun = (self._begun + data).split(b"\0")
         for at, frame in enumerate(frames):
-            for heard in Decoder().feed(frame + b"\0"):
-                if FrameType.ACK <= heard.type < FrameType.TELEMETRY and heard.seq:
+            for decoded in Decoder().feed(frame + b"\0"):
+                if FrameType.ACK <= decoded.type < FrameType.TELEMETRY and decoded.seq:
                     self.swallowing = False
                     rest, self._begun = self._begun, b""
                     return b"".join(kept + b"\0" for kept in frames[:at] + frames[at + 1 :]) + rest
         return b"".join(frame + b"\0" for frame in frames)
 
     def close(self) -> None:
-        """Pull it out."""
+        """Remove the port, as if the cable were pulled out."""
         self._path.unlink(missing_ok=True)
         os.close(self.master)
         os.close(self._slave)
 
 
 class Live:
-    """The board, its pseudo-terminal, and real time."""
+    """Runs the board in real time, behind its pseudo-terminal."""
 
     def __init__(self, firmware: Path, path: Path) -> None:
         self._firmware, self._path = firmware, path
         self._frozen = False
         self._running = True
         self._half_line = b""
-        self._heard_s = 0.0
+        self._last_input_s = 0.0
         self._lags: list[float] = []
         self._memory = b"\xff" * EEPROM_SIZE
         self._plug()
 
-    # -- words ----------------------------------------------------------------------------------
+    # -- commands -------------------------------------------------------------------------------
 
     def _plug(self) -> None:
-        """Power comes, and a port."""
+        """Switch the board on and create its port."""
         self._avr = Avr(self._firmware, self._memory)
         self._cable = Cable(self._path)
         self._plugged = True
@@ -144,7 +146,7 @@ class Live:
     def _quit(self) -> None:
         self._running = False
 
-    # -- life -----------------------------------------------------------------------------------
+    # -- running --------------------------------------------------------------------------------
 
     def run(self) -> None:
         """Run until the control line `quit`."""
@@ -152,30 +154,30 @@ class Live:
         next_s = time.monotonic()
         while self._running:
             now = time.monotonic()
-            asked = now - self._heard_s < ASKED_S
-            next_s = max(next_s + (ASKED_SLICE_S if asked else SLICE_S), now)
+            active = now - self._last_input_s < ACTIVE_S
+            next_s = max(next_s + (ACTIVE_SLICE_S if active else SLICE_S), now)
             wires = [sys.stdin] if self._frozen else [sys.stdin, self._cable.master]
             ready, _, _ = select.select(wires, [], [], max(0.0, next_s - time.monotonic()))
             if sys.stdin in ready:
                 self._listen(os.read(sys.stdin.fileno(), 4096))
             elif not self._frozen:
-                self._live(heard=bool(ready))
+                self._live(has_input=bool(ready))
 
-    def _live(self, *, heard: bool) -> None:
-        """Time up to now, what the board has said in it, what programs have sent just now."""
+    def _live(self, *, has_input: bool) -> None:
+        """Run the board up to now; pass its bytes to programs, and those of programs to the board."""
         due = round((time.monotonic() - self._began) * 1000 * CYCLES_PER_MS)
         self._avr.run_until(min(due, self._avr.cycle + CATCH_UP))
         self._lags.append(time.monotonic() - self._began - self._avr.cycle / (1000 * CYCLES_PER_MS))
-        if said := self._avr.receive():
-            self._cable.give(said)
-        if heard:
+        if data := self._avr.receive():
+            self._cable.give(data)
+        if has_input:
             self._avr.send(self._cable.take())
-            self._heard_s = time.monotonic()
+            self._last_input_s = time.monotonic()
 
-    def _listen(self, heard: bytes) -> None:
-        if not heard:
+    def _listen(self, data: bytes) -> None:
+        if not data:
             self._running = False
-        *lines, self._half_line = (self._half_line + heard).split(b"\n")
+        *lines, self._half_line = (self._half_line + data).split(b"\n")
         for line in lines:
             self._obey(line.decode(errors="replace").strip())
 
@@ -190,7 +192,7 @@ class Live:
         print(word, flush=True)
 
     def close(self) -> None:
-        """Disappear, and say how far the board was behind real time after every slice."""
+        """Unplug the board, and print how far it was behind real time after each slice."""
         if self._plugged:
             self._unplug()
         lags = sorted(self._lags) or [0.0]

@@ -38,7 +38,7 @@ class MegaCore:
         self.avr.run_ms(4)
 
     def transmit(self) -> bytes:
-        """All that was sent since the last call."""
+        """Return all bytes that the board has sent since the last call."""
         return self.avr.receive()
 
     def tick(self, ms: int) -> None:
@@ -46,14 +46,14 @@ class MegaCore:
         self.avr.run_ms(ms)
 
     def steps(self) -> Steps:
-        """Steps on the pins."""
+        """Position of each arm, counted from the steps on the pins."""
         return self.avr.pulses()
 
 
 class MegaPort(MegaCore):
     """The Mega as a Core for Program: `receive` queues bytes and does not wait.
 
-    Use it in `with`: its pins are looked at in the end.
+    Use it in `with`: its pins are checked at the end.
     """
 
     def __init__(self, firmware: Path = HEX, baud: int = 250_000) -> None:
@@ -67,7 +67,7 @@ class MegaPort(MegaCore):
         close(self.avr, in_order=kind is None)
 
     def receive(self, data: bytes) -> None:
-        """Put bytes on the wire."""
+        """Queue bytes on the serial line."""
         self.avr.send(data)
 
 
@@ -91,10 +91,10 @@ class Mega(Rig):
         """Press reset after this number of cycles; return when the board has started."""
         self.avr.run(after_cycles)
         self.avr.reset()
-        self.hear_again()
+        self.discard_interrupted_frame()
         self.tick(START_MS)
 
-    def hear_again(self) -> None:
+    def discard_interrupted_frame(self) -> None:
         """Discard the frame that a reset has interrupted."""
         self.core.transmit()
         self._decoder = Decoder()
@@ -139,7 +139,7 @@ def pin_faults(avr: Avr) -> list[str]:
 
 
 def _levels_at(edges: NDArray[np.void], signal: int, cycles: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """A wire's level at these times; high before its first change."""
+    """Return the level of a wire at these times; high before its first change."""
     changes = edges[edges["signal"] == signal]
     at = np.searchsorted(changes["cycle"].astype(np.int64), cycles, side="right")
     levels: NDArray[np.uint8] = np.concatenate([[1], changes["level"]])[at]

@@ -1,11 +1,11 @@
-"""Who may do what at the router of a class: expectations as a table, with passwords and with certificates."""
+"""Access rules of a class router as a table: which account may do what, with passwords and with certificates."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
 import pytest
-from class_router import Answering, ClassRouter, Heard, replies, settled
+from class_router import Answering, ClassRouter, ReceivedKeys, replies, settled
 
 from beatrix_zenoh._generated import keys
 
@@ -43,18 +43,18 @@ def puts(router: ClassRouter, account: str, key: str) -> bool:
     """Whether a publication of the account reaches the teacher."""
     own = account if account != "teacher" else "bea1"
     marker = keys.status(own, SIM)
-    heard = Heard(router.session("teacher"), "beatrix/**")
+    received = ReceivedKeys(router.session("teacher"), "beatrix/**")
     settled(router.session("teacher"))
     sender = router.session(account)
     for one in (key, marker):
         sender.put(one, b"1", "text/plain", priority="data")
-    found = heard.until(marker)
-    heard.close()
+    found = received.until(marker)
+    received.close()
     return key in found
 
 
 def serves(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether a queryable that the account declares gets the teacher's query, and its answer comes back."""
+    """Whether a queryable of the account receives the teacher's query, and the teacher receives its reply."""
     session = router.session(account)
     Answering(session, key, payload=FORGED)
     settled(session)
@@ -71,18 +71,18 @@ def announces(router: ClassRouter, account: str, key: str) -> bool:
     return seen
 
 
-def hears(router: ClassRouter, account: str, key: str) -> bool:
+def receives(router: ClassRouter, account: str, key: str) -> bool:
     """Whether the account receives a publication of bea2 on this key."""
     position, marker = keys.positions("bea2", HW), keys.status("bea2", HW)
     session, robot = router.session(account), router.session("bea2")
-    heard, marked = Heard(session, key), Heard(session, marker)
+    received, marked = ReceivedKeys(session, key), ReceivedKeys(session, marker)
     settled(session)
     for one in (position, marker):
         robot.put(one, b"1", "text/plain", priority="data")
     marked.until(marker)
     marked.close()
-    heard.close()
-    return position in heard.so_far()
+    received.close()
+    return position in received.so_far()
 
 
 def reads_router(router: ClassRouter, account: str, key: str) -> bool:
@@ -94,7 +94,7 @@ def reads_router(router: ClassRouter, account: str, key: str) -> bool:
 Kind = Callable[[ClassRouter, str, str], bool]
 ANY = "*"
 TABLE: list[tuple[str, Kind, str, bool]] = [
-    # a student drives the robots of the class, and its own, under the name of its seat
+    # a student drives the robots of the class and of the seat, under the name of the seat
     ("ana", asks, keys.command("bea1", HW, "ana"), True),
     ("ana", asks, keys.motion("bea1", SIM, "ana"), True),
     ("ana", asks, keys.motion("ana", SIM, "ana"), True),
@@ -107,15 +107,15 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, keys.target("ben"), False),
     ("ana", puts, keys.arm_target("bea1", HW, "short"), False),
     ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
-    # everybody looks at everything
+    # every account reads all publications
     ("ana", asks, keys.positions("ben", SIM), True),
     ("ana", asks, keys.positions(ANY, ANY), True),
     ("ana", asks, keys.info("bea2", HW), True),
-    ("ana", hears, "beatrix/**", True),
-    ("ana", hears, keys.positions(ANY, ANY), True),
-    ("bea1", hears, keys.positions("bea2", HW), True),
-    ("ana", hears, "**", False),
-    # everybody stops every robot, and all of them
+    ("ana", receives, "beatrix/**", True),
+    ("ana", receives, keys.positions(ANY, ANY), True),
+    ("bea1", receives, keys.positions("bea2", HW), True),
+    ("ana", receives, "**", False),
+    # every account may stop each robot, and all robots at once
     ("ana", asks, keys.stop("bea1", HW), True),
     ("ana", asks, keys.stop("ben", SIM), True),
     ("ana", asks, keys.stop(ANY, ANY), True),
@@ -123,7 +123,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", puts, keys.stop("bea2", HW), True),
     ("ana", puts, keys.stop(ANY, ANY), True),
     ("bea1", asks, keys.stop("bea2", HW), True),
-    # the teacher does everything
+    # the teacher may do everything
     ("teacher", asks, keys.command("bea1", HW, "teacher"), True),
     ("teacher", asks, keys.command("ben", SIM, "teacher"), True),
     ("teacher", asks, keys.command(ANY, ANY, "teacher"), True),
@@ -174,7 +174,9 @@ def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRo
     liar = Answering(router.session("ben"), keys.clock("ben", SIM), keys.clock("bea1", SIM), FORGED)
     settled(router.session("ben"))
     assert replies(router.session("teacher"), everyone) == []
-    assert liar.asked == [everyone], "it was asked, and its forged reply is what the router dropped"
+    assert liar.asked == [everyone], (
+        "the queryable received the query, and the router dropped the forged reply"
+    )
 
 
 def test_no_key_but_stop_ends_like_stop() -> None:

@@ -1,4 +1,4 @@
-"""Accounts that the router refuses, and the sentences that their users read; secrets stay secret."""
+"""Accounts that the router refuses, the error messages for their users, and the protection of secrets."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRout
 
 
 def refused(endpoint: str, account: Account | None) -> str:
-    """What the owner of a refused account reads."""
+    """Return the error message for the owner of a refused account."""
     with pytest.raises(NoAnswer) as error:
         zbus.connect(endpoint, account=account)
     return error.value.message
@@ -137,7 +137,7 @@ def test_files_with_secrets_are_for_their_owner_only(certificates: ClassRouter) 
 
 @pytest.fixture
 def joined(passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Account:
-    """A seat that has joined."""
+    """The folder of a seat that has joined a class."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     done = beatrix("join", str(passwords.path("ana")))
@@ -200,7 +200,7 @@ def test_stop_needs_no_readable_account(
     assert "is no account file" in done.stderr
     done = beatrix("stop")
     assert "is no account file" in done.stderr
-    assert done.returncode == 3, "it went on, to the default router, which is not there"
+    assert done.returncode == 3, "the program tried the default router, which does not run"
 
 
 def test_leaving_and_an_empty_variable_forget_the_class(

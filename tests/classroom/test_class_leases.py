@@ -1,4 +1,4 @@
-"""Thirty seats and one robot: one of them drives it, and a seat that is gone does not."""
+"""Thirty seats and one robot: one seat drives it, and a disconnected seat loses it."""
 
 from __future__ import annotations
 
@@ -109,6 +109,6 @@ def test_a_holder_that_is_gone_loses_the_robot_to_the_seat_that_waits(
             faults[fault]()
             until(lambda: not next_one.status().moving, "the robot stops")
             until(lambda: next_one.status().holder == "seat02", "the lease is free, and handed over")
-            assert abs(next_one.positions().commanded.short) < 140, "it has not arrived"
+            assert abs(next_one.positions().commanded.short) < 140, "the motion has not reached its goal"
             assert not next_one.status().moving
             lease.ask(next_one, LeaseAction.GIVE_BACK)

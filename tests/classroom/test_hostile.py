@@ -1,4 +1,4 @@
-"""Hostile and broken traffic at the router's port, and a seat that floods: the lesson goes on, and STOP stops."""
+"""Hostile and broken traffic at the router's port, and a seat that floods: other seats still work."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def start(folder: Path, account: Path, *command: str) -> Process:
 
 @pytest.fixture(scope="module")
 def teacher(router: ClassRouter) -> Iterator[Robot]:
-    """The robot through the session of the teacher, which may move it again just after its own STOP."""
+    """The robot through the teacher's session, which need not pause after its own STOP."""
     account = router.account("teacher")
     with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
         yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
@@ -65,7 +65,7 @@ def moves_and_stops(robot: Robot) -> None:
 
 
 def recorded_session(router: ClassRouter) -> bytes:
-    """What a program of ana sends that turns the robot."""
+    """Return the bytes that a program of the seat ana sends to turn the robot."""
     account = router.account("ana")
     with Cable("127.0.0.1", router.classroom.port) as cable:
         endpoint = f"tcp/127.0.0.1:{cable.port}"
@@ -81,8 +81,10 @@ def test_hostile_traffic_moves_nothing_and_stops_nothing(router: ClassRouter, te
     seats = teacher.client.bus.tokens(keys.seat("ana", "*"))
     with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
         until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
-        assert teacher.status().motion == before, "none of them has moved the robot"
-        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, "nor opened a session"
+        assert teacher.status().motion == before, "no hostile bytes have moved the robot"
+        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, (
+            "no hostile bytes have opened a session"
+        )
         for _ in range(STOPS):
             moves_and_stops(teacher)
     moves_and_stops(teacher)

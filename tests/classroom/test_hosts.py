@@ -1,4 +1,4 @@
-"""Several computers, two classes: each reaches the router only, and no class hears or moves anything of the other."""
+"""Two classes on several computers: each computer reaches the router only, and the classes are separate."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Lesson:
 
     @property
     def processes(self) -> list[Process]:
-        """Of all robots and seats."""
+        """All processes of robots and seats."""
         return [process for host in self.hosts.values() for process in host.processes]
 
 
@@ -100,11 +100,11 @@ def test_nobody_hears_what_is_not_theirs(lesson: Lesson) -> None:
             seat.does(f"spy({key!r})")
     ben.until("robot('bea2').home() is None", "a motion of another seat, when the robot is free")
     for seat, robots in ((ana, {"bea1", "bea2"}), (other, {"bea1"})):
-        seat.until(f"{{key.split('/')[1] for key, _ in heard()}} == {robots}", "their own robots")
-        keys = [key for key, _ in seat.does("heard()")]  # type: ignore[attr-defined]
+        seat.until(f"{{key.split('/')[1] for key, _ in publications()}} == {robots}", "their own robots")
+        keys = [key for key, _ in seat.does("publications()")]  # type: ignore[attr-defined]
         assert all(key.startswith("beatrix/") and "/hw/state/" in key for key in keys), keys
-        assert len(set(keys)) == len(keys), "each from one robot: none of the other class"
-        assert seat.does("asked()") == []
+        assert len(set(keys)) == len(keys), "each key is of the own class"
+        assert seat.does("queries()") == []
 
 
 def test_an_account_is_of_one_class_only(lesson: Lesson) -> None:
@@ -120,8 +120,10 @@ def test_an_account_is_of_one_class_only(lesson: Lesson) -> None:
 def test_no_computer_but_the_routers_listens_and_none_sends_datagrams(lesson: Lesson) -> None:
     for process in lesson.processes:
         found = sockets(process.pid)
-        assert found, "it is connected"
-        assert {table for table, _ in found} <= {"tcp", "tcp6"}, "neither multicast nor a name service"
+        assert found, "the program is connected"
+        assert {table for table, _ in found} <= {"tcp", "tcp6"}, (
+            "the program uses neither multicast nor a name service"
+        )
         assert LISTENING not in {state for _, state in found}
     for router in lesson.routers.values():
         assert sockets(router.process.pid).count(("tcp", LISTENING)) == 1
@@ -145,7 +147,7 @@ def test_a_seat_that_is_unplugged_loses_its_robot_and_comes_back(lesson: Lesson)
     ben.until("yaw('bea1') > 25", "moving")
     lesson.school.unplug(lesson.hosts["ana 8a"])
     ben.until("not robot('bea1').status().moving and not robot('bea1').status().holder", "stopped, and free")
-    assert ben.does("yaw('bea1') < 100"), "it has not arrived"
+    assert ben.does("yaw('bea1') < 100"), "the motion has not reached its goal"
     ben.does("begin('bea1', 0)")
     lesson.school.plug(lesson.hosts["ana 8a"])
     ana.until("robot('bea1').status().holder != 'ana'", "the seat is back, without its robot")
@@ -169,8 +171,8 @@ def test_a_router_restarted_in_mid_lesson_moves_nothing_and_all_come_back(lesson
         assert isinstance(where, float)
         assert where < 140
         ben.until("ready('bea2') == 'bea2'", "the seat is known again")
-        assert ben.does("yaw('bea2')") == rest, "it has not moved"
-        assert ana.does("yaw('bea1')") == where, "nor goes the motion on"
+        assert ben.does("yaw('bea2')") == rest, "the robot has not moved"
+        assert ana.does("yaw('bea1')") == where, "the motion does not continue"
         ana.until("bool(begin('bea1', 0))", "the lesson goes on")
         assert other.does("robot('bea1').status().moving"), "the other class has not noticed"
     finally:

@@ -26,8 +26,8 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 
 def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
-    """Send the pieces one by one, each after what the router says to the one before; return how much it has said."""
-    said = 0
+    """Send the pieces one by one, each after the router's reply to the last; return the number of bytes received."""
+    received_bytes = 0
     with (
         contextlib.suppress(ConnectionError),
         socket.create_connection(("127.0.0.1", router.classroom.port), PATIENCE_S) as connection,
@@ -36,12 +36,12 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
             connection.sendall(piece)
             connection.settimeout(0.3)
             with contextlib.suppress(TimeoutError):
-                said += len(connection.recv(4096))
+                received_bytes += len(connection.recv(4096))
         connection.settimeout(PATIENCE_S)
         connection.sendall(pieces[-1])
         while data := connection.recv(4096):  # until the router closes it
-            said += len(data)
-    return said
+            received_bytes += len(data)
+    return received_bytes
 
 
 def test_a_replayed_session_opens_nothing(router: ClassRouter) -> None:
@@ -58,10 +58,10 @@ def test_a_replayed_session_opens_nothing(router: ClassRouter) -> None:
             recorded = bytes(max(cable.recorded, key=len))
             for pieces in ([recorded], hostile.frames(recorded)[:3]):
                 send_again(router, pieces)
-            assert replies(session, COMMAND), "nor does it end the session that it copies"
+            assert replies(session, COMMAND), "the copy does not end the original session"
     teacher = router.session("teacher")
     for pieces in ([recorded], hostile.frames(recorded)):
         assert send_again(router, pieces) > 0, "the router begins a handshake, and ends it"
         assert token not in teacher.tokens(keys.seat("*", "*"), PATIENCE_S)
-    assert served.asked == [COMMAND] * 2, "the recorded request has not come again"
+    assert served.asked == [COMMAND] * 2, "the recorded request has not been carried out again"
     assert replies(router.session("ana"), COMMAND)

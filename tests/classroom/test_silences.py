@@ -114,7 +114,7 @@ threading.Event().wait()
 
 @contextlib.contextmanager
 def crashed(lesson: Lesson) -> Iterator[Case]:
-    """A node that is killed when it has got the request, and before it answers."""
+    """A node that is killed after it has received the request and before it replies."""
     script = lesson.folder / "node.py"
     script.write_text(NODE)
     node = Process(str(script), str(lesson.router.path("bea2")), traced=False)
@@ -142,7 +142,7 @@ def frozen(lesson: Lesson) -> Iterator[Case]:
 
 @contextlib.contextmanager
 def busy(lesson: Lesson) -> Iterator[Case]:
-    """A node that publishes, and does not get round to answer."""
+    """A node that publishes, but is too busy to reply."""
     with hanging(lesson) as bus:
         end = threading.Event()
 
@@ -161,7 +161,7 @@ def busy(lesson: Lesson) -> Iterator[Case]:
 
 @contextlib.contextmanager
 def hanging(lesson: Lesson) -> Iterator[Bus]:
-    """A node of bea2 that answers nothing."""
+    """A node of bea2 that replies to no query."""
     kept: list[Incoming] = []
     with connected(lesson, "bea2") as bus:
         bus.serve(keys.command("bea2", HW, "*"), kept.append)
@@ -204,7 +204,7 @@ def enable(case: Case, timeout_s: float) -> None:
     """Send the request of a case by the SDK."""
     account = case.account
     with Client(Settings("", account.connect, account.name, account=account)) as client:
-        client.robots()  # a node can only be lost if it was on line
+        client.robots()  # a node counts as lost only if it was on line before
         Robot(case.name, case.twin, client=client, timeout_s=timeout_s).enable()
 
 
@@ -238,7 +238,7 @@ def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[
     """The findings of `beatrix doctor` about router, account and robots, by their subject."""
     monkeypatch.chdir(lesson.folder)
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-    monkeypatch.setenv("MUJOCO_GL", "off")  # drawing is no part of this test
+    monkeypatch.setenv("MUJOCO_GL", "off")  # the test of OpenGL is not needed here
     done = beatrix("doctor", "--json")
     found: dict[str, list[dict[str, str]]] = {}
     for row in json.loads(done.stdout)["findings"]:

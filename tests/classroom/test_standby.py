@@ -1,4 +1,4 @@
-"""The second router: it shares the class with the first, and takes it over."""
+"""The second router serves the same class as the first, and serves it alone if the first fails."""
 
 from __future__ import annotations
 

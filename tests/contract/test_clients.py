@@ -20,7 +20,7 @@ from beatrix_zenoh.node.lease import QUIET_S
 
 pytestmark = pytest.mark.bodies("sim", "in-process")  # who may do what is decided by the node
 FLOOD_S = 40.0
-"""For what a flood delays on a busy machine."""
+"""Time limit (s) of events that a flood delays on a busy machine."""
 
 
 def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continues(

@@ -25,7 +25,7 @@ FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTAL
 
 
 class Prompt(InteractiveConsole):
-    """Python's prompt: what is typed there line by line must work, too."""
+    """Python's interactive prompt, which accepts code line by line."""
 
     errors = ""
 
@@ -35,7 +35,7 @@ class Prompt(InteractiveConsole):
 
 @pytest.fixture
 def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
-    """What `beatrix up --name bea1 --hw virtual:` starts."""
+    """The processes that `beatrix up --name bea1 --hw virtual:` starts."""
     with Stage() as made:
         made.simulation("bea1")
         made.hardware("bea1")

@@ -23,7 +23,7 @@ PACKAGES = {
 }
 
 
-@pytest.hookimpl(tryfirst=True)  # before the hook for all tests, which may remove the mark
+@pytest.hookimpl(tryfirst=True)  # this runs before the hook for all tests, which may remove the mark
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Count no Python coverage in firmware tests: it makes them much slower."""
     here = Path(__file__).parent
@@ -34,7 +34,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
-    """Function that makes a target of firmware/Makefile in a folder of this session; skips without its compiler."""
+    """Return a function that builds a target of firmware/Makefile in a folder of this session; skips without compiler."""
     folder = tmp_path_factory.mktemp("firmware")
 
     def make(target: str, compiler: str, *settings: str) -> Path:

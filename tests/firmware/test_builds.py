@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from avr.mega import HEX, Mega, MegaPort
-from dialogue import DIALOGUES, read, wanted
+from dialogue import DIALOGUES, expected_replies, read
 from program import BYTE_MS, Program
 from rig import ROOT, SPEED_MAX, Core, HostFirmware
 
@@ -41,18 +41,18 @@ def test_built_for_9600_baud_the_mega_replies_as_a_board_of_2023(
     with MegaPort(tmp_path / "drop-in.hex", baud=9600) as mega:
         program = Program(mega, look_ms=1)
         asked = []
-        for said in dialogue:
-            if said.to_robot:
-                program.tick(said.ms - program.ms)
-                asked.append((said.ms + len(said.text) * BYTE_MS, len(program.lines)))
-                program.send(said.text.encode("ascii"))
+        for entry in dialogue:
+            if entry.to_robot:
+                program.tick(entry.ms - program.ms)
+                asked.append((entry.ms + len(entry.text) * BYTE_MS, len(program.lines)))
+                program.send(entry.text.encode("ascii"))
         program.tick(5000)
-    assert [line for _, line in program.lines] == [said.text for said in wanted(dialogue)]
-    for (ms, _), old in zip(program.lines, wanted(dialogue), strict=True):
+    assert [line for _, line in program.lines] == [entry.text for entry in expected_replies(dialogue)]
+    for (ms, _), old in zip(program.lines, expected_replies(dialogue), strict=True):
         assert ms <= old.ms
-    for heard_ms, first in asked:
+    for received_ms, first in asked:
         ms, line = program.lines[first]
-        assert heard_ms + len(line) * BYTE_MS - 1 < ms < heard_ms + len(line) * BYTE_MS + 4
+        assert received_ms + len(line) * BYTE_MS - 1 < ms < received_ms + len(line) * BYTE_MS + 4
 
 
 def test_firmware_for_other_jumpers_reports_another_contract(build: Build, tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_the_core_compiles_without_a_warning(build: Build) -> None:
 def script(core: Core, seed: int) -> bytes:
     """All bytes that the firmware sends in a random sequence of moves, stops, noise, emergencies and time."""
     chance = random.Random(seed)
-    said = [core.transmit()]
+    sent = [core.transmit()]
     for seq in range(1, 250):
         target = chance.randint(-600, 600), chance.randint(-600, 600), chance.randint(-600, 600)
         top = [chance.randint(1, SPEED_MAX) for _ in range(3)]
@@ -102,16 +102,16 @@ def script(core: Core, seed: int) -> bytes:
         )
         core.receive(b"".join(data))
         core.tick(chance.randint(0, 700))
-        said.append(core.transmit())
-    return b"".join(said)
+        sent.append(core.transmit())
+    return b"".join(sent)
 
 
 def test_wasm_and_host_library_send_the_same_bytes(build: Build) -> None:
     library = build("host", "g++") / "libbeatrix.so"
     for seed in range(3):
-        said = script(Firmware(), seed)
-        assert len(said) > 100_000
-        assert said == script(HostFirmware(library), seed)
+        sent = script(Firmware(), seed)
+        assert len(sent) > 100_000
+        assert sent == script(HostFirmware(library), seed)
 
 
 def test_random_input_causes_no_undefined_behaviour(build: Build) -> None:

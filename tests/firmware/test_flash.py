@@ -35,7 +35,7 @@ Fault = Callable[[bytes], bytes]
 class BenchWire:
     """Serial line of the simulated board, in virtual time; can damage bytes in both directions.
 
-    The fault befalls the message that is the `nth` of its command.
+    The fault affects the `nth` message of its command.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ def change(data: bytes) -> bytes:
 
 
 def put(wire: BenchWire, image: bytes = IMAGE, show_progress: flash.Progress = lambda *_: None) -> None:
-    """Flash as `flash.flash`, without looking for a port."""
+    """Flash the image as `flash.flash` does, without the search for a port."""
     with flash.report_board_state() as now:
         flash.program(wire, image, show_progress, now)
 
@@ -122,14 +122,14 @@ def hello(avr: Avr) -> HelloReply | None:
 
 
 def test_a_new_board_is_flashed_verified_and_answers() -> None:
-    told: list[tuple[str, int, int]] = []
+    progress: list[tuple[str, int, int]] = []
     with board() as avr:
-        put(BenchWire(avr), show_progress=lambda *news: told.append(news))
-        said = hello(avr)
-    assert said is not None
-    assert said.contract == CONTRACT
-    assert told[-1] == ("Verifying", len(IMAGE), len(IMAGE))
-    assert [news[0] for news in told] == sorted((news[0] for news in told), reverse=True)
+        put(BenchWire(avr), show_progress=lambda *report: progress.append(report))
+        reply = hello(avr)
+    assert reply is not None
+    assert reply.contract == CONTRACT
+    assert progress[-1] == ("Verifying", len(IMAGE), len(IMAGE))
+    assert [report[0] for report in progress] == sorted((report[0] for report in progress), reverse=True)
 
 
 def test_lost_replies_are_requested_again() -> None:
@@ -171,7 +171,7 @@ BETWEEN = [
     (ERASE, 2, flash.FIRST_PAGE, False),
     (PROGRAM, PAGES + 1, flash.FIRST_PAGE, False),
 ]
-"""The same, later: each takes long, so they run with an error only."""
+"""The same for later commands. Each case takes long, so only the errors are tested."""
 ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
 
 
@@ -231,8 +231,8 @@ def test_a_port_without_a_reset_line_is_rejected(capsys: pytest.CaptureFixture[s
     master, slave = os.openpty()
     tty.setraw(slave)
     assert flash.main(["--port", os.ttyname(slave)]) == 1
-    said = capsys.readouterr().err
-    assert said.endswith(
+    errors = capsys.readouterr().err
+    assert errors.endswith(
         f"has no reset line, so it is not the USB port of an Arduino. Name that port with --port. {flash.UNTOUCHED}\n"
     )
     os.close(master)

@@ -22,8 +22,8 @@ def hello(mega: Mega) -> HelloReply:
 
 def test_a_new_board_has_no_name_and_boot_number_1() -> None:
     with Mega() as mega:
-        said = hello(mega)
-        assert (said.contract, said.boot, said.name) == (CONTRACT, 1, bytes(32))
+        reply = hello(mega)
+        assert (reply.contract, reply.boot, reply.name) == (CONTRACT, 1, bytes(32))
         assert not mega.avr.enabled
 
 
@@ -48,16 +48,16 @@ def test_every_start_has_a_new_boot_number() -> None:
 
 def test_a_reset_during_start_does_not_reuse_a_boot_number() -> None:
     chance = random.Random(3)
-    told = [0]
+    boot_numbers = [0]
     with Mega() as mega:
         for _ in range(150):
             mega.avr.reset()
-            mega.hear_again()
+            mega.discard_interrupted_frame()
             mega.avr.run(chance.randint(0, 600_000))
-            heard = mega.raw(encode(FrameType.HELLO, 1, b""))
-            told += [HelloReply.unpack(frame.payload).boot for frame in heard]
-    assert len(told) > 30
-    assert told == sorted(set(told))
+            replies = mega.raw(encode(FrameType.HELLO, 1, b""))
+            boot_numbers += [HelloReply.unpack(frame.payload).boot for frame in replies]
+    assert len(boot_numbers) > 30
+    assert boot_numbers == sorted(set(boot_numbers))
 
 
 def test_starts_rotate_through_the_eeprom_records() -> None:
@@ -130,7 +130,7 @@ def test_a_main_loop_that_hangs_is_restarted_with_the_motors_off() -> None:
         assert mega.avr.resets == 1
         assert not mega.avr.enabled
         mega.avr.mend(broken)
-        mega.hear_again()
+        mega.discard_interrupted_frame()
         mega.tick(START_MS + 20)
         assert hello(mega).boot == 2
         mega.tick(20)

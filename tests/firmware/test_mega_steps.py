@@ -1,4 +1,4 @@
-"""Pins of the Mega, edge by edge: every reported step is made, and its timing suits the drivers."""
+"""Pins of the Mega, edge by edge: every reported step is made, and its timing is within the limits of the drivers."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ AHEAD_MS = 2
 """A tick plans the millisecond that begins one millisecond after it was due."""
 STOP_MS = 660
 LENGTH_MS = 1200
-"""Until all arms rest: a stop from full speed takes half a second."""
+"""Time until all arms rest: a stop from full speed takes half a second."""
 
 
 def script(seed: int) -> dict[int, bytes]:

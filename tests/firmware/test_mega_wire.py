@@ -58,7 +58,7 @@ def test_a_minute_of_noise_changes_neither_board_nor_motors() -> None:
         mega.avr.run_ms(100)
         # Two seconds without a valid frame: only lines are answered, as in 2023.
         assert set(mega.core.transmit().rpartition(b"\0")[2].split()) == {b"ACK", b"NACK"}
-        mega.hear_again()
+        mega.discard_interrupted_frame()
         assert mega.raw(b"\0") == []
         assert mega.ask(FrameType.PING) == Error.OK
         assert mega.steps == (0, 0, 0)
@@ -103,8 +103,8 @@ def test_a_reply_queued_across_a_tick_is_sent_once() -> None:
 
 
 SLOW_TO_ANSWER = (b"@GETALLPOS\r", b"@FOO\r", b"@\r", b"@MOVAX 1\r")
-SEEN_MS = 1.5
-"""From the last byte of a stop frame to its effect, while the longest line of text is handled."""
+RECOGNISED_MS = 1.5
+"""Longest time from the last byte of a stop frame to its effect, while the longest line of text is handled."""
 
 
 @pytest.mark.parametrize("seq", [0, 13, 64, 99], ids="seq {}".format)
@@ -119,10 +119,10 @@ def test_an_emergency_behind_a_flood_of_text_stops_at_once_and_is_acknowledged_o
         mega.move((1500, 1500, 1500))
         mega.tick(900)
         mega.others.clear()
-        came = mega.avr.send(line * 200 + stop)
+        arrival = mega.avr.send(line * 200 + stop)
         mega.tick(400)
         off = int(mega.avr.edges("enable")["cycle"][-1])
-        assert 0 < off - came < SEEN_MS * CYCLES_PER_MS
+        assert 0 < off - arrival < RECOGNISED_MS * CYCLES_PER_MS
         acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
         assert acks == [(seq, b"\0")]
         assert mega.state == State.EMERGENCY

@@ -131,9 +131,9 @@ def test_a_straight_move_from_rest_is_straight_and_together(first: Steps, speed:
     watched.run()
     assert watched.rig.steps == target
     for point in watched.steps[begin:]:
-        gone = [p - a for p, a in zip(point, start, strict=True)]
-        along = sum(g * w for g, w in zip(gone, way, strict=True)) / length
-        off = math.sqrt(max(0.0, sum(g * g for g in gone) - along * along))
+        moved = [p - a for p, a in zip(point, start, strict=True)]
+        along = sum(g * w for g, w in zip(moved, way, strict=True)) / length
+        off = math.sqrt(max(0.0, sum(g * g for g in moved) - along * along))
         assert off < 1.5
     moves = watched.moves()[begin - 1 :]
     ends = [max(tick for tick, move in enumerate(moves) if move[arm]) for arm in range(3) if way[arm]]

@@ -5,24 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from dialogue import DIALOGUES, Said, read, wanted
+from dialogue import DIALOGUES, Entry, expected_replies, read
 from program import BYTE_MS, LAST, Program
 from rig import Core
 
 
-def played(dialogue: list[Said], program: Program) -> list[Said]:
+def played(dialogue: list[Entry], program: Program) -> list[Entry]:
     """Our replies, with the timing of 9600 baud."""
-    for said in dialogue:
-        if said.to_robot:
-            program.tick(said.ms - program.ms)
-            for sent, byte in enumerate(said.text.encode("ascii")):
-                program.tick(int(said.ms + (sent + 1) * BYTE_MS) + 1 - program.ms)
+    for entry in dialogue:
+        if entry.to_robot:
+            program.tick(entry.ms - program.ms)
+            for sent, byte in enumerate(entry.text.encode("ascii")):
+                program.tick(int(entry.ms + (sent + 1) * BYTE_MS) + 1 - program.ms)
                 program.send(bytes([byte]))
     program.tick(5000)
     free, replies = 0.0, []
     for ms, line in program.lines:
         free = max(free, ms) + len(line) * BYTE_MS
-        replies.append(Said(to_robot=False, ms=int(free), text=line))
+        replies.append(Entry(to_robot=False, ms=int(free), text=line))
     return replies
 
 
@@ -35,8 +35,8 @@ def test_both_dialogues_are_complete() -> None:
 def test_replies_equal_the_reference_dialogue_and_are_not_later(path: Path, framed: bool, body: Core) -> None:
     dialogue = read(path)
     program = Program(body, framed=framed, look_ms=1)
-    theirs, ours = wanted(dialogue), played(dialogue, program)
-    assert [said.text for said in ours] == [said.text for said in theirs]
+    theirs, ours = expected_replies(dialogue), played(dialogue, program)
+    assert [entry.text for entry in ours] == [entry.text for entry in theirs]
     late = [(own, old.ms) for own, old in zip(ours, theirs, strict=True) if own.ms > old.ms]
     assert late == []
 

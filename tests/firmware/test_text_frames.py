@@ -49,9 +49,9 @@ def test_telemetry_ends_two_seconds_after_the_last_frame_of_the_host() -> None:
     firmware.receive(PING)
     firmware.tick(5000)
     frames = Decoder().feed(firmware.transmit())
-    told = [Telemetry.unpack(frame.payload).tick for frame in frames if frame.type == FrameType.TELEMETRY]
-    assert told[0] == 500
-    assert 500 + HOST_GONE - 10 <= told[-1] < 500 + HOST_GONE
+    ticks = [Telemetry.unpack(frame.payload).tick for frame in frames if frame.type == FrameType.TELEMETRY]
+    assert ticks[0] == 500
+    assert 500 + HOST_GONE - 10 <= ticks[-1] < 500 + HOST_GONE
     firmware.receive(PING)
     assert len(Decoder().feed(firmware.transmit())) == 2
 
@@ -170,10 +170,10 @@ def test_text_leaves_room_for_a_reply_and_continues_later() -> None:
     hello = encode(FrameType.HELLO, 1, b"")
     firmware._memory.write(firmware._store, hello, firmware._receive_at)
     assert firmware._call("receive", len(hello)) == len(hello)
-    said = firmware.transmit()
-    assert Decoder().feed(said)[-1].type == FrameType.HELLO_REPLY
+    sent = firmware.transmit()
+    assert Decoder().feed(sent)[-1].type == FrameType.HELLO_REPLY
     answer = b"ACK\n\n0 0 0\nACK\n"
-    assert said.startswith(answer * 900)
+    assert sent.startswith(answer * 900)
     firmware.tick(1)
     assert b"0 0 0\n" in firmware.transmit()
 

@@ -1,4 +1,4 @@
-"""Zero and calibration of the text port, separate from home."""
+"""Zero and calibration of the text port, which do not depend on home."""
 
 from __future__ import annotations
 

@@ -58,8 +58,8 @@ def test_none_of_3000_damaged_moves_is_executed(ready: Rig, move: bytes) -> None
         tried += 1
         # A delimiter that becomes 0x01 makes a frame one byte longer whose CRC is right (a property of CRCs without a
         # final xor): the length refuses it. A `@` where a frame begins, and a line end behind it, make unknown text.
-        said = [reply.payload for reply in ready.raw(data + b"\0")]
-        assert said in ([], [bytes([Error.BAD_LENGTH])], [b"\x01NACK\n"])
+        replies = [reply.payload for reply in ready.raw(data + b"\0")]
+        assert replies in ([], [bytes([Error.BAD_LENGTH])], [b"\x01NACK\n"])
         assert State.MOVING not in ready.state
     ready.tick(50)
     assert ready.steps == (0, 0, 0)

@@ -24,7 +24,7 @@ from gui.window import Window
 
 @pytest.fixture(scope="session", autouse=True)
 def runtime_folder(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Qt warns where the system has made none, as in containers; warnings are errors."""
+    """Create a runtime folder, without which Qt warns, as in containers; warnings are errors."""
     os.environ.setdefault("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
 
 
@@ -53,7 +53,7 @@ def window(qtbot: QtBot, link: RecordingLink, state: WatchedState) -> Iterator[W
 
 @pytest.fixture
 def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
-    """The intents since the last call; without those of the tabs."""
+    """Return the intents since the last call, without those of the tabs."""
 
     def taken() -> list[Intent]:
         given = state.intents.copy()
@@ -81,7 +81,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture(scope="module")
 def robots(stage: Stage) -> dict[str, Robot]:
-    """Both robots, seen by a client of its own with the window's seat."""
+    """Both robots, through another client with the window's seat."""
     return {twin: ready(stage.robot("bea", twin)) for twin in ("sim", "hw")}
 
 
@@ -110,6 +110,6 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 
 
 def is_at_rest(robot: Robot) -> bool:
-    """Whether a STOP of another session refuses motions no longer."""
+    """Whether the pause after a STOP of another session has ended."""
     stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]
     return time.time_ns() - max(stops_ns, default=0) > QUIET_S * 1e9

@@ -43,7 +43,7 @@ GUI = str(Path(__file__).resolve().parents[2] / "gui" / "*")
 
 
 def at(world: World, passed_s: float, events: tuple[Event, ...]) -> World:
-    """The world at a time of the hour: robots on their way."""
+    """Return the world at a time of the hour, with moving robots."""
     arms = (passed_s % 60, -(passed_s % 30), passed_s % 20)
     now_s = 100.0 + passed_s
     place = msgspec.structs.replace(positions(arms), t_mono_ns=round(now_s * 1e9))
@@ -57,21 +57,21 @@ def at(world: World, passed_s: float, events: tuple[Event, ...]) -> World:
 
 
 def request_of_another(number: int, passed_s: float) -> Event:
-    """Something that another seat has done."""
+    """Return an event of another seat."""
     t_ns = round(passed_s * 1e9)
     kind, seat = EventKind.COMMAND, f"seat-{number % 30}"
     return Event(seq=number, t_mono_ns=t_ns, t_wall_ns=10**15 + t_ns, kind=kind, action="enable", seat=seat)
 
 
 def picture(number: int, passed_s: float) -> CameraImage:
-    """What an eye of the simulation sees."""
+    """Return a picture of an eye of the simulation."""
     return CameraImage(
         JPEG, "left", number, round(passed_s * 1e9), 0, 64, 48, "egl", round(passed_s * 1e9), 0
     )
 
 
 def held() -> int:
-    """Bytes that were allocated by our modules and are still in use."""
+    """Return the number of bytes that modules of this project have allocated and still use."""
     snapshot = tracemalloc.take_snapshot().filter_traces(
         [tracemalloc.Filter(inclusive=True, filename_pattern=GUI)]
     )

@@ -40,7 +40,7 @@ def of_bytes(
 
 
 class Decoder:
-    """Counts what is decoded."""
+    """Counts the decoded pictures."""
 
     def __init__(self) -> None:
         self.seen: list[bytes] = []
@@ -70,7 +70,7 @@ def picture(qtbot: QtBot) -> Picture:
 
 
 def colour(widget: Picture | Eyes | OutsideView, x: float, y: float) -> tuple[int, int, int]:
-    """Colour of the widget, x and y as parts of its size."""
+    """Return the colour at a point of the widget; x and y are fractions of its size."""
     image = widget.grab().toImage()
     pixel = image.pixelColor(int(x * image.width()), int(y * image.height()))
     return pixel.red(), pixel.green(), pixel.blue()
@@ -96,12 +96,12 @@ def test_only_the_newest_picture_is_decoded_and_only_when_visible(
         picture.show_image(picture_of(RED, seq=seq))
     picture.show_image(picture_of(BLUE, seq=100))
     qtbot.wait(2 * eyes.PERIOD_MS)
-    assert decoder.seen == [], "it is hidden"
+    assert decoder.seen == [], "the widget is hidden"
     picture.show()
     qtbot.waitUntil(lambda: len(decoder.seen) == 1)
     assert alike(colour(picture, 0.5, 0.5), BLUE)
     picture.repaint()
-    assert len(decoder.seen) == 1, "a picture is decoded once"
+    assert len(decoder.seen) == 1, "each picture is decoded once"
 
 
 def test_at_most_thirty_pictures_a_second_are_drawn(qtbot: QtBot, picture: Picture, decoder: Decoder) -> None:
@@ -132,21 +132,21 @@ def test_a_text_replaces_a_missing_picture(picture: Picture) -> None:
 @pytest.mark.parametrize(
     "jpeg", [b"", b"nonsense", bytes(1000), simplejpeg.encode_jpeg(np.zeros((8, 8, 3), np.uint8))[:40]]
 )
-@pytest.mark.qt_log_ignore("JPEG")  # libjpeg warns of it
+@pytest.mark.qt_log_ignore("JPEG")  # libjpeg logs a warning
 def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, jpeg: bytes) -> None:
     picture.show_image(picture_of(RED))
     picture.show_image(of_bytes(jpeg, seq=2))
-    said = picture.grab().toImage()
+    shown = picture.grab().toImage()
     picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
     picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
-    assert picture.grab().toImage() == said
+    assert picture.grab().toImage() == shown
     picture.show_view(ON)
     picture.show_image(picture_of(BLUE, seq=3))
     assert alike(colour(picture, 0.5, 0.5), BLUE)
 
 
 def test_the_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(picture: Picture) -> None:
-    for seq in range(0, 30, 3):  # two of three are lost on the way
+    for seq in range(0, 30, 3):  # two of three pictures are lost
         picture.show_image(picture_of(RED, seq=seq, t_s=seq / 15))
     picture.show_view(ON)
     assert picture.note == "15/s"
@@ -193,7 +193,7 @@ def test_each_theme_has_its_colours(picture: Picture, theme: Theme) -> None:
 
 
 def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: Picture) -> None:
-    """The size stands in the header's frame, after 0xFFC0, its length and the precision: height, width."""
+    """The size is in the header's frame, after 0xFFC0, its length and the precision: height, width."""
     jpeg = bytearray(picture_of(RED).jpeg)
     at = jpeg.index(b"\xff\xc0") + 5
     assert jpeg[at : at + 4] == (480).to_bytes(2, "big") + (640).to_bytes(2, "big")

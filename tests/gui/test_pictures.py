@@ -19,7 +19,7 @@ LEFT, RIGHT = ("hw", "left"), ("hw", "right")
 
 
 class ImageLog:
-    """Counts the pictures that were handed over."""
+    """Counts the delivered pictures."""
 
     def __init__(self) -> None:
         self.seen: dict[tuple[str, str], list[CameraImage]] = {}
@@ -84,7 +84,7 @@ def test_no_camera_works_before_its_pictures_are_wanted(
     pictures.watch(frozenset())
     last = images_taken.count(*LEFT)
     wait_status(hw, lambda status: not status.cameras[0].streaming, "the camera rests")
-    assert images_taken.count(*LEFT) == last, "none is handed over that is not wanted"
+    assert images_taken.count(*LEFT) == last, "unsubscribed pictures are not delivered"
 
 
 def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_taken: ImageLog) -> None:
@@ -120,7 +120,7 @@ def test_a_robot_that_dies_is_waited_for(stage: Stage, client: Client, images_ta
 def test_a_camera_without_a_router_is_tried_again(
     stage: Stage, client: Client, images_taken: ImageLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The window's own session is there; that for pictures cannot be opened at first."""
+    """The window's own session is open; the session for pictures cannot be opened at first."""
     endpoint = client.settings.connect
     client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
     pictures = Pictures(client, "bea", images_taken.add)

@@ -55,7 +55,7 @@ def ramp(time_s: float) -> float:
 
 
 def fill(plots: Plots, arms: Callable[[float], Arms], seconds: float = 10.0) -> None:
-    """Feed 20 worlds a second; the hardware is late."""
+    """Append 20 worlds a second; the hardware lags."""
     for tick in range(round(seconds * 20) + 1):
         now_s = tick / 20
         plots.append(world_at(now_s, arms(now_s - 0.01), arms(now_s - 0.01 - LAG_S)))
@@ -100,7 +100,7 @@ def test_curves_are_drawn_at_most_20_times_a_second(plots: Plots, monkeypatch: p
     assert len(curve(plots.arms[0].lines[0])[0]) == 1
     monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
     plots.append(world_at(1.1))
-    assert len(curve(plots.arms[0].lines[0])[0]) == 3, "none is lost"
+    assert len(curve(plots.arms[0].lines[0])[0]) == 3, "no sample is lost"
 
 
 def test_memory_is_bounded() -> None:
@@ -135,7 +135,7 @@ def test_a_sample_is_kept_once_and_a_pause_breaks_the_line() -> None:
     assert times.tolist() == [1.0, 1.1, 1.1, 5.0]
     assert np.isnan(angles[2])
     history.add(0.5, (7, 0, 0))
-    assert history.samples[:, 1].tolist() == [7.0], "another clock begins anew"
+    assert history.samples[:, 1].tolist() == [7.0], "another clock clears the samples"
 
 
 def test_there_is_no_difference_without_a_simulation() -> None:
@@ -149,7 +149,9 @@ def test_the_stamps_of_another_computer_are_moved_to_this_clock() -> None:
     state = robot_at("hw", 99.9, (0, 0, 0))
     assert sample_time_s(state, 100.0) == pytest.approx(99.9)
     foreign = robot_at("hw", 5099.9, (0, 0, 0))
-    assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the arrival, until the clock is measured"
+    assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), (
+        "the time of arrival is used until the clock is measured"
+    )
     measured = replace(foreign, offsets=Offsets(wall=Offset(0.0, 0.001), mono=Offset(5000.0, 0.001)))
     assert sample_time_s(measured, 100.0) == pytest.approx(99.9)
 
@@ -194,8 +196,8 @@ def test_each_theme_has_its_colours_and_widths(plots: Plots, theme: Theme) -> No
     hw, sim = (line.opts["pen"] for line in plots.arms[0].lines)
     assert sim.color() == QColor(style_of(theme).sim)
     assert hw.color().name() == style_of(theme).hw
-    assert hw.color().alphaF() < 0.7, "pale"
-    assert hw.widthF() >= 2 * sim.widthF(), "wide for the hardware"
+    assert hw.color().alphaF() < 0.7, "the hardware's line is translucent"
+    assert hw.widthF() >= 2 * sim.widthF(), "the hardware's line is wide"
     if theme is Theme.PROJECTOR:
         assert sim.widthF() == 3.0
     plots.show()

@@ -41,7 +41,7 @@ class Screen:
         self.display = f":{self._server.stdout.readline().strip()}"
 
     def tool(self, *words: str) -> str:
-        """What xdotool prints; empty if it fails."""
+        """Return the output of xdotool; empty if it fails."""
         done = subprocess.run(
             ["xdotool", *words],
             env={**os.environ, "DISPLAY": self.display},
@@ -86,7 +86,7 @@ def stage() -> Iterator[Stage]:
 def window(
     stage: Stage, screen: Screen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Process]:
-    """The window, shown and with the keys; opencv-python's setting, which breaks Qt, is there."""
+    """The window, shown and with the keyboard focus; opencv-python's setting, which breaks Qt, is set."""
     monkeypatch.setenv("DISPLAY", screen.display)
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     monkeypatch.setenv("QT_QPA_PLATFORM_PLUGIN_PATH", str(tmp_path / "cv2/qt/plugins"))
@@ -103,7 +103,7 @@ def window(
 
 
 def found(screen: Screen) -> str:
-    """Number of the window."""
+    """Return the X number of the window."""
     return screen.tool("search", "--onlyvisible", "--name", "^BEATRIX – bea$").partition("\n")[0]
 
 
@@ -140,12 +140,12 @@ def test_a_signal_ends_the_window_and_its_children(
     assert window.wait(END_S + 5) == 0
     assert time.monotonic() - began_s < END_S
     assert not Path(f"/proc/{recorder}").exists(), "the recorder has ended"
-    assert not [line for line in window.lines if line != "ready window"], "it complained"
+    assert not [line for line in window.lines if line != "ready window"], "the window printed an error"
     (file,) = recordings.glob("*.rrd")
     assert set(read(file).robots) == {("bea", "sim"), ("bea", "hw")}
 
 
 def children(process: Process) -> list[int]:
-    """Numbers of the child processes."""
+    """Return the process numbers of the children."""
     listings = Path(f"/proc/{process.pid}/task").glob("*/children")
     return [int(number) for listing in listings for number in listing.read_text().split()]

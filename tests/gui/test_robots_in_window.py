@@ -21,7 +21,7 @@ pytestmark = [
 
 
 def turned(**arms: float) -> tuple[float, float, float]:
-    """Angles of short, middle and long arm; those that are not named are at home."""
+    """Return the angles of short, middle and long arm (deg); 0 for an arm that is not given."""
     by_all = arms.get("all", 0.0)
     return arms.get("short", by_all), arms.get("middle", by_all), arms.get("long", by_all)
 
@@ -51,7 +51,7 @@ def test_absolute_mode_goes_to_the_increment_on_either_side(user: Windowed, sim:
     arms = user.window.panels.arms
     user.send_to("sim")
     user.check(arms.absolute)
-    for _ in range(2):  # the second press changes nothing: it is there
+    for _ in range(2):  # the second press changes nothing: the arm is at its goal
         user.press(arms.rows["long"].plus)
         user.until_at(sim, 0, 0, 5)
         user.until_last("done")
@@ -100,7 +100,7 @@ def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robo
             panels.head.numbers[twin, axis]: getattr(at.head, axis) for axis in ("yaw", "pitch", "roll")
         }
         assert len({round(angle) for angle in shown.values()}) > 3, (
-            "they differ, so that none stands for another"
+            "the values differ, so that the test notices swapped ones"
         )
         user.until(
             lambda shown=shown: all(shows(label, angle) for label, angle in shown.items()),  # type: ignore[misc]
@@ -125,7 +125,9 @@ def test_commands_of_both_robots(user: Windowed, robots: dict[str, Robot]) -> No
         user.until_at(robot, *HOME)
     user.until_last("home done")
     user.press(buttons["disable"])
-    assert "sinks" in panels.refusal.text.text(), "it asks before it does what cannot be undone"
+    assert "sinks" in panels.refusal.text.text(), (
+        "the button asks first, because the command cannot be undone"
+    )
     assert all(robot.status().enabled for robot in robots.values())
     user.press(buttons["disable"])
     user.until_last("disable done")
@@ -144,7 +146,7 @@ def test_commands_of_both_robots(user: Windowed, robots: dict[str, Robot]) -> No
 
 
 def stop_by_mouse(user: Windowed) -> None:
-    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)  # not released yet
+    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)  # the button is not released yet
 
 
 def stop_in_a_box(user: Windowed) -> None:
@@ -180,7 +182,9 @@ def test_stop_stops_both_while_they_move(user: Windowed, sim: Robot, hw: Robot) 
         stop(user)
         user.until(lambda: not (sim.status().moving or hw.status().moving), "both rest")
         user.until_last("stop done", "both")
-        assert all(abs(robot.positions().arms.long - way * 60) > 5 for robot in (sim, hw)), "they went on"
+        assert all(abs(robot.positions().arms.long - way * 60) > 5 for robot in (sim, hw)), (
+            "the arms moved on after STOP"
+        )
         QTest.mouseRelease(panels.stop_bar, Qt.MouseButton.LeftButton)
         way = -way
 
@@ -282,8 +286,8 @@ def test_during_the_lead_the_hardware_can_be_kept_unmoved(
     shown = user.window.panels.head.pad._view
     assert shown is not None
     assert shown.sim is not None
-    there = 5 if name == "change" else shown.sim.yaw
-    assert shown.target.yaw == pytest.approx(there, abs=0.2)
+    expected_yaw = 5 if name == "change" else shown.sim.yaw
+    assert shown.target.yaw == pytest.approx(expected_yaw, abs=0.2)
 
 
 def test_the_hardware_follows_after_the_lead(user: Windowed, sim: Robot, hw: Robot) -> None:

@@ -182,7 +182,7 @@ def test_the_command_line_is_one_that_beatrix_parses(line: str) -> None:
 
 
 def parsed(words: list[str]) -> dict[str, Any]:
-    """Parameters of the verb as typer reads them; fails for wrong usage, and runs nothing."""
+    """Return the parameters of a command line as typer parses them; fails for wrong usage, and runs nothing."""
     app = typer.main.get_command(application(words))
     with app.make_context("beatrix", list(words)) as context:
         name, verb, rest = app.resolve_command(context, words)  # type: ignore[attr-defined]

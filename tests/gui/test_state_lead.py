@@ -39,7 +39,7 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
     for now in (plan(PlanPhase.SENT), world()):
         view = state_after(BOTH).view(now).sending
         assert [view.send_now.enabled, view.change.enabled] == [False] * 2
-        assert view.abort.enabled is (now.plan is not None), "it stops both"
+        assert view.abort.enabled is (now.plan is not None), "the button stops both robots"
         assert view.send_now.tooltip == "No motion waits for its lead."
 
 
@@ -89,7 +89,7 @@ def test_plus_in_the_lead_adds_to_the_goal_of_both() -> None:
     assert arms_of(again) == pytest.approx((5.0, 0.0, 5.0))
     third = sent(state.handle(Jog("all", -1), leading))
     assert arms_of(third) == pytest.approx((0.0, -5.0, 0.0))
-    assert third.query.absolute, "robots that stand apart come to one place"
+    assert third.query.absolute, "robots at different places move to one place"
 
 
 def test_abort_just_after_the_hardware_was_sent_its_motion_stops_both() -> None:
@@ -104,4 +104,4 @@ def test_the_target_follows_the_head_until_the_user_aims() -> None:
     state.handle(intents.AimHead(20, 10, 5), world())
     assert state.view(world()).head.target == Orientation(20, 10, 5)
     state.handle(Jog("short", 1), world())
-    assert state.view(world()).head.target == state.view(world()).head.sim, "an old aim is not kept"
+    assert state.view(world()).head.target == state.view(world()).head.sim, "an old target is not kept"

@@ -1,4 +1,4 @@
-"""The lease in the window: the button of each robot, notes, and what is said when a lease changes hands."""
+"""The lease in the window: the button of each robot, notes, and the banner when a lease gets another holder."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
 
 
 def banner_of(state: State, now: World) -> str:
-    """The text of the banner after the world has become `now`; empty: none."""
+    """Return the text of the banner after the world has changed to `now`; empty without a banner."""
     state.follow(now)
     banner = state.view(now).banner
     return "" if banner is None else banner.text

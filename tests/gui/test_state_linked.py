@@ -31,13 +31,13 @@ class BareWindow:
     """A window without widgets."""
 
     def __init__(self, linked: Linked) -> None:
-        self.linked, self.state, self.heard = linked, State(), 0
+        self.linked, self.state, self.reported = linked, State(), 0
 
     def view(self) -> View:
         """Return the present view."""
-        while self.heard < len(self.linked.outcomes):
-            self.state.report(self.linked.outcomes[self.heard])
-            self.heard += 1
+        while self.reported < len(self.linked.outcomes):
+            self.state.report(self.linked.outcomes[self.reported])
+            self.reported += 1
         return self.state.view(self.linked.world)
 
     def want(self, intent: Intent) -> None:
@@ -45,7 +45,7 @@ class BareWindow:
             self.linked.do(action)
 
     def ends(self) -> bool:
-        """Wait for the end of the newest own request; return whether that is good."""
+        """Wait for the end of the newest request of the window; return whether it succeeded."""
         until(lambda: self.own() is not None, "the newest request ends", 15.0)
         return bool(self.own())
 

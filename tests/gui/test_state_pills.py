@@ -128,8 +128,8 @@ def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
 
 
 def test_a_robot_that_was_on_line_is_lost_and_one_that_was_not_is_absent() -> None:
-    gone = replace(absent("hw"), status=status("hw"))
-    found = pill(world(hw=gone), "hw")
+    lost = replace(absent("hw"), status=status("hw"))
+    found = pill(world(hw=lost), "hw")
     assert (found.condition, found.text) == (Condition.ABSENT, "lost")
     assert "is not any more" in found.reason
     assert pill(world(hw=absent("hw")), "hw").text == "not on line"

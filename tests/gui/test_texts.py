@@ -24,7 +24,7 @@ def slots(template: str) -> set[str]:
 
 
 def literals(node: ast.AST) -> Iterator[str]:
-    """Texts, and regular expressions of texts, that an expression may come to."""
+    """Return the texts, and regular expressions of texts, that an expression may evaluate to."""
     match node:
         case ast.Constant(value=str(text)):
             yield re.escape(text)
@@ -38,7 +38,7 @@ def literals(node: ast.AST) -> Iterator[str]:
 
 
 def keys_asked_for(tree: ast.AST) -> Iterator[str]:
-    """Expressions of the keys that calls name."""
+    """Return the expressions that calls use as keys."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             called = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
@@ -48,13 +48,13 @@ def keys_asked_for(tree: ast.AST) -> Iterator[str]:
 
 
 def is_used(key: str, words: set[str], patterns: set[str]) -> bool:
-    """Whether a key stands in the window's code, or is put together from words that do."""
+    """Whether the window's code contains a key, or the words that it is composed of."""
     found = (re.fullmatch(pattern, key) for pattern in patterns)
     return key in words or any(match and words.issuperset(match.groups()) for match in found)
 
 
 def modules() -> dict[Path, ast.Module]:
-    """All code of the window but the tables of texts."""
+    """Return all modules of the window except the tables of texts."""
     return {
         path: ast.parse(path.read_text(encoding="utf-8"))
         for path in GUI.rglob("*.py")

@@ -124,7 +124,7 @@ def test_each_button_reports_its_intent(qtbot: QtBot, window: Window, intents: T
 
 
 def test_every_control_has_a_tooltip_and_a_name(window: Window) -> None:
-    """Tooltip and accessible name, also of those that are switched off."""
+    """Disabled controls have a tooltip and an accessible name, too."""
     kinds = (QAbstractButton, QSlider)
     controls = [widget for widget in window.findChildren(QWidget) if isinstance(widget, kinds)]
     controls = [

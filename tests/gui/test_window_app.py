@@ -20,7 +20,7 @@ START_S, END_S = 30.0, 3.0
 
 
 def start(folder: Path, *words: str, **environment: str) -> subprocess.Popen[str]:
-    """Start the window; its choices are kept in the folder."""
+    """Start the window, with its file of choices in this folder."""
     return subprocess.Popen(
         [sys.executable, "-c", PROGRAM, "--connect", NOWHERE, *words],
         env={**os.environ, "XDG_CONFIG_HOME": str(folder), **environment},

@@ -21,30 +21,30 @@ from gui.state.saved import Saved
 from gui.window import PERIOD_MS
 
 SOON_S = 0.5
-"""After it can be known."""
+"""Longest time (s) from the moment at which a fault can be detected to its display."""
 SILENCE_S = 0.4
-"""Without positions: a robot that misses fewer may be on a busy network."""
+"""Time (s) without positions after which a robot is silent; shorter gaps are normal on a busy network."""
 GAP_S = 0.5
 """Longest time between two ticks of the window's timer, of 50 ms, on a computer that is not busy."""
 pytestmark = pytest.mark.usefixtures("qtbot")
 
 
 class Gaps:
-    """The longest time between ticks: of the window's timer, and of a thread that does nothing else.
+    """Measures the longest time between ticks of the window's timer, and of a thread that does nothing else.
 
-    The thread tells how long this computer keeps any program waiting.
+    The thread shows how long this computer delays any program.
     """
 
     def __init__(self, user: Windowed) -> None:
         self._ticks: list[float] = []
-        self._beats: list[float] = []
+        self._thread_ticks: list[float] = []
         self._end = threading.Event()
-        self._thread = threading.Thread(target=self._beat)
+        self._thread = threading.Thread(target=self._measure)
         user.window._timer.timeout.connect(lambda: self._ticks.append(time.monotonic()))
 
-    def _beat(self) -> None:
+    def _measure(self) -> None:
         while not self._end.wait(PERIOD_MS / 1e3):
-            self._beats.append(time.monotonic())
+            self._thread_ticks.append(time.monotonic())
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -56,11 +56,11 @@ class Gaps:
 
     @property
     def busy_s(self) -> float:
-        """How much longer than its pause the thread was kept waiting."""
-        return longest(self._beats) - PERIOD_MS / 1e3
+        """Longest delay of the thread beyond its pause (s)."""
+        return longest(self._thread_ticks) - PERIOD_MS / 1e3
 
     def check(self) -> None:
-        """The window's timer went on."""
+        """Assert that the window's timer was not blocked."""
         assert len(self._ticks) > 5
         assert longest(self._ticks) < GAP_S + 2 * self.busy_s, f"this computer: {self.busy_s:.3f} s"
 
@@ -76,12 +76,12 @@ def stage() -> Iterator[Stage]:
 
 
 def shows(user: Windowed, twin: str, words: str) -> Callable[[], bool]:
-    """A function that returns whether the state of a robot holds these words."""
+    """Return a function that tests whether the state of a robot contains these words."""
     return lambda: words in user.window.panels.header.pills[twin].state.text()
 
 
-def within(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps, limit_s: float) -> None:
-    """Until it is so; in this time, and what this computer takes for itself."""
+def assert_soon(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps, limit_s: float) -> None:
+    """Wait for a condition; fail if it takes longer than `limit_s` plus the measured delays of this computer."""
     began_s = time.monotonic()
     user.until(holds, what)
     took_s = time.monotonic() - began_s
@@ -91,9 +91,9 @@ def within(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps, lim
 def test_a_robot_that_is_killed_and_started_again(stage: Stage) -> None:
     hw = stage.hardware("bea")
     with windowed(stage.endpoint) as user, Gaps(user) as gaps:
-        user.until(shows(user, "hw", "motors off"), "it is there")
+        user.until(shows(user, "hw", "motors off"), "the robot is shown")
         hw.send(signal.SIGKILL)
-        within(user, shows(user, "hw", "not on line"), "it has gone", gaps, SOON_S)
+        assert_soon(user, shows(user, "hw", "not on line"), "the loss is shown", gaps, SOON_S)
         assert user.window.panels.arms.rows["short"].hw.text() == "–", "an old angle is not shown"
         user.send_to("hw")
         user.press(user.window.panels.arms.rows["short"].plus)
@@ -112,11 +112,11 @@ def test_a_frozen_hardware_slows_neither_window_nor_simulation(stage: Stage) -> 
     with windowed(stage.endpoint, saved=Saved(speed=80.0, lead_s=0.0)) as user, Gaps(user) as gaps:
         panels = user.window.panels
         user.until_ready("sim")
-        user.until(shows(user, "hw", "motors off"), "it is there")
+        user.until(shows(user, "hw", "motors off"), "the robot is shown")
         hw.send(signal.SIGSTOP)
-        within(user, shows(user, "hw", "silent"), "it is frozen", gaps, SILENCE_S + SOON_S)
+        assert_soon(user, shows(user, "hw", "silent"), "it is frozen", gaps, SILENCE_S + SOON_S)
         user.send_to("sim", "hw")
-        user.press(panels.commands.buttons["enable"])  # the hardware will not answer
+        user.press(panels.commands.buttons["enable"])  # the hardware does not reply
         user.send_to("sim")
         user.press(panels.arms.rows["all"].plus)
         user.until_at(sim, 5, 5, 5)
@@ -142,22 +142,22 @@ def test_a_router_that_is_started_again(stage: Stage) -> None:
     hw.expect("ready")
     with windowed(endpoint) as user, Gaps(user) as gaps:
         panels = user.window.panels
-        user.until(shows(user, "hw", "motors off"), "it is there")
-        assert not says_router(user, endpoint)
+        user.until(shows(user, "hw", "motors off"), "the robot is shown")
+        assert not banner_names_router(user, endpoint)
         router.send(signal.SIGKILL)
-        within(user, lambda: says_router(user, endpoint), "there is no router", gaps, SOON_S)
+        assert_soon(user, lambda: banner_names_router(user, endpoint), "there is no router", gaps, SOON_S)
         user.key(Qt.Key.Key_Space)
         user.until_last("stop", "router")
         stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
         user.until(shows(user, "hw", "motors off"), "all is back")
-        user.until(lambda: not says_router(user, endpoint), "the banner has gone")
+        user.until(lambda: not banner_names_router(user, endpoint), "the banner is hidden")
         user.press(panels.header.pills["hw"].next_step)
-        user.until(shows(user, "hw", "not calibrated"), "it does as it is told")
+        user.until(shows(user, "hw", "not calibrated"), "the robot carries out a command")
         gaps.check()
 
 
-def says_router(user: Windowed, endpoint: str) -> bool:
-    """Whether the banner is about the router."""
+def banner_names_router(user: Windowed, endpoint: str) -> bool:
+    """Whether the banner names the router."""
     banner = user.window.panels.banner
     return banner.isVisible() and endpoint in banner.text.text()
 
@@ -174,7 +174,9 @@ def test_a_camera_that_is_unplugged_and_plugged_in(stage: Stage, tmp_path: Path)
         left = panels.eyes.pictures["hw", "left"]
         user.until(lambda: left.note.endswith("/s"), "pictures come")
         picture.rename(away)
-        within(user, lambda: str(picture) in left.accessibleDescription(), "it has gone", gaps, SOON_S)
+        assert_soon(
+            user, lambda: str(picture) in left.accessibleDescription(), "the loss is shown", gaps, SOON_S
+        )
         away.rename(picture)
         user.until(lambda: not left.accessibleDescription() and left.note.endswith("/s"), "it is back")
         gaps.check()

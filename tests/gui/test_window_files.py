@@ -38,7 +38,7 @@ def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:
 
 
 def enter(dialog: FileDialog, name: str) -> None:
-    """Type a name and Enter; a modal box would be left open after a second, and is found then."""
+    """Type a name and Enter; a modal box would still be open after a second, and the test finds it."""
     boxes: list[object] = []
 
     def close_boxes() -> None:
@@ -104,7 +104,7 @@ def test_a_file_that_is_missing_is_not_played(
     dialog = opened(qtbot, window, window.panels.poses.play_file)
     intents()
     enter(dialog, "none.csv")  # Open is off
-    dialog.accept()  # as if the file had been there until now
+    dialog.accept()  # as if the file was deleted just now
     assert dialog.isVisible()
     assert "none.csv" in dialog.notice.text()
     QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
@@ -129,10 +129,10 @@ def test_message_boxes_of_the_dialog_are_closed_at_once(qtbot: QtBot, window: Wi
 
 
 def test_the_dialog_closes_when_the_language_changes(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    gone: list[bool] = []
-    opened(qtbot, window, window.panels.poses.play_file).destroyed.connect(lambda: gone.append(True))
+    destroyed: list[bool] = []
+    opened(qtbot, window, window.panels.poses.play_file).destroyed.connect(lambda: destroyed.append(True))
     window.handle(SetLanguage("de"))
-    qtbot.waitUntil(lambda: bool(gone))
+    qtbot.waitUntil(lambda: bool(destroyed))
     dialog = opened(qtbot, window, window.panels.poses.play_file)
     intents()
     enter(dialog, "hello.csv")
@@ -142,10 +142,10 @@ def test_the_dialog_closes_when_the_language_changes(qtbot: QtBot, window: Windo
 
 def test_a_second_dialog_replaces_the_first(qtbot: QtBot, window: Window) -> None:
     poses = window.panels.poses
-    gone: list[bool] = []
-    opened(qtbot, window, poses.save_file).destroyed.connect(lambda: gone.append(True))
+    destroyed: list[bool] = []
+    opened(qtbot, window, poses.save_file).destroyed.connect(lambda: destroyed.append(True))
     second = opened(qtbot, window, poses.play_file)
-    qtbot.waitUntil(lambda: bool(gone))
+    qtbot.waitUntil(lambda: bool(destroyed))
     assert poses.dialog is second
     second.close()
     qtbot.waitUntil(lambda: poses.dialog is None)
@@ -156,8 +156,8 @@ def test_files_are_read_from_the_shipped_ones_and_written_where_the_user_works(
 ) -> None:
     assert (begin_folder(QFileDialog.AcceptMode.AcceptOpen) / "hello.csv").is_file()
     assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == tmp_path
-    gone = tmp_path / "gone"
-    gone.mkdir()
-    monkeypatch.chdir(gone)
-    gone.rmdir()
+    deleted = tmp_path / "gone"
+    deleted.mkdir()
+    monkeypatch.chdir(deleted)
+    deleted.rmdir()
     assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == Path.home()

@@ -62,7 +62,7 @@ def press(key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoMo
 
 
 def under_keys() -> QWidget:
-    """What the platform sends keys to."""
+    """Return the object to which the platform sends keys."""
     found: tuple[QWidget | None, ...] = (
         QApplication.activePopupWidget(),
         QApplication.focusWidget(),
@@ -92,7 +92,7 @@ def test_stop_works_while_a_name_is_typed(qtbot: QtBot, window: Window, intents:
     intents()
     press(key)
     assert intents() == [Stop()]
-    assert panels.poses.name.text() == "nod", "the key is no part of the name"
+    assert panels.poses.name.text() == "nod", "the key is not typed into the name"
     press(Qt.Key.Key_Return)
     assert intents() == [SavePose("nod")]
 
@@ -240,7 +240,7 @@ def test_enter_takes_the_number_that_is_typed(qtbot: QtBot, window: Window, inte
     QTest.keyClicks(box, "12.5")
     assert intents() == []
     window.refresh()
-    assert box.text() == "12.5 °", "what is typed stays while the window is shown anew"
+    assert box.text() == "12.5 °", "typed text stays when the window is updated"
     press(Qt.Key.Key_Return)
     assert intents() == [SetIncrement(12.5)]
 

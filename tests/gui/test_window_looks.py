@@ -35,13 +35,13 @@ def luminance(colour: str) -> float:
 
 
 def contrast(one: str, other: str) -> float:
-    """1 to 21."""
+    """Return the contrast ratio of two colours, from 1 to 21."""
     light, dark = sorted((luminance(one), luminance(other)), reverse=True)
     return (light + 0.05) / (dark + 0.05)
 
 
 def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:
-    """Every colour that is written with on every ground that it is written on, and the contrast it needs."""
+    """Yield each pair of text and background colour, with the contrast that it needs."""
     for ground in ("ground", "panel", "field"):
         for text in ("text", "dim", "good", "warn", "bad"):
             yield text, getattr(colours, text), getattr(colours, ground), READABLE
@@ -88,7 +88,7 @@ def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
 
 
 def cut(widget: QWidget) -> str:
-    """What of a widget's text has no room; empty: nothing."""
+    """Describe the text of a widget that is cut off; empty if all of it has room."""
     if (
         isinstance(widget, QLabel)
         and widget.text()
@@ -114,7 +114,7 @@ def cut(widget: QWidget) -> str:
 
 
 def outside(window: Window) -> Iterator[str]:
-    """Visible widgets that reach beyond the widget they are in."""
+    """Describe each visible widget that extends beyond its parent."""
     for widget in window.findChildren(QWidget):
         parent = widget.parentWidget()
         inner = widget.window() is window and widget.isVisible() and parent is not None
@@ -133,7 +133,7 @@ INNER = {"QListWidget", "QScrollBar", "QWidget"}
 
 
 def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
-    """What is wrong with a window of this size."""
+    """Describe all faults of a window of this size."""
     QApplication.processEvents()
     assert (window.width(), window.height()) == size
     hint = window.minimumSizeHint()
@@ -173,7 +173,7 @@ def test_nothing_is_cut(qtbot: QtBot, theme: Theme, language: str) -> None:
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("theme", Theme)
 def test_the_title_of_the_outside_picture_is_whole(qtbot: QtBot, theme: Theme, language: str) -> None:
-    """Its end says on which side the robot's left is."""
+    """The end of the title names the side on which the robot's left is."""
     window = Window(RecordingLink(), ShownState(example("well", theme, language)))
     qtbot.addWidget(window)
     window.show()

@@ -22,13 +22,13 @@ CLI = ("-m", "beatrix_zenoh.cli")
 
 @pytest.fixture(autouse=True)
 def folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where processes put their choices and temporary files."""
+    """Set the folders of processes for choices and temporary files."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setenv("TMPDIR", str(tmp_path))
 
 
 def window_of(process: Process) -> int:
-    """Number of the child that is the window."""
+    """Return the process number of the window."""
     for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
         for number in listing.read_text().split():
             if "gui" in Path(f"/proc/{number}/cmdline").read_text().split("\0"):

@@ -1,4 +1,4 @@
-"""A board with the boot loader of the Arduino Mega, which runs at every reset and must not receive data."""
+"""A board with the boot loader of the Arduino Mega, which starts at every reset and must not receive data."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def test_pictures_are_taken_only_while_a_client_subscribes(eyes: Eyes, robot: Ro
     taken = eyes.taken["left"]
     robot.status()
     robot.status()
-    assert eyes.taken["left"] <= taken + 1, "one may have been under way"
+    assert eyes.taken["left"] <= taken + 1, "one picture may have been in preparation"
 
 
 def test_an_image_has_its_header(eyes: Eyes, robot: Robot) -> None:
@@ -154,7 +154,7 @@ def test_a_frozen_subscriber_delays_no_other(eyes: Eyes, stage: Stage, robot: Ro
             seqs = [images.next(1.0).seq for _ in range(100)]
             lost = seqs[-1] - first - len(seqs)
             # On a busy machine this reader itself may be late and drop the oldest.
-            assert lost - (images.dropped - dropped) <= 5, "lost by one that reads"
+            assert lost - (images.dropped - dropped) <= 5, "a subscriber that reads loses few pictures"
         finally:
             reader.end(SIGKILL)  # the exit code of the frozen subscriber does not matter
 
@@ -201,8 +201,8 @@ def test_undecodable_pictures_are_skipped_and_reported_once(
             "the foreigner is reported",
         )
         assert all(image.jpeg == PICTURE for _ in range(5) for image in images.take(0.1))
-    (said,) = [record.getMessage() for record in caplog.records if "no JPEG" in record.getMessage()]
-    assert key in said
+    (message,) = [record.getMessage() for record in caplog.records if "no JPEG" in record.getMessage()]
+    assert key in message
 
 
 def test_there_is_no_third_eye(robot: Robot) -> None:

@@ -23,7 +23,7 @@ def test_nodes_seats_and_what_they_subscribe_to_are_shown(shell: Shell, tmp_path
         assert rows["seat ana"]["subscribes"] == [f"beatrix/{NAME}/hw/state/positions"]
         assert f"{NAME} (hw): state/positions" in shell.good("graph")
         shell.good("graph", "--svg", str(tmp_path / "graph.svg"))
-        drawn = ET.parse(tmp_path / "graph.svg").getroot()  # written by this test
+        drawn = ET.parse(tmp_path / "graph.svg").getroot()  # the drawing that this test has written
         texts = {element.text for element in drawn.iter("{http://www.w3.org/2000/svg}text")}
         assert texts >= {*NODES, "seat ana", "state/positions"}
     until(lambda: "seat ana" not in shell.good("graph", "--who", "teacher"), "ana has left")

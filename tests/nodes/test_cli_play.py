@@ -34,7 +34,7 @@ def steps(robot: Robot) -> Steps:
     return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
 
 
-# A seat stopped by Ctrl-C must pause, so each of these tests has its own seat.
+# A seat that was stopped by Ctrl-C must pause, so each of these tests has its own seat.
 
 # -- lead ---------------------------------------------------------------------------------------
 
@@ -42,8 +42,8 @@ def steps(robot: Robot) -> Steps:
 def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     done = free.run("look", "--yaw", "8", "--speed", "60", "--on", "both", "--lead", "2", "--json")
     assert done.returncode == 0, done.stderr
-    said = [line for line in done.stderr.splitlines() if "moves in" in line]
-    assert [line.split(";")[0] for line in said] == [
+    lines = [line for line in done.stderr.splitlines() if "moves in" in line]
+    assert [line.split(";")[0] for line in lines] == [
         "The hardware moves in 2.0 s",
         "The hardware moves in 1.0 s",
     ]
@@ -120,10 +120,10 @@ def test_contradictory_options_are_wrong_usage(words: tuple[str, ...]) -> None:
 # -- play ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("how", [("--on", "sim"), ("--on", "both"), ("--on", "both", "--lockstep")])
-def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, how: tuple[str, ...]) -> None:
+@pytest.mark.parametrize("options", [("--on", "sim"), ("--on", "both"), ("--on", "both", "--lockstep")])
+def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, options: tuple[str, ...]) -> None:
     free.good("home", "--on", "both")
-    done = free.run("play", mine, *how, "--json")
+    done = free.run("play", mine, *options, "--json")
     assert done.returncode == 0, done.stderr
     shown = [line for line in done.stderr.splitlines() if re.match(r"\d/3 ", line)]
     assert shown == [
@@ -133,7 +133,7 @@ def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, how: tup
     ]
     rows = json.loads(done.stdout)["robots"]
     assert [row["arms_deg"]["short"] for row in rows] == pytest.approx([6.0] * len(rows), abs=0.5)
-    assert len(rows) == 1 + ("both" in how)
+    assert len(rows) == 1 + ("both" in options)
 
 
 def test_play_of_a_bad_file_names_the_line(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
 def test_up_does_not_start_the_router_of_another_computer(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # asking would leave this computer
+    monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # a query would leave this computer
     assert app.run(["up", "--connect", ELSEWHERE]) == 3
     assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
@@ -141,7 +141,9 @@ def test_up_ends_all_processes_and_fails_when_one_dies(up: Process) -> None:
     os.kill(started["sim"], signal.SIGKILL)
     assert up.wait() == 1
     assert any("simulation has ended" in line for line in up.lines)
-    assert any(line.startswith("  ready beatrix/") for line in up.lines), "its last words"
+    assert any(line.startswith("  ready beatrix/") for line in up.lines), (
+        "the last lines of the simulation are shown"
+    )
     assert not [verb for verb, process in started.items() if alive(process)]
 
 

@@ -21,7 +21,7 @@ from beatrix_zenoh.bus import Incoming
 
 
 def wait_for(process: subprocess.Popen[str], words: str) -> str:
-    """Wait for the next line of output with these words, until the test's time-out."""
+    """Wait for the next line of output with these words, until the timeout of the test."""
     assert process.stdout is not None
     return next(line for line in process.stdout if words in line)
 
@@ -58,7 +58,7 @@ def test_warnings_are_shown_by_ls(shell: Shell) -> None:
 
 
 def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
-    with shell.robot("hw") as robot:  # as if two networks with one such node each were joined
+    with shell.robot("hw") as robot:  # as if two networks, each with such a node, were joined
         robot.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")
         assert "hw): 2 nodes serve this robot" in shell.good("ls")
         assert [row["nodes"] for row in shell.json("ls")["robots"]] == [1, 2]
@@ -206,7 +206,7 @@ def test_doctor_explains_what_to_do_without_a_router() -> None:
     done = Shell(free_endpoint()).run("doctor")
     assert done.returncode == 1
     assert "beatrix router" in done.stdout
-    assert "account" not in done.stdout, "later steps make no sense"
+    assert "account" not in done.stdout, "later checks depend on this one"
 
 
 # -- moving ----------------------------------------------------------------------------------
@@ -343,7 +343,7 @@ def test_a_frozen_robot_is_named_by_stop_with_its_exit_code(shell: Shell) -> Non
     unanswered: list[Incoming] = []
     with zbus.connect(
         shell.endpoint
-    ) as bus:  # a frozen node counts as alive for two seconds; this one longer
+    ) as bus:  # a frozen node counts as alive for two seconds; wait longer than that
         bus.serve(keys.stop("bea3", "hw"), unanswered.append)
         bus.declare_token(keys.alive("bea3", "hw"))
         done = shell.run("stop", "--name", "bea3")

@@ -35,16 +35,18 @@ def test_live_robots_are_shown_in_a_browser() -> None:
         with urllib.request.urlopen(url, timeout=5.0) as answer:
             assert b"<html" in answer.read().lower()
         if sys.platform == "linux":
-            assert listening(port) == listening(page) == {"0100007F"}, "no other computer reaches it"
+            assert listening(port) == listening(page) == {"0100007F"}, "no other computer can connect"
         assert allowed_origin(port, f"http://127.0.0.1:{page}") == f"http://127.0.0.1:{page}"
-        assert allowed_origin(port, "https://elsewhere.example") is None, "browsers give it nothing to read"
+        assert allowed_origin(port, "https://elsewhere.example") is None, (
+            "browsers let no other page read the data"
+        )
         assert process.end(signal.SIGTERM) == 0
     assert not answers(port)
     assert not answers(page)
 
 
 def listening(port: int) -> set[str]:
-    """The addresses on which the port is open, as the kernel of Linux writes them."""
+    """Return the addresses on which the port is open, in the notation of /proc/net/tcp."""
     rows = [
         row.split()
         for table in ("tcp", "tcp6")
@@ -55,7 +57,7 @@ def listening(port: int) -> set[str]:
 
 
 def allowed_origin(port: int, origin: str) -> str | None:
-    """The page that may read what the viewer's server holds, as it answers a browser that asks for this one."""
+    """Return the origin that the viewer's server allows in its reply to a browser with this origin."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
     asked = {"Origin": origin, "Access-Control-Request-Method": "POST"}
     connection.request("OPTIONS", "/rerun.sdk_comms.v1alpha1.MessageProxyService/ReadMessages", headers=asked)
@@ -71,7 +73,7 @@ def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path) -> None:
     with Stage() as stage:
         process = stage.process("beatrix_zenoh.cli", "view", str(recording), "--port", str(free_port()))
         assert process.wait(30.0) == 1
-    # Its server may answer a moment before it needs a screen.
+    # The server may reply before the viewer needs a screen.
     assert [line for line in process.lines if not line.startswith("ready ")] == process.lines[-1:]
     assert "beatrix view --web" in process.lines[-1]
     assert ".rs" not in process.lines[-1]

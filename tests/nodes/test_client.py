@@ -164,7 +164,7 @@ def resident_kb() -> int:
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
 @pytest.mark.no_cover
 def test_queries_free_their_memory(stage: Stage) -> None:
-    """Zenoh keeps 0.8 kB for each query until its time-out: 24 hours were a leak."""
+    """Zenoh keeps 0.8 kB for each query until its time-out: a program that runs for 24 hours must not leak."""
     robot = Robot("bea", "hw", client=stage.client(), timeout_s=0.5)
 
     def ask(count: int) -> int:

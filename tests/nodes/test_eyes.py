@@ -181,7 +181,7 @@ def test_a_crash_of_the_renderer_costs_pictures_only(stage: Stage) -> None:
         (renderer,) = renderers(sim.pid)
         os.kill(renderer, signal.SIGKILL)
         fresh(images)
-        assert images.next(FIRST_S).source == source, "as before"
+        assert images.next(FIRST_S).source == source, "the same rate as before"
         assert motion.result(10.0).result
         assert robot.positions().head.yaw == pytest.approx(40, abs=0.5)
         (renderer,) = renderers(sim.pid)
@@ -258,9 +258,9 @@ def test_ray_casting_replaces_opengl_after_repeated_failures(
         assert images.next(FIRST_S).source == "rays"
         assert eyes.UNSTEADY in inside.status().warnings
         assert eyes.COARSE not in inside.status().warnings
-    said = [line for line in caplog.messages if line.startswith("Drawing with OpenGL has failed")]
-    assert ["restarted" in line for line in said] == [True, True, False]
-    assert "by ray casting from now on" in said[-1]
+    messages = [line for line in caplog.messages if line.startswith("Drawing with OpenGL has failed")]
+    assert ["restarted" in line for line in messages] == [True, True, False]
+    assert "by ray casting from now on" in messages[-1]
 
 
 def test_a_renderer_that_always_fails_is_reported_and_tried_again(
@@ -318,8 +318,8 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         os.close(write)
         pytest.skip("no virtual screen on this machine")
     os.close(write)
-    with os.fdopen(read) as said:
-        monkeypatch.setenv("DISPLAY", f":{said.readline().strip()}")
+    with os.fdopen(read) as output:
+        monkeypatch.setenv("DISPLAY", f":{output.readline().strip()}")
     yield
     screen.terminate()
     screen.wait(10)

@@ -1,4 +1,4 @@
-"""Kill, freeze, unplug: every loss has a defined outcome, and lost parts are found again."""
+"""Kill, freeze, unplug: every loss has a defined outcome, and lost parts recover."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_a_frozen_node_times_out_and_answers_when_it_continues(stage: Stage) -> 
     frozen_s = time.monotonic()
     with pytest.raises(NoAnswer) as silence:
         robot.look(yaw=2)
-    held_up = time.monotonic() - frozen_s > 1.5  # its lease may have ended
+    held_up = time.monotonic() - frozen_s > 1.5  # the lease may have ended
     assert silence.value.reason is Reason.NODE_FROZEN or (
         held_up and silence.value.reason is Reason.NODE_LOST
     )
@@ -301,7 +301,7 @@ def test_a_silent_board_is_lost_and_found_again(stage: Stage, tmp_path: Path) ->
             motion.wait()
         board.deaf = False
         wait_status(robot, lambda status: status.board.connected, "board connected again")
-        assert robot.status().calibrated, "it was never reset"
+        assert robot.status().calibrated, "the board was never reset"
 
 
 def test_a_node_without_a_board_reports_it(stage: Stage, tmp_path: Path) -> None:

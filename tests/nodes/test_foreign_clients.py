@@ -48,7 +48,7 @@ def stage() -> Iterator[Stage]:
 
 
 def get(stage: Stage, selector: str, *payload: str) -> list[dict[str, object]]:
-    """The output of a process with a plain `session.get`."""
+    """Return the output of a process that calls plain `session.get`."""
     command = [sys.executable, "-c", GET, stage.endpoint, f"beatrix/bea/sim/{selector}", *payload]
     result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
     return [json.loads(line) for line in result.stdout.splitlines()]

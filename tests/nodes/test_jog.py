@@ -1,4 +1,4 @@
-"""`beatrix doctor --jog`, as a user of a new robot types it."""
+"""`beatrix doctor --jog`, as the user of a new robot runs it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BACK_AT = 0.1
 
 @pytest.fixture(autouse=True)
 def small_and_fast(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The arms need not turn slowly, nor far: the test does not watch them."""
+    """Turn the arms fast and by small angles, because no user watches them."""
     monkeypatch.setattr("beatrix_zenoh.cli.jog.JOG_DEG", 3.0)
     monkeypatch.setattr("beatrix_zenoh.cli.jog.SPEED_DEG_S", 80.0)
 
@@ -35,7 +35,7 @@ def stage() -> Iterator[Stage]:
 
 
 def words(stage: Stage, *more: str) -> list[str]:
-    """The words after `beatrix`."""
+    """Return the arguments of `beatrix`."""
     return ["doctor", "--jog", "--name", "bea", "--connect", stage.endpoint, "--who", "ana", *more]
 
 
@@ -186,13 +186,13 @@ def test_interrupted_at_a_question_it_ends_as_all_verbs_do(stage: Stage, more: t
         env=untraced(),
     )
     assert process.stderr is not None
-    asked = ""
-    while not asked.endswith("or none: "):
-        asked += os.read(process.stderr.fileno(), 1000).decode()
-    until(lambda: not robot.status().moving, "it waits for an answer")
+    prompt = ""
+    while not prompt.endswith("or none: "):
+        prompt += os.read(process.stderr.fileno(), 1000).decode()
+    until(lambda: not robot.status().moving, "the program waits for an answer")
     process.send_signal(signal.SIGINT)
-    out, said = process.communicate(timeout=END_S)
+    out, errors = process.communicate(timeout=END_S)
     assert process.returncode == 130
-    assert "Traceback" not in said
-    message = json.loads(out)["message"] if more else said
+    assert "Traceback" not in errors
+    message = json.loads(out)["message"] if more else errors
     assert "the arms rest" in message

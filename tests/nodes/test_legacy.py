@@ -8,7 +8,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-from dialogue import DIALOGUES, read, wanted
+from dialogue import DIALOGUES, expected_replies, read
 from old_program import Place, Program
 from stage import Stage, until, wait_status
 
@@ -19,11 +19,11 @@ from beatrix_zenoh._generated.messages import Command, Reason
 @pytest.mark.bodies("sim")
 @pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda path: path.stem)
 def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: Path) -> None:
-    said = read(dialogue)
-    replies = iter(wanted(said))
+    entries = read(dialogue)
+    replies = iter(expected_replies(entries))
     with place.program() as program:
-        for asked, group in groupby(said, key=lambda line: line.to_robot):
-            if asked:
+        for to_robot, group in groupby(entries, key=lambda line: line.to_robot):
+            if to_robot:
                 for line in group:
                     program.port.write(line.text.encode())
             else:
@@ -55,7 +55,7 @@ def test_line_ends_and_invalid_lines(place: Place) -> None:
         for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
             program.port.write(unknown + b"\r")
             assert program.read(1) == ["NACK\n"], unknown
-        program.port.write(b"ACK\rNACK\r")  # as from a terminal with echo
+        program.port.write(b"ACK\rNACK\r")  # as a terminal with echo sends it
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.write(b"@COM")
         time.sleep(2.3)  # the node drops the unfinished line
@@ -128,7 +128,7 @@ def test_a_motion_with_motors_off_is_counted(place: Place) -> None:
         assert program.say("@ENMOTORS OFF") == program.say("@CALNOW") == ["ACK\n", "ACK\n"]
         program.port.write(b"@MOVRX 900 200\r")
         assert program.read(2) == ["ACK\n", "ACK\n"]
-        assert program.x == 900, "only counted"
+        assert program.x == 900, "the motion is only counted"
 
 
 @pytest.mark.bodies("hw")
@@ -142,7 +142,9 @@ def test_any_client_stops_an_old_program(place: Place) -> None:
         assert 0 < program.x < 500
         assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "a stopped program has to pause"
         time.sleep(5.1)
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "it has sent no motion for five seconds"
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], (
+            "the program has sent no motion for five seconds"
+        )
 
 
 @pytest.mark.bodies("hw")
@@ -170,7 +172,7 @@ def test_a_refused_program_does_not_take_the_lease(place: Place) -> None:
         for _ in range(3):
             assert program.say("@ENMOTORS ON") == program.say("@MOVRX 50 200") == ["ACK\n", "NACK\n"]
             assert place.robot.status().holder == ""
-        place.robot.command(Command.RESET)  # as a user after a look at the robot
+        place.robot.command(Command.RESET)  # as a user does after checking the robot
 
 
 def test_stopall_acts_at_once(place: Place) -> None:

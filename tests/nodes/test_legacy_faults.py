@@ -36,7 +36,7 @@ def test_the_loss_of_the_router_stops_an_old_program(tmp_path: Path) -> None:
         program = Program(tmp_path / "COM4")
         program.begin()
         program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
-        assert program.read(1) == ["ACK\n"], "it moves"
+        assert program.read(1) == ["ACK\n"], "the robot moves"
         router.end(signal.SIGKILL)
         assert program.read(3) == ["NACK\n", "ACK\n", "NACK\n"]
         at = program.x
@@ -134,7 +134,7 @@ def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -
 
 @pytest.fixture(scope="module")
 def cut(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[PtyBoard, Path]]:
-    """A board whose answers can be lost, and the port for old programs of its node."""
+    """A board whose replies can be lost, and the port of its node for old programs."""
     folder = tmp_path_factory.mktemp("cut")
     with Stage() as stage, PtyBoard(folder / "board") as board:
         terminal = Terminal(folder / "COM4")

@@ -77,7 +77,11 @@ def mega_robot(shared: MegaRobot) -> MegaRobot:
 
 @pytest.mark.parametrize(
     ("loss", "cure", "calibrated"),
-    [("freeze", "go", True), ("unplug", "plug", False), ("reset", "", False)],  # a warning of a restart stays
+    [
+        ("freeze", "go", True),
+        ("unplug", "plug", False),
+        ("reset", "", False),
+    ],  # a warning about a restart may remain
 )
 def test_a_board_lost_in_mid_move_is_reported_and_found_again(
     mega_robot: MegaRobot, loss: str, cure: str, calibrated: bool
@@ -138,8 +142,8 @@ def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) 
         first.end()
         stage.hardware("bea", str(tmp_path / "board"))
         again = stage.robot("bea", "hw")
-        assert again.status().calibrated, "the board has kept it"
-        again.look(yaw=40)  # in the very words of the first
+        assert again.status().calibrated, "the board has kept its home"
+        again.look(yaw=40)  # with the same text as the first
         assert abs(again.positions().head.yaw - 40) < 0.2
         assert again.stop().result
 

@@ -44,7 +44,9 @@ def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
 def test_the_outside_view_shows_the_head(robot: Robot) -> None:
     with robot.camera("outside") as images:
         home = fresh(images)
-        assert not any(eye.streaming for eye in robot.status().cameras), "no eye is drawn for it"
+        assert not any(eye.streaming for eye in robot.status().cameras), (
+            "no eye is drawn for the outside view"
+        )
         robot.look(roll=20, speed=60)
         tilted = fresh(images)
     iris = irises(home)
@@ -60,7 +62,9 @@ def irises(picture: npt.NDArray[np.uint8]) -> list[tuple[float, float]]:
     red, green, blue = (face[..., colour].astype(int) for colour in range(3))
     rows, columns = np.nonzero((red < 50) & (green > 80) & (blue > green) & (blue < 1.4 * green))
     assert len(rows) > 200, "the face is not in the picture"
-    middle = columns.mean()  # not of the outermost, because a pixel of the room may have the same colour
+    middle = (
+        columns.mean()
+    )  # without the outermost pixels, because a pixel of the room may have the same colour
     return [
         (float(np.median(columns[side])), float(np.median(rows[side])))
         for side in (columns < middle, columns > middle)
@@ -75,7 +79,7 @@ def test_a_subscription_to_the_eyes_draws_no_outside_view(robot: Robot) -> None:
         seen = left.next(FIRST_S).seq
         until(lambda: left.next(FIRST_S).seq >= seen + 5, "five pictures of the left eye", FIRST_S)
         with robot.camera("outside") as outside:
-            assert outside.next(FIRST_S).seq < first.seq + 5, "none was drawn meanwhile"
+            assert outside.next(FIRST_S).seq < first.seq + 5, "no outside view was drawn meanwhile"
 
 
 def test_hardware_has_no_outside_view(stage: Stage) -> None:
@@ -91,13 +95,13 @@ def test_a_recording_draws_no_outside_view(stage: Stage, robot: Robot) -> None:
     subscriptions = RobotSubscriptions(client, ["bea"], cameras=True)
     eyes: set[str] = set()
 
-    def both_came() -> bool:
+    def both_arrived() -> bool:
         eyes.update(eyes_of(subscriptions))
         return len(eyes) == 2
 
-    until(both_came, "pictures of both eyes", FIRST_S)
+    until(both_arrived, "pictures of both eyes", FIRST_S)
     with robot.camera("outside") as outside:
-        assert outside.next(FIRST_S).seq < first.seq + 5, "none was drawn meanwhile"
+        assert outside.next(FIRST_S).seq < first.seq + 5, "no outside view was drawn meanwhile"
     assert eyes == {"left", "right"}
     subscriptions.close()
 
@@ -132,4 +136,4 @@ def test_with_ray_casting_the_eyes_have_priority(slow: Robot) -> None:
         eye, view = left.next(FIRST_S).seq, outside.next(FIRST_S).seq
         until(lambda: left.next(FIRST_S).seq >= eye + 12, "a dozen pictures of the eye", FIRST_S)
         assert outside.latest is not None
-        assert outside.latest.seq - view <= 7, "one of three, with some slack"
+        assert outside.latest.seq - view <= 7, "one eye picture in three, with a tolerance"

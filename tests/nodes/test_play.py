@@ -84,8 +84,8 @@ def test_stop_at_one_robot_ends_it_on_both(stage: Stage, twin: Twin, begun: list
         until(lambda: other.positions().commanded.long > 3, "the hardware moves")
         other.stop()
         # Either the event of STOP or the end of the motion may arrive first.
-        how = r"(?s)bea \(hw\): (Ended by|ben pressed) STOP.*bea \(sim\): Stopped"
-        with pytest.raises(Interrupted, match=how):
+        message = r"(?s)bea \(hw\): (Ended by|ben pressed) STOP.*bea \(sim\): Stopped"
+        with pytest.raises(Interrupted, match=message):
             played.result(5)
     assert len(begun) == 2
     assert not twin.sim.status().moving

@@ -239,7 +239,7 @@ def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     assert not path.exists()
     one, two = (read(file).robots[SIM].time_ns for file in (first, second))
     assert 0 < two[0] - one[-1] < 60_000_000  # no sample is lost between the files
-    assert read(second).states[SIM].texts  # and each has the state
+    assert read(second).states[SIM].texts  # and each file has the state
 
 
 def test_a_robot_may_come_and_go(stage: Stage, tmp_path: Path) -> None:

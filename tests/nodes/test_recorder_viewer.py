@@ -28,8 +28,8 @@ class Feed:
     """An output that gets rows as from the recorder, with a clock as fast as possible."""
 
     def __init__(self, port: int) -> None:
-        self.said: list[str] = []
-        self.output = LiveOutput(port, self.said.append)
+        self.messages: list[str] = []
+        self.output = LiveOutput(port, self.messages.append)
         self.output.show(ROBOTS)
         self.now_s = 1000.0
         self.count = 0
@@ -78,8 +78,8 @@ def test_a_missing_viewer_is_reported_once() -> None:
     for _ in range(5):
         assert not feed.feed()
     assert feed.output.state is ViewerState.MISSING
-    assert len(feed.said) == 1
-    assert "No viewer answers" in feed.said[0]
+    assert len(feed.messages) == 1
+    assert "No viewer answers" in feed.messages[0]
     assert feed.output.left_out == 5 * 7
     assert feed.output.close()
 
@@ -95,8 +95,8 @@ def test_a_viewer_that_starts_later_gets_all_later_rows(tmp_path: Path) -> None:
             assert not feed.feed()
         assert feed.output.close()
         until(lambda: samples_in(kept) == 10, "the server has written all of it", 10.0)
-    assert len(feed.said) == 2
-    assert "missed" in feed.said[1]
+    assert len(feed.messages) == 2
+    assert "missed" in feed.messages[1]
 
 
 def samples_in(path: Path) -> int:
@@ -121,7 +121,7 @@ def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again() -> None:
         assert feed.output.left_out > 400
         os.kill(viewer.pid, signal.SIGCONT)
         assert feed.until(ViewerState.CONNECTED) == 1
-        assert len(feed.said) == 2
+        assert len(feed.messages) == 2
         assert feed.output.close()
 
 
@@ -135,7 +135,7 @@ def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
     with server(port):
         assert feed.until(ViewerState.CONNECTED) == 1
         assert feed.output.close()
-    assert [sentence.split()[0] for sentence in feed.said] == ["No", "The"]
+    assert [sentence.split()[0] for sentence in feed.messages] == ["No", "The"]
 
 
 def test_close_does_not_wait_for_a_frozen_viewer(tmp_path: Path) -> None:

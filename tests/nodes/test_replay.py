@@ -80,7 +80,7 @@ def test_both_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, t
     assert (sim.slipped, hw.slipped) == (0, None)
 
     before = compare(sim.recording, hw.recording)
-    assert 0.05 < before.lag_s < 0.5, "the lead, and what this machine adds"
+    assert 0.05 < before.lag_s < 0.5, "the lead, and delays of this computer"
     off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
     assert hw.recording.commanded is not None
     after = compare(sim.recording, Recording(hw.recording.t + 0.2, off, hw.recording.commanded))
@@ -101,7 +101,7 @@ def test_a_recording_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> No
         moved: list[Future[None]] = []
 
         def going(points: int) -> bool:
-            """Move after the begin of the recording, and end it after the motion."""
+            """Begin the motion after the first point; return False when it has ended."""
             if points and not moved:
                 moved.append(pool.submit(turn_and_return))
             return not (moved and moved[0].done())

@@ -32,7 +32,7 @@ def stage() -> Iterator[Stage]:
 
 
 def refused(robot: Robot) -> bool:
-    """Try a motion; the news that this client was lost may come late, and end it."""
+    """Send a motion; a late notice that this client was lost may end it."""
     try:
         robot.look(yaw=1, speed=60)
     except (Refused, NoAnswer, Interrupted):
@@ -56,7 +56,7 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
         )
         router = zbus.open_router(endpoint)
         until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
-        assert robot.status().calibrated, "the robot itself lost nothing"
+        assert robot.status().calibrated, "the robot kept its state"
         until(lambda: not refused(robot), "the seat is known again", 5.0)
     finally:
         client.close()
@@ -125,24 +125,24 @@ def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
-    said = r"does not answer: it is frozen or very busy\. Robots stop by themselves within 3 s"
+    sentence = r"does not answer: it is frozen or very busy\. Robots stop by themselves within 3 s"
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
             robot.stop()
             router.send(signal.SIGSTOP)
             began = time.monotonic()
-            with pytest.raises(NoAnswer, match=said) as caught:
+            with pytest.raises(NoAnswer, match=sentence) as caught:
                 robot.stop()
             assert (caught.value.reason, time.monotonic() - began < 8.0) == (Reason.NO_ROUTER, True)
             began = time.monotonic()
-            with pytest.raises(NoAnswer, match=said):
+            with pytest.raises(NoAnswer, match=sentence):
                 Robot("bea", "hw", connect=endpoint, who="ben")
             assert time.monotonic() - began < 3.0
             shell = Shell(endpoint)
             for verb in ("stop", "ls"):
                 began = time.monotonic()
                 done = shell.run(verb)
-                assert (done.returncode, bool(re.search(said, done.stderr))) == (3, True), done.stderr
+                assert (done.returncode, bool(re.search(sentence, done.stderr))) == (3, True), done.stderr
                 assert time.monotonic() - began < 6.0, "10 s before"
     finally:
         router.send(signal.SIGCONT)
@@ -159,7 +159,7 @@ with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
     try:
         motion.wait()
     except NoAnswer as error:
-        print("said", error.reason, error.message, flush=True)
+        print("refused", error.reason, error.message, flush=True)
 """
 
 
@@ -172,9 +172,9 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage,
     program.send(signal.SIGSTOP)
     until(lambda: not node.context.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
     program.send(signal.SIGCONT)
-    said = program.expect("said")
-    assert "was lost although the router is running: this program was suspended" in said
-    assert "is lost, so" not in said
+    output = program.expect("refused")
+    assert "was lost although the router is running: this program was suspended" in output
+    assert "is lost, so" not in output
 
 
 @pytest.mark.parametrize("traffic", ["control", "motion", "queries"])

@@ -34,7 +34,7 @@ def test_jumps_past_the_node_never_leave_the_home_assembly() -> None:
     ):
         move = Move(number + 1, target, (4000, 4000, 4000))
         bench.firmware.receive(encode(FrameType.MOVE, number + 1, move.pack()))
-        for _ in range(4):  # the next jump begins in mid-move
+        for _ in range(4):  # the next jump begins during the motion
             bench.firmware.receive(encode(FrameType.PING, 200, b""))
             bench.run(100)
             assert not bench.plant.home_assembly_left()

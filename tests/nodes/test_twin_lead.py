@@ -180,14 +180,14 @@ def turn(robot: Robot) -> None:
     robot.look(yaw=-3, speed=60)
 
 
-@pytest.mark.parametrize(("change", "said"), [(disable, "motors are off"), (turn, "has moved")])
+@pytest.mark.parametrize(("change", "message"), [(disable, "motors are off"), (turn, "has moved")])
 def test_changed_hardware_is_not_moved_after_the_lead(
-    twin: Twin, change: Callable[[Robot], None], said: str
+    twin: Twin, change: Callable[[Robot], None], message: str
 ) -> None:
     number = number_of_a_motion(twin)
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=1.5, wait=False)
     change(twin.hw)
-    with pytest.raises(Refused, match=rf"(?s)bea \(hw\).*{said}.*bea \(sim\): Stopped"):
+    with pytest.raises(Refused, match=rf"(?s)bea \(hw\).*{message}.*bea \(sim\): Stopped"):
         motion.result(5)
     assert twin.hw.status().motion == number + (change is turn)
     assert not twin.sim.status().moving
@@ -198,7 +198,7 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     assert motion.countdown_s > 29
     assert motion.send_now()
     until(lambda: motion.hardware_sent, "the hardware is sent it", 1.0)
-    assert not motion.send_now(), "it was sent"
+    assert not motion.send_now(), "the motion was sent"
     assert motion.result(5).hw.result
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
 

@@ -65,7 +65,7 @@ def eye(robot: Robot) -> CameraStatus:
 
 
 def streams(camera: FakeCamera, images: Subscription[CameraImage], picture: bytes = PICTURE) -> CameraImage:
-    """Send pictures until one arrives, because pictures before the start of the camera are lost."""
+    """Send pictures until one arrives: pictures before the start of the stream are lost."""
     found: list[CameraImage] = []
 
     def arrived() -> bool:
@@ -127,7 +127,7 @@ def test_an_unplugged_camera_does_not_stop_the_robot_and_returns(left: FakeCamer
         status = robot.status()
         assert not status.cameras[0].connected
         assert any("left eye" in warning for warning in status.warnings)
-        assert motion.result(10.0) is not None, "the motion goes on"
+        assert motion.result(10.0) is not None, "the motion continues"
         left.plug()
         assert streams(left, images).jpeg == PICTURE
         found = camera_event(events)
@@ -157,9 +157,9 @@ def test_a_bus_without_bandwidth_gets_half_the_rate(left: FakeCamera, robot: Rob
     with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
         streams(left, images)
         assert left.asked == "640x480 MJPG 1/15 4"
-        said = next(event for event in events if event.kind is EventKind.LOG)
+        event = next(event for event in events if event.kind is EventKind.LOG)
     left.refuse(0)
-    assert "15 pictures a second" in said.message
+    assert "15 pictures a second" in event.message
 
 
 def test_two_cameras_deliver_side_by_side(

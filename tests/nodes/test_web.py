@@ -27,7 +27,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture(scope="module")
 def robot(stage: Stage) -> Robot:
-    """The robot that pages show first; tests ask it where it is."""
+    """The robot that pages show first; tests read its position."""
     return ready(stage.robot("bea1", "hw"))
 
 
@@ -60,7 +60,9 @@ def resting(state: dict[str, Any]) -> bool:
     return not state["robot"]["status"]["moving"]
 
 
-def hold(page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
+def hold_button(
+    page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str
+) -> dict[str, Any]:
     """Hold a button until a message fulfils `holds`, with a heartbeat for each state."""
     press = next(PRESSES)
 
@@ -79,7 +81,7 @@ def hold(page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], wh
 def jog(page: WebSocket, part: str, moved: float) -> None:
     """Hold a button until its angle has changed by `moved` deg."""
     index = ("yaw", "pitch", "roll").index(part)
-    hold(
+    hold_button(
         page,
         part,
         lambda message: message["kind"] == "state" and abs(message["robot"]["head"][index]) > moved,
@@ -101,14 +103,14 @@ def test_a_held_button_moves_and_letting_go_ends_it(driver: WebSocket, robot: Ro
     driver.state(resting, "at rest")
     rests = robot.positions().head.yaw
     late = next(PRESSES) - 1
-    driver.send("hold", press=late, part="yaw", sign=1, speed=20)  # a heartbeat that comes late
+    driver.send("hold", press=late, part="yaw", sign=1, speed=20)  # a late heartbeat
     driver.send("command", command="ready")
     driver.outcome("ready")
     assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
 
 
 def test_a_jog_ends_at_the_limit_with_a_sentence(driver: WebSocket, robot: Robot) -> None:
-    refused = hold(driver, "pitch", lambda message: message.get("control") == "pitch", "a refusal")
+    refused = hold_button(driver, "pitch", lambda message: message.get("control") == "pitch", "a refusal")
     assert "at most 35.0° is allowed" in refused["text"]
     driver.state(resting, "at rest")
     assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
@@ -119,9 +121,11 @@ def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> 
     slowly_home(driver)
     assert (
         "No heartbeat"
-        in driver.wait(lambda message: "heartbeat" in message.get("text", ""), "stopped", beat=False)["text"]
+        in driver.wait(lambda message: "heartbeat" in message.get("text", ""), "stopped", heartbeat=False)[
+            "text"
+        ]
     )
-    driver.wait(lambda message: message["kind"] == "state" and resting(message), "at rest", beat=False)
+    driver.wait(lambda message: message["kind"] == "state" and resting(message), "at rest", heartbeat=False)
     assert abs(robot.positions().head.yaw) > 1.0
 
 
@@ -145,7 +149,9 @@ def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
     driver: WebSocket, browser: WebClient
 ) -> None:
     other = browser.connect()
-    seen = other.state(lambda state: state["robot"] and state["robot"]["status"]["holder"], "who drives")
+    seen = other.state(
+        lambda state: state["robot"] and state["robot"]["status"]["holder"], "the driver is shown"
+    )
     assert seen["robot"]["status"]["holder"].startswith("web-mia")
     other.send("home", speed=40)
     assert other.outcome("home")["text"] == "Press Drive first: you watch this robot."
@@ -238,14 +244,14 @@ def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
         first = socket.read()
         assert isinstance(first, bytes)
         assert (first[0] in (0, 1), first[1:3]) == (True, b"\xff\xd8")
-        for number in "01" * 50:  # confirmations that ask for more than there is
+        for number in "01" * 50:  # confirmations of pictures that were not sent
             socket.send_raw(number)
     jog(driver, "yaw", 3.0)
     slowly_home(driver)
     driver.send("stop", robot="bea1", stop="8")
     until(lambda: not robot.status().moving, "stopped")
     assert abs(robot.positions().head.yaw) > 1.0
-    jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # who pressed STOP need not pause
+    jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # the page that pressed STOP need not pause
 
 
 def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Robot) -> None:

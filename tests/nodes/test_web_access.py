@@ -1,4 +1,4 @@
-"""Who may use the control page, and the verb that serves it. Real server and router."""
+"""Access to the control page, and the verb that serves it. Real server and router."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def browser(port: int) -> Iterator[WebClient]:
         yield made
 
 
-# -- who may use it ----------------------------------------------------------------------------------
+# -- access -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

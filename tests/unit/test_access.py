@@ -30,7 +30,7 @@ def finish_motion(access: Access, caller: Caller, now_s: float) -> Access:
 
 
 def stop(access: Access, session: str, now_s: float) -> Access:
-    """Press STOP, which the board acknowledges; the motion ends."""
+    """Press STOP; the board acknowledges it, and the motion ends."""
     access.stop_pressed(session, now_s)
     access.stop_sent(now_s)
     access.rested(now_s)

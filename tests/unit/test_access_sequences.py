@@ -1,4 +1,4 @@
-"""What no sequence of requests can bring about: a stopped stream that goes on, motors on under the latch, two holders."""
+"""No sequence of requests continues a stopped stream, enables motors under the latch, or makes two holders."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from beatrix_zenoh.node.access import QUIET_OLD_PROGRAM_S, Access, Action
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
-# Counting coverage triples the time of these; test_access.py covers the same code.
+# Counting coverage triples the time of these tests; test_access.py covers the same code.
 pytestmark = pytest.mark.no_cover
 
 CALLERS = st.sampled_from([ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, OLD, NO_SESSION])
@@ -31,7 +31,7 @@ class Sequences(RuleBasedStateMachine):
         self.latched = False
         self.last_move_asked: dict[str, float] = {}
         self.stopped_streams: dict[Caller, float] = {}
-        """Callers whose motion STOP of another session has ended, and when they last asked for one."""
+        """Callers whose motion STOP of another session has ended, and the time of their last request for a motion."""
 
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
@@ -87,7 +87,9 @@ class Sequences(RuleBasedStateMachine):
         except Refused:
             return
         if number:
-            assert holder in ("", caller.seat) or caller.seat == TEACHER, "taken from its holder"
+            assert holder in ("", caller.seat) or caller.seat == TEACHER, (
+                "the robot was taken from its holder"
+            )
         else:
             assert caller.seat in standing(self.access, self.now_s).waiting
 

@@ -118,7 +118,7 @@ def test_requests_to_firmware_of_another_contract_raise_contract_mismatch(rig: R
 
 
 def test_firmware_with_unreadable_telemetry_is_a_contract_mismatch_not_a_silent_board() -> None:
-    """Its frames may have other lengths: only HELLO and the stops are the same in all versions."""
+    """Frames of that firmware may have other lengths: only HELLO and the stops are the same in all versions."""
     port = LossyPort(VirtualBoard(Firmware(boot=1)))
     port.lose = [FrameType.HELLO_REPLY] * 100
     port.instead = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
@@ -158,14 +158,14 @@ def test_a_boot_number_larger_than_in_telemetry_is_matched() -> None:
 
 
 def test_the_handshake_is_repeated_after_a_loss_because_the_board_may_have_been_replaced(rig: Rig) -> None:
-    """Also if the boot number is the same: the new board may have another contract."""
-    rig.port.gone = True
+    """The handshake is needed even with the same boot number: the new board may have another contract."""
+    rig.port.unplugged = True
     rig.lost()
     assert rig.board.link.hello is None
     with pytest.raises(NoAnswer) as refusal:
         rig.board.enable(on=True)
     assert refusal.value.reason is Reason.BOARD_LOST
-    rig.port.gone = False
+    rig.port.unplugged = False
     rig.board.wait_for(lambda _: rig.board.link.connected, 3.0)
     assert rig.board.link.hello is not None
 
@@ -176,11 +176,11 @@ def test_text_does_not_replace_the_heartbeat(rig: Rig) -> None:
     rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
     while not rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.02):
         rig.board.send_text(b"@GETXPOS")
-    assert rig.heard[-1].position == (500, 500, 500)
+    assert rig.samples[-1].position == (500, 500, 500)
 
 
 def test_text_for_a_lost_board_raises_no_answer(rig: Rig) -> None:
-    rig.port.gone = True
+    rig.port.unplugged = True
     pause = threading.Event()
     while rig.board.link.connected:
         pause.wait(0.01)
@@ -231,11 +231,11 @@ def test_frames_that_are_no_replies_do_not_answer_a_request(rig: Rig) -> None:
 
 
 def test_a_port_that_was_unplugged_is_opened_again(rig: Rig) -> None:
-    rig.port.gone = True
+    rig.port.unplugged = True
     rig.lost()
     with pytest.raises(NoAnswer):
         rig.board.enable(on=True)
-    rig.port.gone = False
+    rig.port.unplugged = False
     until(lambda: rig.board.connected, "found again")
     rig.board.enable(on=True)
     assert rig.link_changes >= 3
@@ -289,14 +289,14 @@ def test_stop_is_sent_to_a_lost_board_and_postpones_its_handshake(rig: Rig) -> N
     with pytest.raises(NoAnswer, match="does not answer"):
         rig.board.request(FrameType.STOP)
     assert not rig.board._connection._handshake.due(sent + LOADER_S + 0.1), (
-        "sent three times, the last 0.2 s later"
+        "the request is sent three times, the last 0.2 s after the first"
     )
     rig.port.mute = False
     with pytest.raises(NoAnswer):
         rig.board.enable(on=True)
     rig.board.request(FrameType.STOP)
     until(lambda: rig.board.connected, "found again")
-    assert time.monotonic() - sent < LOADER_S, "its reply showed that firmware runs"
+    assert time.monotonic() - sent < LOADER_S, "the reply showed that the firmware runs"
 
 
 def test_a_motion_is_acknowledged_without_the_thread_of_the_board() -> None:
@@ -307,11 +307,11 @@ def test_a_motion_is_acknowledged_without_the_thread_of_the_board() -> None:
     ticker = RealTimeTicker(virtual)
     blocked, free = threading.Event(), threading.Event()
 
-    def hold(_: Telemetry) -> None:
+    def block(_: Telemetry) -> None:
         blocked.set()
         free.wait(10)
 
-    board = Board(lambda: virtual, hold, lambda: None)
+    board = Board(lambda: virtual, block, lambda: None)
     board.start()
     try:
         assert blocked.wait(5), "the board's own thread waits in a callback"

@@ -1,4 +1,4 @@
-"""Pictures without a camera, the outside of JPEG files, and the words of --camera."""
+"""Pictures without a camera, the structure of JPEG files, and the values of --camera."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_test_pictures_differ_between_eyes_and_over_time() -> None:
 
 def test_the_frame_timer_keeps_its_rate_and_makes_no_burst_after_a_delay() -> None:
     pace = FrameTimer(1000.0)
-    pace._due_s -= 10.0  # as after ten seconds in which nothing ran
+    pace._due_s -= 10.0  # as if the process had been suspended for ten seconds
     assert pace.wait(1.0)
     slow = FrameTimer(0.1)
     assert slow.wait(1.0)
@@ -138,7 +138,7 @@ def chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def film(pictures: list[bytes], period_us: int = 20_000) -> bytes:
-    """An AVI file as cameras and ffmpeg write them: a head, then pictures among other things."""
+    """Return an AVI file as cameras and ffmpeg write it: a header, then pictures among other chunks."""
     head = chunk(b"LIST", b"hdrl" + chunk(b"avih", struct.pack("<I", period_us) + bytes(52)))
     sound = chunk(b"01wb", bytes(7))
     frames = b"".join(chunk(b"00dc", one) + sound for one in pictures) + chunk(b"00dc", b"")
@@ -200,7 +200,7 @@ def test_deleting_the_pictures_of_a_folder_in_use_is_an_error(tmp_path: Path) ->
         files.next(1.0)
 
 
-# -- the words of --camera -------------------------------------------------------------------------
+# -- the values of --camera ------------------------------------------------------------------------
 
 
 def test_each_eye_gets_its_source(tmp_path: Path) -> None:

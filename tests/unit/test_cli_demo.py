@@ -23,7 +23,7 @@ SMALL = 2048
 
 
 def measured(turned_rad: float) -> Measured:
-    """Data of a robot that rests, turns and rests again."""
+    """Return the data of a robot that rests, turns and rests again."""
     samples = []
     for seq in range(200):
         angle = turned_rad * min(1.0, max(0.0, (seq - 50) / 50))
@@ -90,7 +90,7 @@ def test_on_a_full_disk_the_demo_prints_its_report_and_leaves_no_incomplete_file
     out = capsys.readouterr().out
     assert "Both made the same movement" in out
     assert f"{tmp_path / 'demo.csv'} could not be written: File too large." in out
-    assert names(tmp_path) == ["head.png"], "it is empty here, so it fits"
+    assert names(tmp_path) == ["head.png"], "the path is empty here, so the line fits"
 
 
 def test_an_existing_file_is_replaced_only_by_a_complete_one(tmp_path: Path) -> None:

@@ -76,7 +76,7 @@ def test_values_that_the_firmware_does_not_use_do_not_change_the_contract(tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("there", "instead", "same"),
+    ("original", "replacement", "same"),
     [
         ("# Host <-> firmware", "# Node and board", True),
         ('doc = "motors are off"', 'doc = "switch the motors on first"', True),
@@ -86,12 +86,12 @@ def test_values_that_the_firmware_does_not_use_do_not_change_the_contract(tmp_pa
     ],
 )
 def test_explanations_do_not_change_the_contract(
-    tmp_path: Path, there: str, instead: str, *, same: bool
+    tmp_path: Path, original: str, replacement: str, *, same: bool
 ) -> None:
     schemas = copytree(SCHEMAS, tmp_path / "schemas")
     text = (schemas / "serial.toml").read_text(encoding="utf-8")
-    assert there in text
-    (schemas / "serial.toml").write_text(text.replace(there, instead), encoding="utf-8")
+    assert original in text
+    (schemas / "serial.toml").write_text(text.replace(original, replacement), encoding="utf-8")
     command = [sys.executable, str(schemas / "generate.py"), "--header", str(tmp_path / "contract.h")]
     subprocess.run(command, check=True, timeout=30)
     assert (contract_in(tmp_path / "contract.h") == CONTRACT) is same

@@ -134,7 +134,7 @@ def test_workspace_is_as_published(tilt: float, gap: float, off_mean: float) -> 
 
 
 def failure(neck: Neck, arms: Arms) -> BeatrixError | None:
-    """The error of the forward solution, if any."""
+    """Return the error of the forward solution; None if there is none."""
     try:
         neck.forward(arms)
     except BeatrixError as error:

@@ -74,7 +74,7 @@ def test_a_damaged_answer_has_as_many_lines_as_the_protocol_says() -> None:
 
 
 class FakeBoard:
-    """Keeps the lines it gets."""
+    """A board that keeps the lines that it receives."""
 
     connected, state, telemetry = True, 0, None
 
@@ -90,7 +90,7 @@ class FakeBoard:
         self.off += 1
 
     def check_connected(self) -> None:
-        """Answers."""
+        """Return at once, as a connected board does."""
 
     def send_text(self, line: bytes) -> None:
         self.lines.append(line)
@@ -100,7 +100,7 @@ class FakeBoard:
 
 
 class FakeNode:
-    """Permits every action."""
+    """A node that permits every action."""
 
     def __init__(self) -> None:
         self.outcomes: list[tuple[str, Reason]] = []

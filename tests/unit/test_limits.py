@@ -235,7 +235,9 @@ def test_a_start_with_too_close_arms_may_be_left() -> None:
 
 
 def test_arms_that_have_separated_may_not_close_up_again() -> None:
-    start = pose(0, 32.9, 0)  # 59.2 deg apart; with this velocity they reach 60.04 before they return
+    start = pose(
+        0, 32.9, 0
+    )  # the arms are 59.2 deg apart; with this velocity they reach 60.04 deg before they return
     assert math.radians(59) < NECK.gaps(start)[0] < CLOSE_ARMS.gap_min
     allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
     refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
@@ -249,8 +251,10 @@ def test_a_limit_counts_from_half_its_tolerance() -> None:
 
 def test_a_short_swing_beyond_a_limit_and_back_is_seen() -> None:
     start = pose(179, 0, 0)
-    allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # reverses at 179.8
-    assert refused(start, start=start, velocity=(0.36, 0.36, 0.36)).reason == Reason.YAW_LIMIT  # at 180.2
+    allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # the motion reverses at 179.8 deg
+    assert (
+        refused(start, start=start, velocity=(0.36, 0.36, 0.36)).reason == Reason.YAW_LIMIT
+    )  # the motion reverses at 180.2 deg
 
 
 def test_the_goal_itself_is_checked() -> None:

@@ -20,7 +20,7 @@ from beatrix_zenoh.motion.rotation import leaning, tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 from beatrix_zenoh.motion.trajectory import plan as time_law
 
-# Counting coverage triples the time of these; test_limits.py covers the same code.
+# Counting coverage triples the time of these tests; test_limits.py covers the same code.
 pytestmark = pytest.mark.no_cover
 
 NECK = Neck()
@@ -66,11 +66,11 @@ def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool, limits: Limits
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
-    met = verdict(limits, start, velocity, target, speed, straight)
-    if isinstance(met, Refused):
-        assert exceeds(limits, met.reason, start, velocity, target, speed, straight)
+    outcome = verdict(limits, start, velocity, target, speed, straight)
+    if isinstance(outcome, Refused):
+        assert exceeds(limits, outcome.reason, start, velocity, target, speed, straight)
     else:
-        assert_keeps(limits, met)
+        assert_keeps(limits, outcome)
 
 
 @given(
@@ -85,11 +85,11 @@ def test_short_paths_are_checked_as_strictly(
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
     target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
-    met = verdict(limits, start, velocity, target, SPEED, straight)
-    if isinstance(met, Refused):
-        assert exceeds(limits, met.reason, start, velocity, target, SPEED, straight)
+    outcome = verdict(limits, start, velocity, target, SPEED, straight)
+    if isinstance(outcome, Refused):
+        assert exceeds(limits, outcome.reason, start, velocity, target, SPEED, straight)
     else:
-        assert_keeps(limits, met)
+        assert_keeps(limits, outcome)
 
 
 @pytest.mark.parametrize("arm", [0, 1, 2])
@@ -102,11 +102,11 @@ def test_short_paths_of_one_arm_near_the_limits(arm: int, limits: Limits) -> Non
             target = (start[0] + x, start[1] + y, start[2] + z)
             thrown = (10 * x, 10 * y, 10 * z)
             for velocity, goal in ((REST, target), (thrown, start), (thrown, target)):
-                met = verdict(limits, start, velocity, goal, SPEED, straight=False)
-                if isinstance(met, Refused):
-                    assert exceeds(limits, met.reason, start, velocity, goal, SPEED, straight=False)
+                outcome = verdict(limits, start, velocity, goal, SPEED, straight=False)
+                if isinstance(outcome, Refused):
+                    assert exceeds(limits, outcome.reason, start, velocity, goal, SPEED, straight=False)
                 else:
-                    assert_keeps(limits, met)
+                    assert_keeps(limits, outcome)
 
 
 def tilted(limits: Limits, direction: float) -> Arms:
@@ -161,9 +161,9 @@ def breaks_at(limits: Limits, reason: Reason, arms: Arms) -> bool:
 @given(poses())
 def test_poses_read_back_from_steps_are_accepted(target: Arms) -> None:
     gear = Gear()
-    here = gear.to_rad(gear.to_steps(target))
-    LIMITS.check_motion(here, REST, here, SPEED, straight=True)
-    LIMITS.check_motion(here, REST, target, SPEED, straight=True)
+    position = gear.to_rad(gear.to_steps(target))
+    LIMITS.check_motion(position, REST, position, SPEED, straight=True)
+    LIMITS.check_motion(position, REST, target, SPEED, straight=True)
 
 
 @given(directions)
@@ -200,15 +200,15 @@ def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
             -c / math.sqrt(2) + s / math.sqrt(6),
             -2 * s / math.sqrt(6),
         )
-        here = NECK.head(arms)
+        start_head = NECK.head(arms)
         try:
-            there = NECK.head((arms[0] + step[0], arms[1] + step[1], arms[2] + step[2]))
-        except BeatrixError:  # that far no head fits
+            moved = NECK.head((arms[0] + step[0], arms[1] + step[1], arms[2] + step[2]))
+        except BeatrixError:  # no head orientation fits arms that far
             continue
-        up = sum(a * b for a, b in zip(here.up_by_arm, step, strict=True))
-        yaw = sum(a * b for a, b in zip(here.yaw_by_arm, step, strict=True))
-        if there.up >= math.cos(math.radians(37)):
+        up = sum(a * b for a, b in zip(start_head.up_by_arm, step, strict=True))
+        yaw = sum(a * b for a, b in zip(start_head.yaw_by_arm, step, strict=True))
+        if moved.up >= math.cos(math.radians(37)):
             counts[reach] += 1
-            assert abs(there.up - here.up - up) <= up_bend / 2 * reach**2
-            assert abs(there.yaw - here.yaw - yaw) <= yaw_bend / 2 * reach**2
+            assert abs(moved.up - start_head.up - up) <= up_bend / 2 * reach**2
+            assert abs(moved.yaw - start_head.yaw - yaw) <= yaw_bend / 2 * reach**2
     assert min(counts.values()) > 300

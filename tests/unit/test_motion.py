@@ -116,9 +116,9 @@ def test_an_interrupted_motion_raises_at_each_call(setting: Setting) -> None:
 
 
 def test_the_loss_of_the_robot_is_an_exception(setting: Setting) -> None:
-    gone = NoAnswer(Reason.NO_ROUTER, "The router has gone.")
-    setting.replies.send(gone)
-    assert setting.motion.exception() is gone
+    error = NoAnswer(Reason.NO_ROUTER, "The router has gone.")
+    setting.replies.send(error)
+    assert setting.motion.exception() is error
     assert setting.motion.done()
     with pytest.raises(NoAnswer, match="has gone"):
         setting.motion.wait()

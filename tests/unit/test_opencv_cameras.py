@@ -1,4 +1,4 @@
-"""USB cameras through OpenCV, whose calls block and tell nothing of why they fail."""
+"""USB cameras through OpenCV, whose calls may block and give no reason when they fail."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeO
     camera.open()
     module.goes_on.set()
     until(lambda: not module.pictures, "all pictures are read")
-    # What follows the last picture is the failure, which takes the place of one.
+    # The failure follows the last picture and occupies the place of a picture in the queue.
     until(lambda: module.released == 1, "the camera has gone")
     assert picture(camera).width == 160
     with pytest.raises(NoAnswer):

@@ -110,11 +110,11 @@ def test_rays_cast_together_hit_the_same_as_single_rays(camera: str) -> None:
     together = painter._cast(eye, rays)[0]
     group = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
     group[VISUAL] = 1
-    met = np.zeros(1, dtype=np.int32)
+    hit_geom = np.zeros(1, dtype=np.int32)
     alone = []
     for ray in rays:
-        mujoco.mj_ray(plant.model, plant.data, eye, ray, group, 1, -1, met)
-        alone.append(int(met[0]))
+        mujoco.mj_ray(plant.model, plant.data, eye, ray, group, 1, -1, hit_geom)
+        alone.append(int(hit_geom[0]))
     assert together.tolist() == alone
 
 

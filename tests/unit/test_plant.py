@@ -34,12 +34,12 @@ def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
     for k in range(math.ceil(total / STEP) + 1):
         t = min(k * STEP, total)
         if t < rise:
-            gone = ACCELERATION * t * t / 2
+            distance = ACCELERATION * t * t / 2
         elif t > total - rise:
-            gone = far - ACCELERATION * (total - t) ** 2 / 2
+            distance = far - ACCELERATION * (total - t) ** 2 / 2
         else:
-            gone = top * (t - rise / 2)
-        x, y, z = (s + (g - s) * gone / far for s, g in zip(start, goal, strict=True))
+            distance = top * (t - rise / 2)
+        x, y, z = (s + (g - s) * distance / far for s, g in zip(start, goal, strict=True))
         yield x, y, z
 
 
@@ -50,7 +50,7 @@ def angle_between(a: Rotation, b: Rotation) -> float:
     return math.degrees(math.asin(min(1.0, float(np.linalg.norm(skew)) / 2)))
 
 
-def hold(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -> None:
+def hold_set_points(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -> None:
     """Advance time with constant set points."""
     pulses = GEAR.to_steps(arms)
     for _ in range(round(seconds / STEP)):
@@ -58,10 +58,10 @@ def hold(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -
 
 
 def go(plant: Plant, start: Arms, goal: Arms) -> None:
-    """Move at full speed and come to rest."""
+    """Move the arms to a goal at full speed, and wait until they rest."""
     for arms in ramp(start, goal):
         plant.step(GEAR.to_steps(arms), drivers_on=True)
-    hold(plant, goal, 0.5)
+    hold_set_points(plant, goal, 0.5)
 
 
 def random_pose(rng: random.Random) -> Arms:
@@ -102,7 +102,7 @@ def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant
             assert plant.closure_error() < 0.05e-3
             if k % 5 == 0:
                 assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
-        hold(plant, goal, 0.5)
+        hold_set_points(plant, goal, 0.5)
         start = goal
         off = [abs(a - s) for a, s in zip(plant.arms(), GEAR.to_rad(GEAR.to_steps(goal)), strict=True)]
         assert math.degrees(max(off)) < 0.25
@@ -143,7 +143,7 @@ def test_yaw_follows_the_arms_through_whole_turns(plant: Plant) -> None:
 
 
 def test_a_hundred_thousand_pulses_in_one_step_are_lost_without_harm(plant: Plant) -> None:
-    hold(plant, HOME, 0.01)
+    hold_set_points(plant, HOME, 0.01)
     for _ in range(500):
         plant.step((100_000, -100_000, 50_000), drivers_on=True)
         assert not plant.home_assembly_left()
@@ -153,11 +153,11 @@ def test_a_hundred_thousand_pulses_in_one_step_are_lost_without_harm(plant: Plan
 
 
 def push(plant: Plant, torque: float) -> None:
-    """Twist the head about the vertical (N m) for 0.3 s, and let it rest."""
+    """Apply a torque about the vertical (N m) to the head for 0.3 s, and wait until it rests."""
     plant.data.body("head").xfrc_applied[5] = torque
-    hold(plant, HOME, 0.3)
+    hold_set_points(plant, HOME, 0.3)
     plant.data.body("head").xfrc_applied[5] = 0.0
-    hold(plant, HOME, 0.5)
+    hold_set_points(plant, HOME, 0.5)
 
 
 def test_a_push_below_the_motors_torque_loses_no_steps(plant: Plant) -> None:
@@ -179,22 +179,22 @@ def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant
 def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     tilt = plant.tilt()
-    hold(plant, TILTED, 2.0, drivers_on=False)
+    hold_set_points(plant, TILTED, 2.0, drivers_on=False)
     assert plant.tilt() > tilt + math.radians(10)
     assert not plant.home_assembly_left()
     assert plant.slipped() == (0, 0, 0)
 
 
 def test_friction_holds_an_upright_head_without_motors(plant: Plant) -> None:
-    hold(plant, HOME, 2.0, drivers_on=False)
+    hold_set_points(plant, HOME, 2.0, drivers_on=False)
     assert plant.tilt() < math.radians(0.1)
 
 
 def test_motors_that_are_switched_on_lock_at_the_present_arm_angles(plant: Plant) -> None:
     go(plant, HOME, TILTED)
-    hold(plant, TILTED, 1.0, drivers_on=False)
+    hold_set_points(plant, TILTED, 1.0, drivers_on=False)
     sagged = plant.arms()
-    hold(plant, TILTED, 0.5)
+    hold_set_points(plant, TILTED, 0.5)
     assert plant.slipped() == (0, 0, 0)
     half_cycle = math.radians(2 * 1.8 * 26 / 68)
     assert all(abs(a - s) <= half_cycle + 1e-3 for a, s in zip(plant.arms(), sagged, strict=True))
@@ -207,19 +207,19 @@ def test_straighten_sets_the_head_home_and_resets_slip(plant: Plant) -> None:
     plant.straighten()
     assert plant.arms() == HOME
     assert plant.slipped() == (0, 0, 0)
-    hold(plant, HOME, 0.2)
+    hold_set_points(plant, HOME, 0.2)
     assert plant.arms() == pytest.approx(HOME, abs=1e-5)
 
 
 def test_straighten_declares_the_present_pulses_home(plant: Plant) -> None:
     go(plant, HOME, TILTED)
     plant.straighten()
-    hold(plant, TILTED, 0.2)
+    hold_set_points(plant, TILTED, 0.2)
     assert plant.arms() == pytest.approx(HOME, abs=1e-5)
 
 
 def snap(plant: Plant) -> None:
-    """Turn the head over, as if the loop had snapped through."""
+    """Turn the head over, as if the linkage had snapped through."""
     plant.data.joint("head").qpos = [0.0, 1.0, 0.0, 0.0]
 
 
@@ -253,12 +253,12 @@ def test_nan_is_detected_and_writes_no_file(
     assert "Nan" in caplog.text
     assert list(tmp_path.iterdir()) == []
     plant.reassemble()
-    hold(plant, HOME, 0.1)
+    hold_set_points(plant, HOME, 0.1)
     assert plant.arms() == pytest.approx(HOME, abs=1e-5)
 
 
 def state(plant: Plant) -> list[float]:
-    """The state of the physics, and of the drive as far as it can be measured."""
+    """Return the state of the physics, and the measurable state of the drive."""
     data = plant.data
     return [*data.qpos, *data.qvel, *data.qacc_warmstart, data.time, *plant.set_points(), *plant.slipped()]
 

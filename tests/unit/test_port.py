@@ -1,4 +1,4 @@
-"""Which serial port is the board's."""
+"""The search for the board's serial port, and errors of the port."""
 
 from __future__ import annotations
 
@@ -63,13 +63,13 @@ def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.M
     master, slave = os.openpty()
     port = SerialPort(os.ttyname(slave))
 
-    def gone() -> None:
+    def unplug() -> None:
         os.close(master)
         termios.tcflush(slave, termios.TCIFLUSH)
 
     monkeypatch.setattr(type(port._serial), "dtr", None)
     monkeypatch.setattr(type(port._serial), "rts", None)
-    monkeypatch.setattr(port._serial, "reset_input_buffer", gone)
+    monkeypatch.setattr(port._serial, "reset_input_buffer", unplug)
     with pytest.raises(OSError, match="5"):
         port.reset_board()
     port.close()
@@ -77,18 +77,18 @@ def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(
-    ("error", "said"),
+    ("error", "message"),
     [
         (serial.SerialException(errno.EACCES, "could not open port"), "dialout"),
         (termios.error(errno.EIO, "it goes just then"), "/dev/ttyACM0 cannot be opened"),
     ],
 )
 def test_a_port_that_cannot_be_opened_says_why(
-    monkeypatch: pytest.MonkeyPatch, error: Exception, said: str
+    monkeypatch: pytest.MonkeyPatch, error: Exception, message: str
 ) -> None:
     def fail(*_: object, **__: object) -> None:
         raise error
 
     monkeypatch.setattr(serial, "serial_for_url", fail)
-    with pytest.raises(NoAnswer, match=said):
+    with pytest.raises(NoAnswer, match=message):
         SerialPort("/dev/ttyACM0")

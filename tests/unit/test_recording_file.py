@@ -29,12 +29,12 @@ def sample(index: int) -> list[Row]:
 
 
 @pytest.fixture
-def said() -> list[str]:
+def messages() -> list[str]:
     return []
 
 
-def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, said: list[str]) -> None:
-    output = FileOutput(tmp_path / "lesson.rrd", said.append)
+def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, messages: list[str]) -> None:
+    output = FileOutput(tmp_path / "lesson.rrd", messages.append)
     output.show(RobotSet({SIM: Figure()}))
     output.update(1e6)
     before = output.bytes
@@ -46,11 +46,11 @@ def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, said: li
     output.write(sample(1))
     assert output.close()
     assert len(read(tmp_path / "lesson.rrd").robots[SIM].time_ns) == 2
-    assert said == []
+    assert messages == []
 
 
-def test_each_file_shows_the_robots_by_itself(tmp_path: Path, said: list[str]) -> None:
-    output = FileOutput(tmp_path / "day.rrd", said.append, rotate_s=60.0)
+def test_each_file_shows_the_robots_by_itself(tmp_path: Path, messages: list[str]) -> None:
+    output = FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=60.0)
     output.show(RobotSet({SIM: Figure()}))
     began = [output.update(1e6)]  # later than the end of its first minute
     for index in range(3):
@@ -63,33 +63,33 @@ def test_each_file_shows_the_robots_by_itself(tmp_path: Path, said: list[str]) -
     assert len(read(output.files[1]).robots[SIM].time_ns) == 3
 
 
-def test_an_existing_file_is_not_overwritten(tmp_path: Path, said: list[str]) -> None:
+def test_an_existing_file_is_not_overwritten(tmp_path: Path, messages: list[str]) -> None:
     (tmp_path / "day-002.rrd").write_bytes(b"yesterday")
     with pytest.raises(Refused, match="exists and is not overwritten"):
-        FileOutput(tmp_path / "day-002.rrd", said.append)
-    output = FileOutput(tmp_path / "day.rrd", said.append, rotate_s=1.0)
+        FileOutput(tmp_path / "day-002.rrd", messages.append)
+    output = FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=1.0)
     assert output.update(1e6)
     assert output.close()
     assert [path.name for path in output.files] == ["day-001.rrd", "day-003.rrd"]
     assert (tmp_path / "day-002.rrd").read_bytes() == b"yesterday"
 
 
-def test_a_folder_that_is_missing_is_refused(tmp_path: Path, said: list[str]) -> None:
+def test_a_folder_that_is_missing_is_refused(tmp_path: Path, messages: list[str]) -> None:
     with pytest.raises(Refused, match="cannot be written: No such file or directory"):
-        FileOutput(tmp_path / "none" / "lesson.rrd", said.append)
+        FileOutput(tmp_path / "none" / "lesson.rrd", messages.append)
 
 
 def test_a_full_disk_ends_the_recording_with_a_complete_file(
-    tmp_path: Path, said: list[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, messages: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    output = FileOutput(tmp_path / "lesson.rrd", said.append)
+    output = FileOutput(tmp_path / "lesson.rrd", messages.append)
     output.show(RobotSet({SIM: Figure()}))
     output.write(sample(0))
     monkeypatch.setattr(file_output, "SPARE_BYTES", 1 << 60)
     output.update(1e6)
     assert output.full
-    assert len(said) == 1
-    assert "MB are left on this disk" in said[0]
+    assert len(messages) == 1
+    assert "MB are left on this disk" in messages[0]
     output.write(sample(1))
     assert output.close()
     assert verify(tmp_path / "lesson.rrd") == ""

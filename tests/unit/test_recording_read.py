@@ -38,7 +38,7 @@ STEP_NS = 20_000_000
 
 @pytest.fixture(autouse=True)
 def strict(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let Rerun's warnings raise."""
+    """Make Rerun raise its warnings as errors."""
     monkeypatch.setenv("RERUN_STRICT", "1")
     rr.set_strict_mode(True)
 

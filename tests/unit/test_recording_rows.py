@@ -112,7 +112,7 @@ def test_a_status_is_one_state(fields: dict[str, object], state: State) -> None:
 
 
 def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | None) -> list[str]:
-    """The state bars that follow from these; None: the end of positions."""
+    """Return the state bars that follow from these states; None stands for the end of positions."""
     bars = []
     for happening in happenings:
         if isinstance(happening, Status):

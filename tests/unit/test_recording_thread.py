@@ -1,4 +1,4 @@
-"""The recorder's thread: what waits for a clock, what is dropped, and what ends it."""
+"""The recorder's thread: samples that wait for a clock, dropped samples, and errors that end the thread."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
 BEA = ("bea", "hw")
 ZERO = Vector3(0.0, 0.0, 0.0)
 AHEAD_NS = 3_600_000_000_000
-"""By which the robot's clock is ahead of ours."""
+"""Time by which the robot's clock is ahead of ours."""
 
 
 class FakeSubscriptions:
@@ -115,7 +115,7 @@ def rig() -> Iterator[Rig]:
 
 
 def positions(ahead_ns: int = AHEAD_NS) -> Positions:
-    """True now, by a clock that is ahead of ours."""
+    """Return positions of this moment, with the time stamp of a clock that is ahead of ours."""
     return Positions(
         seq=0,
         t_mono_ns=time.monotonic_ns() + ahead_ns,

@@ -93,7 +93,7 @@ def test_closing_interrupts_the_start() -> None:
 def test_a_late_picture_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "PICTURE_S", 0.0)
     renderer = start_renderer("rays")
-    assert dict(renderer.draw(NOW, ["left"])), "the first one may take longer"
+    assert dict(renderer.draw(NOW, ["left"])), "the first picture may take longer"
     with pytest.raises(TimeoutError, match="hangs"):
         dict(renderer.draw(NOW, ["left"]))
     renderer.close()

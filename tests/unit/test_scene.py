@@ -117,10 +117,10 @@ def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
 
 @pytest.mark.parametrize(("name", "colour"), [("cube", 0), ("cylinder", 1), ("ball", 2)])
 def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour: int) -> None:
-    thing = next(thing for thing in OBJECTS if thing.name == name)
+    item = next(item for item in OBJECTS if item.name == name)
     painter.pose(posture(), HOME)  # another test may have moved the person before the ball
     image = painter.paint("eye_left").astype(int)
-    x, y, z = thing.place
+    x, y, z = item.place
     depth = x - EYE_FORWARD
     column = WIDTH / 2 - FOCUS * (y - ROBOT.head.eye_baseline / 2) / depth
     row = HEIGHT / 2 - FOCUS * (z - ROBOT.head.centre_height - EYE_UP) / depth
@@ -130,15 +130,15 @@ def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour
 
 def test_the_page_lists_the_objects_and_their_places() -> None:
     page = (ROOT / "docs/how-to/simulated-eyes.md").read_text(encoding="utf-8")
-    for thing in OBJECTS:
-        x, y, z = thing.place
-        assert f"| {thing.name} | {thing.colour} | {x:.3f} | {y:.3f} | {z:.3f} |" in page
+    for item in OBJECTS:
+        x, y, z = item.place
+        assert f"| {item.name} | {item.colour} | {x:.3f} | {y:.3f} | {z:.3f} |" in page
 
 
 def test_objects_stand_on_the_desk() -> None:
     (x0, x1), (y0, y1) = DESK
-    for thing in OBJECTS:
-        x, y, z = thing.place
+    for item in OBJECTS:
+        x, y, z = item.place
         assert x0 < x < x1
         assert y0 < y < y1
         assert z > FLOOR
@@ -152,7 +152,7 @@ def test_hiding_geoms_outside_the_picture_does_not_change_it(yaw: int) -> None:
     posed = painter._posed
     eye, rays = posed.data.camera("eye_right").xpos.copy(), painter._rays("eye_right")
     together = painter._cast(eye, rays)[0]
-    assert (posed.model.geom_group != painter._posed._groups).sum() > 50, "something was left out"
+    assert (posed.model.geom_group != painter._posed._groups).sum() > 50, "an object of the scene is missing"
     posed.model.geom_group[:] = painter._posed._groups
     alone, hit = [], np.zeros(1, dtype=np.int32)
     for ray in rays:
@@ -178,7 +178,9 @@ def test_only_a_picture_drawn_by_ray_casting_has_a_badge() -> None:
     corner = (slice(-27, None), slice(0, 160))
     assert np.abs(image[corner].astype(int) - drawn[corner]).mean() > 40
     elsewhere = slice(0, HEIGHT - 30)
-    assert np.median(np.abs(image[elsewhere].astype(int) - drawn[elsewhere])) < 20, "else both show the same"
+    assert np.median(np.abs(image[elsewhere].astype(int) - drawn[elsewhere])) < 20, (
+        "otherwise both pictures would be the same"
+    )
 
 
 def test_a_picture_is_a_jpeg_with_the_size_of_the_robots_cameras() -> None:
@@ -201,5 +203,5 @@ def test_only_the_outside_camera_sees_the_head() -> None:
     for eye in ("eye_left", "eye_right"):
         seen = posed.groups_seen_from(eye) == VISUAL
         assert not (seen & of_head).any()
-        assert (seen | of_head)[visible].all(), "all else is seen"
+        assert (seen | of_head)[visible].all(), "all other objects are visible"
     assert ((posed.groups_seen_from("outside") == VISUAL) == visible).all()

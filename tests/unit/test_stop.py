@@ -1,4 +1,4 @@
-"""The stop handler: one request to the board for all presses that wait, EMERGENCY_STOP first, a reply to each."""
+"""The stop handler: one request to the board for all waiting presses, EMERGENCY_STOP first, a reply to each press."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Unconnected:
     control = Control()
 
     def serve(self, *_: object) -> None:
-        """No query comes."""
+        """Declare nothing: this test sends no query."""
 
     def subscribe(self, *_: object) -> None:
-        """No put comes."""
+        """Subscribe to nothing: this test sends no put."""
 
 
 class Stage:

@@ -107,7 +107,7 @@ def test_a_state_from_before_the_last_reply_is_waited_for_and_then_queried() -> 
     robot = cast("Robot", published)
     published.replied_s["bea", "sim"] = time.monotonic()
     begin_s = time.monotonic()
-    assert state_of(published).status(robot) is READY  # its positions are always new
+    assert state_of(published).status(robot) is READY  # the positions of this fake are always new
     assert time.monotonic() - begin_s >= 0.03
     published.replied_s["bea", "sim"] = time.monotonic() + 60
     assert state_of(published).status(robot) is OFF
@@ -137,7 +137,7 @@ def test_another_seat_or_a_lost_board_forbids_switching() -> None:
 
 
 class FakeRobot(MotionBegin):
-    """The test gives the positions."""
+    """A robot whose positions the test sets."""
 
     def __init__(self) -> None:
         self._start = ArmAngles(0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Golden bytes: written by an independent encoder and by ours, and read back by ours."""
+"""Golden bytes: an independent encoder and ours write the same, and our decoder reads them."""
 
 from __future__ import annotations
 

@@ -174,7 +174,7 @@ def test_the_ticker_follows_real_time(board: VirtualBoard) -> None:
 def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
     ticker = RealTimeTicker(board)
     with board.lock:
-        threading.Event().wait(0.1)  # the ticker waits for the lock meanwhile
+        threading.Event().wait(0.1)  # the ticker waits for the lock during this
     begin = time.monotonic()
     seen: list[Telemetry] = []
     while not seen or seen[-1].tick < 90:

@@ -105,7 +105,7 @@ COLOURS = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", STYLE))
 
 
 def used() -> Iterator[str]:
-    """Keys of texts that the scripts use, `*` for what is computed."""
+    """Return the keys of texts that the scripts use; `*` stands for a computed part."""
     for path in SCRIPTS:
         script = path.read_text()
         for key in re.findall(r'text\(\s*["`]([^"`]+)["`]', script):

@@ -160,7 +160,7 @@ def test_the_router_may_start_later_stop_and_return() -> None:
 
 
 def retried(linked: Linked) -> bool:
-    """Ready once more, with a row of its own."""
+    """Send `Ready` again in a new row."""
     row = 100 + len(linked.outcomes)
     linked.do(Ready(row, "hw"))
     return linked.end_of(row, "hw").accepted

@@ -27,7 +27,7 @@ from gui.state.actions import (
 from gui.state.world import LinkPhase, RecordingProgress
 
 READY_S = 60.0
-"""For a child process on a busy machine."""
+"""Time limit (s) of a child process on a busy machine."""
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture
 def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Linked]:
-    """In a working directory of its own."""
+    """A link in a working directory of its own."""
     monkeypatch.chdir(tmp_path)
     with Linked(stage.endpoint) as made:
         made.on_line("sim")
@@ -47,7 +47,7 @@ def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
 
 
 def kill(child: Child | None) -> None:
-    """As the system does that runs out of memory."""
+    """Kill a process, as a system without free memory does."""
     assert child is not None
     os.kill(child._process.pid, signal.SIGKILL)
 
@@ -141,7 +141,7 @@ def recording(linked: Linked) -> RecordingProgress:
 
 
 def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
-    linked.do(EndRecording())  # there is none: nothing happens
+    linked.do(EndRecording())  # no recording runs, so this does nothing
     assert linked.world.recording is None
     begun = recording(linked)
     assert (begun.running, begun.trouble) == (True, "")

@@ -15,7 +15,7 @@ BOTH = ("sim", "hw")
 
 
 def steps(linked: Linked, twin: str = "hw") -> Steps:
-    """What the board has counted."""
+    """Return the step counters of the board."""
     positions = linked.world.twin(twin).positions
     assert positions is not None
     return positions.steps

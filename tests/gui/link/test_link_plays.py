@@ -78,7 +78,7 @@ def test_choreographies_and_paths_are_played_and_refused_by_line(linked: Linked,
 
 @pytest.fixture
 def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
-    """The hardware stands still from now on."""
+    """Suspend the hardware node."""
     with Stage() as other:
         node: Process = other.process(
             "hw_node", "--name", "ice", "--connect", stage.endpoint, "--port", "virtual:"
