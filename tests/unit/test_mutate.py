@@ -72,7 +72,7 @@ def test_survivors_are_printed_and_only_a_copy_is_changed(
         "from things.code import more\n\n\ndef test_more() -> None:\n    assert more(1) > 7\n"
     )
     before = files(tmp_path)
-    assert mutate.main(["things", "--minutes", "1"], root=tmp_path) == 0
+    assert mutate.main(["things", "--minutes", "10"], root=tmp_path) == 0
     assert files(tmp_path) == before
     *survivors, summary = capsys.readouterr().out.splitlines()
     assert sorted(survivors) == [
