@@ -29,7 +29,7 @@ COMPUTING_WORKER = "gw0"
 """Process of `make test` that executes the tests that compute."""
 FEWEST_WORKERS = 3
 """With fewer processes every process executes tests of both kinds."""
-NICE = 10
+NICE = 5
 """Added to the niceness of COMPUTING_WORKER."""
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
 """Processes of all tests, and those that Python keeps for itself."""
