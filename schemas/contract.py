@@ -47,7 +47,7 @@ def digest(*tables: object) -> int:
 
 
 def names_of(enums: Table) -> dict[str, list[str]]:
-    """Return the names of the enumerations' values; their texts are explanations, too."""
+    """Return the names of the values of all enumerations."""
     return {enum: [name for name in table if name != "doc"] for enum, table in enums.items()}
 
 

@@ -46,7 +46,7 @@ class FrameRate:
         self._cost_s = MEMORY * self._cost_s + (1 - MEMORY) * cost_s if self._cost_s else cost_s
         self._held_back = self._held_back * SLOWER if late else max(1.0, self._held_back * FASTER)
         self._held_back = min(self._held_back, SLOWEST_S / self._requested_s)
-        # From the deadline, not from now, so that the mean rate is the requested one. Missed pictures are not made up.
+        # Count from the deadline, so that the mean rate is the requested one. Missed pictures are not drawn later.
         missed = self._due_s + self.period_s < begin_s
         self._due_s = (begin_s if missed else self._due_s) + self.period_s
 

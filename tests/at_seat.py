@@ -54,7 +54,7 @@ def yaw(name: str) -> float:
 
 
 def listen(*keys: str) -> int:
-    """Subscribe to keys."""
+    """Subscribe to key expressions; `publications` returns the received keys."""
     for key in keys:
         client().bus.subscribe(key, lambda received: RECEIVED.update([(received.key, received.session)]))
     return len(keys)

@@ -9,7 +9,7 @@ from typing import Final, Self
 
 CHUNK: Final = 65536
 LOOK_S: Final = 0.1
-"""How soon a thread of the relay sees that it is closed, s."""
+"""Longest time (s) until a thread of the relay notices that the relay is closed."""
 
 
 class Cable:

@@ -51,7 +51,7 @@ class Handshake:
         self._next_s = min(self._next_s, self._hello_s + HELLO_S)
 
     def request_sent(self, now_s: float) -> None:
-        """Record a request to a board whose contract is unknown: STOP and EMERGENCY_STOP are never delayed."""
+        """Postpone HELLO after a request to a board whose contract is unknown: STOP and EMERGENCY_STOP are always sent."""
         self._next_s = max(self._next_s, now_s + LOADER_S)
 
     def lost(self, now_s: float) -> None:

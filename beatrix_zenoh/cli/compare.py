@@ -115,7 +115,7 @@ def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecor
 
 
 def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording]:
-    """Both robots of a name from a recording; raises Refused if they are not in it."""
+    """Return both robots of a name from a recording; raises Refused if the recording lacks either."""
     from beatrix_zenoh.cli.recording_files import read_recording
     from beatrix_zenoh.recording.record_robots import LiveRecording
     from beatrix_zenoh.recording.series import of_samples

@@ -25,7 +25,7 @@ OFFSET_S = 0.05
 RATE_S = 0.6
 """Time over which the rate of positions is measured."""
 SLOW = 0.9
-"""Part of the rate in the contract below which positions are too rare."""
+"""Fraction of the contract's rate of positions; a lower rate is reported."""
 
 
 def network(settings: Settings) -> Iterator[Finding]:

@@ -68,7 +68,7 @@ class Unanswered:
     # -- the router ---------------------------------------------------------------------------------
 
     def _disconnected(self, limit_s: float | None, *, heard: bool) -> NoAnswer | None:
-        """Return the error if the connection or the router is lost or frozen; arguments as of `explain`."""
+        """Return the error if the connection or the router is lost or frozen; arguments as for `explain`."""
         bus = self.client.bus
         if bus.closed:
             return NoAnswer(

@@ -193,7 +193,7 @@ class TwinMotion:
         return self._permit.acquire(blocking=False)
 
     def end(self, why: BeatrixError) -> None:
-        """Request the end with this error; only the first call counts."""
+        """Request that the motion ends with this error; only the first call has an effect."""
         self._end = self._end or why
         self._news.put(None)
 

@@ -50,7 +50,7 @@ class TwinState:
         self._infos: dict[str, Info] = {}
 
     def status(self, robot: Robot) -> Status:
-        """Status of a robot; raises NoAnswer as `Robot.status`."""
+        """Return the status of a robot; raises NoAnswer as `Robot.status` does."""
         state = self._published(robot)
         return robot.status() if state is None or state.status is None else state.status
 
@@ -83,7 +83,7 @@ class TwinState:
         self._check(robot, may_move)
 
     def check_may_switch(self, robot: Robot) -> None:
-        """Raise unless this seat may switch a robot: raises the errors of `may_switch`, confirmed as in `check_may_move`."""
+        """As `check_may_move`, but check whether this seat may switch a robot; raises the errors of `may_switch`."""
         self._check(robot, may_switch)
 
     def _check(self, robot: Robot, may: Callable[[Status, str], None]) -> None:

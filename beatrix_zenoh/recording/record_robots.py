@@ -27,7 +27,7 @@ class LiveRecording:
     clock_s: float
     """the largest possible error of those times, s"""
     slipped: int | None
-    """full motor steps that slipped meanwhile, all arms together; None: not measured"""
+    """full motor steps that slipped during the recording, all arms together; None: not measured"""
 
 
 def record_robots(

@@ -66,7 +66,7 @@ def of_robot(place: Place, *parts: str) -> str:
 
 
 def of_model(place: Place, body: str) -> str:
-    """Path of a body of one robot's model."""
+    """Return the Rerun entity path of a body of a robot's model."""
     return of_robot(place, "model", body)
 
 

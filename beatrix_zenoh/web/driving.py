@@ -258,7 +258,7 @@ def home_query(speed_deg_s: float) -> MotionQuery:
 
 
 def make_ready(robot: Robot) -> str:
-    """Switch the motors on and declare home, where that is missing."""
+    """Enable and calibrate the robot, as far as either is missing."""
     robot.make_ready()
     return "Motors on, home declared."
 

@@ -161,7 +161,7 @@ class Socket(Guarded, websocket.WebSocketHandler):
             self.refuse(403, protection.NO_COOKIE)
 
     def send(self, message: str | bytes, *, binary: bool = False) -> None:
-        """Send a message, unless the browser has gone."""
+        """Send a message, unless the browser has disconnected."""
         try:
             future = self.write_message(message, binary=binary)
         except websocket.WebSocketClosedError:

@@ -174,7 +174,7 @@ class Outcome:
     accepted: bool
     """true: a motion was accepted, or a command carried out; false: refused, or the motion did not reach its goal"""
     done: bool
-    """the last outcome of this robot and row"""
+    """whether this is the last outcome of this robot and row"""
     reason: Reason = Reason.OK
     message: str = ""
     """the English text of the SDK's error"""

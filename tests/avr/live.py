@@ -69,7 +69,9 @@ class Cable:
         """Send bytes to the program that has the port open."""
         if self.swallowing:
             data = self._without_one_reply(data)
-        with contextlib.suppress(BlockingIOError):  # without a reader; a real chip's buffer overflows as well
+        with contextlib.suppress(
+            BlockingIOError
+        ):  # no program reads; the buffer of a real chip would overflow, too
             os.write(self.master, self._spoilt(data))
 
     def _spoilt(self, data: bytes) -> bytes:

@@ -27,7 +27,7 @@ def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered()
                 data = damaged(MOVE, chance)
             replies = mega.raw(data + b"\0" + encode(FrameType.PING, seq % 256, b""))
             served += (replies[-1].type, replies[-1].seq, replies[-1].payload) == (0x82, seq % 256, b"\0")
-            # A `@` where a frame begins, and a line end behind it, make an unknown line of text.
+            # A `@` at the begin of a frame and a later line end form an unknown line of text.
             assert {reply.payload for reply in replies[:-1]} <= {bytes([Error.BAD_LENGTH]), b"\x01NACK\n"}
         mega.tick(50)
         assert served == 3000

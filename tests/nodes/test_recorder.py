@@ -65,7 +65,7 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
         with pytest.raises(Interrupted):
             motion.wait()
         arrivals = subscription.take_arrivals(0.5)
-        # The publications above are in the file as soon as a later sample of each robot is.
+        # Once the file has a later sample of each robot, it also has the publications above.
         until(
             lambda: {SIM, HW} <= {(a.robot, a.twin) for a in subscription.take_arrivals(0.5)},
             "positions of both",

@@ -1,4 +1,4 @@
-"""The lease that a seat takes: one decision a test."""
+"""The lease that a seat takes: each test shows one decision."""
 
 from __future__ import annotations
 
