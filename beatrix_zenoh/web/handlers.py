@@ -217,9 +217,9 @@ class Live(Socket):
             return
         if isinstance(request, messages.Stop):
             self.hub.stop(self.visitor_of_page, request.robot, request.stop, self)
-        elif self._count > MESSAGES_MAX:
+        if self._count > MESSAGES_MAX:
             self.close(TOO_FAST, "This page sends too many messages: load it again.")
-        else:
+        elif not isinstance(request, messages.Stop):
             self.carry_out(request)
 
     def carry_out(self, request: messages.Request) -> None:

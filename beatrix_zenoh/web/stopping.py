@@ -26,12 +26,12 @@ Report = Callable[[Outcome], object]
 
 
 class Press(NamedTuple):
-    """A STOP to send."""
+    """A STOP to send; presses for one robot that wait are sent as one."""
 
     clients: Sequence[Client]
     """sessions to send it through: the first that is connected, else the last"""
     robot: str
-    report: Report
+    reports: list[Report]
 
 
 class Sent(NamedTuple):
@@ -45,7 +45,10 @@ class Stopping:
     """Sends STOP to simulation and hardware of a name; another thread waits for the replies."""
 
     def __init__(self) -> None:
-        self._presses: queue.SimpleQueue[Press | None] = queue.SimpleQueue()
+        self._wake = threading.Condition()
+        self._waiting: dict[str, Press] = {}
+        """By robot, the oldest first: however often one page presses, each robot waits for at most one STOP of the others."""
+        self._closed = False
         self._sent: queue.Queue[Sent | None] = queue.Queue(REPLIES_MAX)
         self._threads: list[threading.Thread] = [
             threads.start(self._send_all, "web-stop"),
@@ -54,15 +57,25 @@ class Stopping:
 
     def press(self, clients: Sequence[Client], robot: str, report: Report) -> None:
         """Send STOP now; returns at once."""
-        self._presses.put(Press(clients, robot, report))
+        with self._wake:
+            press = self._waiting.setdefault(robot, Press(clients, robot, []))
+            if len(press.reports) < REPLIES_MAX:
+                press.reports.append(report)
+            self._wake.notify()
+
+    def _next(self) -> Press | None:
+        """The press that has waited longest; None at the end."""
+        with self._wake:
+            self._wake.wait_for(lambda: self._waiting or self._closed)
+            return self._waiting.pop(next(iter(self._waiting))) if self._waiting else None
 
     def _send_all(self) -> None:
-        while (press := self._presses.get()) is not None:
+        while (press := self._next()) is not None:
             connected = [client for client in press.clients if client.bus.connected]
             try:
                 sent = Sent(press, request_stop((connected or press.clients[-1:])[0], press.robot))
             except BeatrixError as error:
-                press.report(refused("stop", error.message))
+                report_to(press, refused("stop", error.message))
                 continue
             with contextlib.suppress(queue.Full):
                 self._sent.put_nowait(sent)
@@ -73,13 +86,21 @@ class Stopping:
             replies = list(sent.request.replies(STOP_S))
             for (_, twin), reply in replies:
                 text = f"{sent.press.robot} ({twin}): {reply.message}"
-                sent.press.report(Outcome("stop", ok=reply.result, text=text))
+                report_to(sent.press, Outcome("stop", ok=reply.result, text=text))
             if not replies:
-                sent.press.report(refused("stop", NO_REPLY.format(sent.press.robot)))
+                report_to(sent.press, refused("stop", NO_REPLY.format(sent.press.robot)))
 
     def close(self) -> None:
         """End the threads."""
-        self._presses.put(None)
+        with self._wake:
+            self._closed = True
+            self._wake.notify()
         deadline_s = time.monotonic() + STOP_S
         for thread in self._threads:
             thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+def report_to(press: Press, outcome: Outcome) -> None:
+    """Report an outcome to all pages that have pressed."""
+    for report in press.reports:
+        report(outcome)

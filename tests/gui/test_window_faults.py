@@ -93,7 +93,7 @@ def test_a_robot_that_is_killed_and_started_again(stage: Stage) -> None:
     with windowed(stage.endpoint) as user, Gaps(user) as gaps:
         user.until(shows(user, "hw", "motors off"), "the robot is shown")
         hw.send(signal.SIGKILL)
-        assert_soon(user, shows(user, "hw", "not on line"), "the loss is shown", gaps, SOON_S)
+        assert_soon(user, shows(user, "hw", "lost"), "the loss is shown", gaps, SOON_S)
         assert user.window.panels.arms.rows["short"].hw.text() == "–", "an old angle is not shown"
         user.send_to("hw")
         user.press(user.window.panels.arms.rows["short"].plus)

@@ -12,6 +12,7 @@ from stage import Stage, ready, until
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.web.handlers import MESSAGES_MAX
 
 NAMES, PRESSES = itertools.count(1), itertools.count(1)
 
@@ -252,6 +253,23 @@ def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
     until(lambda: not robot.status().moving, "stopped")
     assert abs(robot.positions().head.yaw) > 1.0
     jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # the page that pressed STOP need not pause
+
+
+def test_a_page_that_floods_stop_delays_no_stop_of_another_page(
+    driver: WebSocket, browser: WebClient, port: int, robot: Robot
+) -> None:
+    flooding = browser.connect()
+    jog(driver, "yaw", 3.0)
+    slowly_home(driver)
+    for number in range(2 * MESSAGES_MAX):
+        flooding.send("stop", robot=f"other{number % 7}", stop=f"flood-{number}")
+    with WebClient(port) as viewer:
+        viewer.load()
+        page = viewer.connect()
+        page.send("stop", robot="bea1", stop="7")
+        assert page.outcome("stop")["ok"]
+    assert not robot.status().moving
+    assert abs(robot.positions().head.yaw) > 1.0
 
 
 def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Robot) -> None:
