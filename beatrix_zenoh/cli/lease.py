@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Sequence
 from enum import StrEnum
 from typing import Annotated
 
@@ -16,10 +17,14 @@ from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.govern import govern
 from beatrix_zenoh.client.queries import number
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import title
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.settings import resolve
+
+CHECK_S = 0.5
+"""Period of the check whether a lease goes on."""
 
 
 class What(StrEnum):
@@ -51,14 +56,31 @@ def lease(
             for robot in robots:
                 say(f"{robot}: {leases.ask(robot, LeaseAction.GIVE_BACK).message}")
             return
+        if wait:
+            note(f"Taking the robot, or waiting for it for up to {wait:g} s. Ctrl-C leaves the queue.")
         held = [robot.lease(wait) for robot in robots]
         for robot in robots:
             say(f"{robot}: held by {targets.client.settings.who}. Ctrl-C gives it back.")
         try:
-            threading.Event().wait()
+            _hold(robots)
         finally:
             for taken in held:
                 taken.close()
+
+
+def _hold(robots: Sequence[Robot]) -> None:
+    """Return never; raise Refused when the lease of a robot has ended, and NoAnswer when a robot is lost."""
+    pause = threading.Event()
+    while not pause.wait(CHECK_S):
+        for robot in robots:
+            status = robot.status()
+            if status.lease == robot.lease_number:
+                continue
+            robot.lease_number = 0  # nothing to give back
+            now = f"{status.holder} holds it now" if status.holder else "it is free now"
+            raise Refused(
+                Reason.NOT_HOLDER, f"{robot}: your lease has ended; {now}. `beatrix ls` shows the state."
+            )
 
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:

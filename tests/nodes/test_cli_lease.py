@@ -30,8 +30,8 @@ def test_a_seat_that_waits_gets_the_robot(free: Shell) -> None:
         until(lambda: robot.status().holder == "dora", "handed over")
         given = free.good("lease", "give-back", "--on", "sim", "--who", "dora")
         assert "Given back" in given
-        waiting.send_signal(signal.SIGINT)
-        waiting.communicate(timeout=10)
+        output, _ = waiting.communicate(timeout=20)
+        assert (waiting.returncode, "your lease has ended; it is free now" in output) == (1, True)
 
 
 def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> None:
