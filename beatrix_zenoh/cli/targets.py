@@ -63,7 +63,10 @@ def open_targets(
     with Client(settings) as client:
         present = client.robots()
         name = settings.robot
-        if not is_named(selection, settings) and not any(robot == name for robot, _ in present):
+        own = settings.account is not None and settings.account.robot
+        # A seat of a class that forgot to start its simulation must not move the class's robot instead.
+        free = not is_named(selection, settings) and not (acts and own)
+        if free and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)
             note(f"Using robot {name}, the only one on line.")
         if both and which is None and {(name, twin) for twin in names.TWINS} <= {*present}:

@@ -229,6 +229,17 @@ def test_the_command_line_ends_with_the_exit_code_of_each_silence(
     assert done.stdout == ""
 
 
+def test_a_seat_without_its_simulation_does_not_move_the_only_robot_of_the_class(
+    lesson: Lesson, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(lesson.folder)
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(lesson.router.account("ana"))))
+    done = beatrix("enable")
+    assert done.returncode == exit_code(Reason.NO_SUCH_ROBOT), done.stderr
+    assert "ana (sim) is not on line" in done.stderr
+    assert "On line: bea1 (hw)" in done.stderr
+
+
 def test_each_silence_has_an_exit_code_of_its_own() -> None:
     codes = [exit_code(reason) for _, reason, _ in TABLE]
     assert len({*codes, 0, 1, 2}) == len(TABLE) + 3
