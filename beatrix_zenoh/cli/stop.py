@@ -125,7 +125,8 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
     reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
         Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
-        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint}",
+        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint} "
+        "A robot whose node hangs or has crashed is not on line: if it moves, switch its motor power off.",
     )
 
 
