@@ -89,6 +89,7 @@ def log_to(path: Path | None) -> Iterator[None]:
     """
     writer = Writer(None if path is None else _file(path))
     loggers = [logging.getLogger(name) for name in LOGGERS]
+    before = [(logger, logger.level, logger.propagate) for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.INFO)
         logger.propagate = False
@@ -96,8 +97,10 @@ def log_to(path: Path | None) -> Iterator[None]:
     try:
         yield
     finally:
-        for logger in loggers:
+        for logger, level, propagate in before:
             logger.removeHandler(writer.handler)
+            logger.setLevel(level)
+            logger.propagate = propagate
         writer.close()
 
 
