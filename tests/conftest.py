@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import signal
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from turns import Turns
 from witness import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
@@ -34,6 +36,7 @@ NICE = 5
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
 """Processes of all tests, and those that Python keeps for itself."""
 WITNESS = pytest.StashKey[Witness]()
+TURNS = pytest.StashKey[Turns]()
 BEGIN_S = pytest.StashKey[float]()
 """Begin of a test, monotonic clock."""
 
@@ -100,6 +103,21 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         os.nice(NICE)
     elif worker or session.config.getoption("numprocesses", None) is None:
         session.config.stash[WITNESS] = Witness()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let tests that are marked `alone` run while no test runs in another process."""
+    if config.cache is not None:
+        config.stash[TURNS] = Turns(config.cache.mkdir("turns"))
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Wait for the turn of the test, before its time limit begins."""
+    turns = item.config.stash.get(TURNS, None)
+    alone = item.get_closest_marker("alone") is not None
+    with contextlib.nullcontext() if turns is None else turns.turn(alone=alone):
+        return (yield)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

@@ -28,7 +28,7 @@ SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hol
 GONE: Final = "This page was silent for too long, so the robot was given back. Press Drive to take it again."
 TAKEN: Final = "The robot was handed over to {holder}. Press Drive to take it again."
 ENDED: Final = (
-    "The robot or the router was started again, so nobody drives. Press Drive to take the robot again."
+    "The robot or the router was started again, so no page drives. Press Drive to take the robot again."
 )
 NAME_IN_USE: Final = (
     "Another page drives {robot} as {seat}, or waits for it. Type another name, then press Drive."

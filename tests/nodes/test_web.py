@@ -193,8 +193,8 @@ def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, st
 
 def test_a_robot_that_is_not_there_is_refused(browser: WebClient) -> None:
     page = browser.connect()
-    page.send("watch", robot="nobody", twin="sim")
-    assert "There is no robot nobody" in page.outcome("robot")["text"]
+    page.send("watch", robot="bea9", twin="sim")
+    assert "There is no robot bea9" in page.outcome("robot")["text"]
 
 
 def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
