@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from enum import StrEnum
 from typing import Final, TypeVar
 
 import msgpack
 import msgspec
 
-from beatrix_zenoh._generated.messages import Detail, Reason
+from beatrix_zenoh._generated.messages import FLOAT32_MAX, Detail, Reason
 from beatrix_zenoh.errors import QUOTED, Refused
 
 MSGPACK = "application/msgpack"
@@ -20,9 +19,10 @@ UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 """Errors of decoders for bytes that are not a message; RecursionError for thousands of brackets."""
 LONGEST = 200
 """Characters of a decoder's error in a refusal; the error may quote the request."""
-FLOAT32_MAX = 3.4028234663852886e38
 _AT: Final = re.compile(r" - at `\$\.?([^`]*)`\s*$")
 """The path of a field at the end of a decoder's error."""
+_FLOAT32: Final = re.compile(r"`float` [<>]= -?3\.4\d+e\+38")
+"""The bounds of a number in a decoder's error."""
 _FIELD: Final = re.compile(r"(?:unknown|missing required) field `([^`]*)`")
 
 M = TypeVar("M", bound=msgspec.Struct)
@@ -51,7 +51,7 @@ def decode(data: bytes, kind: type[M]) -> M:
         Refused: BAD_VALUE, with the field and the allowed fields or values, also in its detail.
     """
     try:
-        message = _finite(msgspec.msgpack.decode(data, type=kind))
+        message = msgspec.msgpack.decode(data, type=kind)
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
     if is_request(kind):
@@ -62,7 +62,7 @@ def decode(data: bytes, kind: type[M]) -> M:
 def decode_json(data: bytes, kind: type[M]) -> M:
     """Decode JSON text; raises the errors of `decode`."""
     try:
-        message = _finite(msgspec.json.decode(data, type=kind))
+        message = msgspec.json.decode(data, type=kind)
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
     if is_request(kind):
@@ -73,7 +73,7 @@ def decode_json(data: bytes, kind: type[M]) -> M:
 def from_words(fields: dict[str, object], kind: type[M]) -> M:
     """Build a message from text values ("0.5", "true") and numbers; raises the errors of `decode`."""
     try:
-        return _finite(msgspec.convert(fields, type=kind, strict=False))
+        return msgspec.convert(fields, type=kind, strict=False)
     except msgspec.ValidationError as error:
         raise bad_value(kind, str(error)) from error
 
@@ -111,6 +111,7 @@ def is_request(kind: type[msgspec.Struct]) -> bool:
 def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
     """Return the refusal of a message that cannot be decoded; `what`: the decoder's error."""
     text = what[:LONGEST].replace(" - at `$.", " - at `").replace(" - at `$`", "")
+    text = _FLOAT32.sub("a finite number up to 3.4e38", text)
     at, name = _AT.search(what), _FIELD.search(what)
     path = ".".join(filter(None, (at and at[1], name and name[1])))
     fields = msgspec.structs.fields(kind)
@@ -148,26 +149,6 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
         if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
             return candidate
     return None
-
-
-def _finite(message: M) -> M:
-    for path, number in _floats(message, ""):
-        if not fits(number):
-            raise bad_value(
-                type(message), f"Expected a finite number up to 3.4e38, got {number} - at `$.{path}`"
-            )
-    return message
-
-
-def _floats(value: object, path: str) -> Iterator[tuple[str, float]]:
-    if isinstance(value, float):
-        yield path, value
-    elif isinstance(value, msgspec.Struct):
-        for name in value.__struct_fields__:
-            yield from _floats(getattr(value, name), f"{path}.{name}" if path else name)
-    elif isinstance(value, list):
-        for index, item in enumerate(value):
-            yield from _floats(item, f"{path}[{index}]")
 
 
 def _check_names(value: object, kind: type[msgspec.Struct]) -> None:

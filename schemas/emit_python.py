@@ -13,9 +13,14 @@ SCALARS = {
     "int64": "int",
     "uint16": 'Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]',
     "uint32": 'Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]',
-    "float32": "float",
+    "float32": "Float32",
     "string": "str",
 }
+FLOAT32 = '''
+FLOAT32_MAX: Final = 3.4028234663852886e38
+Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
+"""Number in single precision; the bounds make decoders reject NaN and infinities."""
+'''
 SHOWN = ("Reason", "Fault")
 """Enumerations whose texts programs show."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
@@ -73,6 +78,7 @@ def messages(contract: Contract) -> str:
     out = HEADER.format(doc="Messages of the Zenoh contract.", source="messages.toml")
     out += "from enum import IntEnum, StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
+    out += FLOAT32
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
         if name in SHOWN:

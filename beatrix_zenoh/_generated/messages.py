@@ -13,6 +13,10 @@ from msgspec import Meta, Struct
 CONTRACT: Final = "6f00c9a4"
 """Hash of messages and keys."""
 
+FLOAT32_MAX: Final = 3.4028234663852886e38
+Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
+"""Number in single precision; the bounds make decoders reject NaN and infinities."""
+
 
 class Reason(StrEnum):
     """Why a request was refused or how a motion ended; one table for SDK, command line, window and replies."""
@@ -246,11 +250,11 @@ COMMAND_TEXT: Final[dict[Command, str]] = {
 class Vector3(Struct, frozen=True, forbid_unknown_fields=True):
     """One number for each arm: x = short, y = middle, z = long; counter-clockwise from above is positive."""
 
-    x: float
+    x: Float32
     """short arm"""
-    y: float
+    y: Float32
     """middle arm"""
-    z: float
+    z: Float32
     """long arm"""
 
 
@@ -268,11 +272,11 @@ class Steps(Struct, frozen=True, forbid_unknown_fields=True):
 class Head(Struct, frozen=True, forbid_unknown_fields=True):
     """Head orientation R = Rz(yaw) Ry(pitch) Rx(roll); x forward, y left, z up (REP-103)."""
 
-    yaw: float
+    yaw: Float32
     """left is positive [rad]"""
-    pitch: float
+    pitch: Float32
     """nose down is positive [rad]"""
-    roll: float
+    roll: Float32
     """right ear down is positive [rad]"""
 
 
@@ -294,13 +298,13 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     absolute: bool = True
     """true: this orientation; false: angles relative to the present orientation"""
-    yaw: float = 0.0
+    yaw: Float32 = 0.0
     """left is positive [rad]"""
-    pitch: float = 0.0
+    pitch: Float32 = 0.0
     """nose down is positive [rad]"""
-    roll: float = 0.0
+    roll: Float32 = 0.0
     """right ear down is positive [rad]"""
-    speed: float | None = None
+    speed: Float32 | None = None
     """top speed of the fastest arm, > 0; missing: the robot's default [rad/s]"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
     """number of the lease under which it is sent, refused once that has ended; 0: none"""
@@ -320,18 +324,18 @@ class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     action: LeaseAction
     """the action"""
-    speed: float = 0.0
+    speed: Float32 = 0.0
     """used by limit: top speed of every arm; 0: as the robot allows [rad/s]"""
 
 
 class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Move the person in the simulated scene. The place is that of the person's eyes, in the frame of the neck, whose origin is 0.206 m above the desk."""
 
-    x: float
+    x: Float32
     """forward of the neck's centre [m]"""
-    y: float
+    y: Float32
     """to the left of it [m]"""
-    z: float
+    z: Float32
     """above it [m]"""
 
 
@@ -351,11 +355,11 @@ class Detail(Struct, frozen=True, kw_only=True):
 
     limit: Limit | None = None
     """the limit that would be exceeded"""
-    value: float | None = None
+    value: Float32 | None = None
     """the requested value, or the value that would result"""
-    low: float | None = None
+    low: Float32 | None = None
     """lowest allowed value"""
-    high: float | None = None
+    high: Float32 | None = None
     """highest allowed value"""
     unit: str = ""
     """of value, low and high: rad, rad/s, s, or empty for counts"""
@@ -363,7 +367,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     """names of the arms concerned"""
     at_goal: bool | None = None
     """true: the goal exceeds the limit; false: the path to it does"""
-    leaves_s: float | None = None
+    leaves_s: Float32 | None = None
     """time from the start of the motion at which it would leave the limits [s]"""
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
@@ -373,7 +377,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     """values that are allowed instead"""
     holder: str = ""
     """seat that holds the robot; of ACCESS_DENIED the account that is refused"""
-    wait_s: float | None = None
+    wait_s: Float32 | None = None
     """time after which the same request may succeed [s]"""
     needs: list[str] = []
     """commands to send first, in this order"""
@@ -394,7 +398,7 @@ class MotionReply(Struct, frozen=True, kw_only=True):
     """the reason as a sentence, with the values that would be accepted"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """number of this motion, 0 if refused"""
-    duration: float
+    duration: Float32
     """accepted: planned time; done: time taken [s]"""
     position: Vector3
     """accepted: arm angles of the goal; done: set point of the arms [rad]"""
@@ -445,13 +449,13 @@ class PreviewReply(Struct, frozen=True, kw_only=True):
     """OK, or the reason of the refusal"""
     message: str
     """the reason as a sentence"""
-    duration: float
+    duration: Float32
     """time until the arms rest [s]"""
-    tilt_max: float
+    tilt_max: Float32
     """largest tilt of the head on the way [rad]"""
-    gap_min: float
+    gap_min: Float32
     """smallest gap between neighbouring arms on the way [rad]"""
-    t: list[float]
+    t: list[Float32]
     """times of the samples from the start [s]"""
     arms: list[Vector3]
     """arm angles at these times, measured in the copy of the simulation [rad]"""
@@ -510,7 +514,7 @@ class BoardStatus(Struct, frozen=True, kw_only=True):
 class PlantStatus(Struct, frozen=True, kw_only=True):
     """The physics of a simulation."""
 
-    real_time_factor: float
+    real_time_factor: Float32
     """simulated seconds per second, averaged over the last seconds"""
     late_steps: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """physics steps that were more than 10 ms late"""
@@ -529,7 +533,7 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
     """the camera is connected, or the pictures can be rendered"""
     streaming: bool
     """the node publishes pictures: a client subscribes and the camera delivers"""
-    hz: float
+    hz: Float32
     """pictures published per second, over the last two seconds [1/s]"""
     width: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """of the newest picture, 0: none yet [px]"""
@@ -574,7 +578,7 @@ class Status(Struct, frozen=True, kw_only=True):
     """seats that wait for the robot, the next first"""
     frozen: bool = False
     """the teacher has frozen the robot"""
-    speed_limit: float = 0.0
+    speed_limit: Float32 = 0.0
     """limit that the teacher has set for every arm; 0: none [rad/s]"""
     board: BoardStatus
     """the board"""
@@ -593,11 +597,11 @@ class TargetReply(Struct, frozen=True, kw_only=True):
     """OK, or the reason of the refusal"""
     message: str
     """the reason as a sentence, with the values that would be accepted"""
-    x: float
+    x: Float32
     """the person's eyes, forward of the neck's centre [m]"""
-    y: float
+    y: Float32
     """to the left of it [m]"""
-    z: float
+    z: Float32
     """above it [m]"""
     detail: Detail | None = None
     """the refusal as data"""
@@ -645,7 +649,7 @@ class Event(Struct, frozen=True, kw_only=True):
     """the event as a sentence"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
     """number of the motion; 0: none"""
-    duration: float = 0.0
+    duration: Float32 = 0.0
     """accepted: planned time; done: time taken [s]"""
     count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 1
     """number of equal events that this one stands for: in a flood the node counts them instead of sending each"""
@@ -687,32 +691,32 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
 class LimitInfo(Struct, frozen=True, kw_only=True):
     """Limits of every motion."""
 
-    tilt_max: float
+    tilt_max: Float32
     """of the head [rad]"""
-    gap_min: float
+    gap_min: Float32
     """between neighbouring arms [rad]"""
-    yaw_max: float
+    yaw_max: Float32
     """of the head, either way [rad]"""
-    speed_default: float
+    speed_default: Float32
     """of an arm [rad/s]"""
-    speed_max: float
+    speed_max: Float32
     """of an arm [rad/s]"""
-    acceleration: float
+    acceleration: Float32
     """of an arm [rad/s2]"""
 
 
 class GeometryInfo(Struct, frozen=True, kw_only=True):
     """Geometry of the neck, for its kinematics."""
 
-    arm_angle: float
+    arm_angle: Float32
     """common vertical axis to elbow axis [rad]"""
-    rod_twist: float
+    rod_twist: Float32
     """elbow axis to skull mount axis [rad]"""
-    mount_angle: float
+    mount_angle: Float32
     """head axis to skull mount axis [rad]"""
-    arm0_azimuth: float
+    arm0_azimuth: Float32
     """direction of the short arm at home, from x (forward) towards y (left) [rad]"""
-    arm_spacing: float
+    arm_spacing: Float32
     """from arm to arm at home [rad]"""
     hand: Annotated[int, Meta(ge=-(2**15), le=2**15 - 1, extra={"wire": "int16"})]
     """+1: rods run counter-clockwise from arm to mount, -1: clockwise"""
@@ -731,7 +735,7 @@ class Info(Struct, frozen=True, kw_only=True):
     """hash of the Zenoh messages and keys"""
     firmware: str
     """version, empty: no board"""
-    steps_per_turn: float
+    steps_per_turn: Float32
     """microsteps per turn of an arm"""
     arms: list[str]
     """names of x, y, z"""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import enum
 import logging
-import math
 import threading
 import types
 import typing
@@ -41,9 +40,7 @@ def decode(data: bytes, kind: type[M]) -> tuple[M, str]:
         Undecodable: the bytes are not a map, or the map has none of the message's fields.
     """
     try:
-        message = msgspec.msgpack.decode(data, type=kind)
-        if _finite(message):
-            return message, ""
+        return msgspec.msgpack.decode(data, type=kind), ""
     except codec.UNREADABLE:
         pass
     try:
@@ -55,14 +52,6 @@ def decode(data: bytes, kind: type[M]) -> tuple[M, str]:
     if not isinstance(fields, dict) or not known & fields.keys():
         raise Undecodable(f"no {kind.__name__}")
     return cast("M", _struct(fields, kind, "", wrong)), f"{kind.__name__} with {', '.join(wrong)}"
-
-
-def _finite(message: object) -> bool:
-    if isinstance(message, float):
-        return math.isfinite(message)
-    if isinstance(message, msgspec.Struct):
-        return all(_finite(getattr(message, name)) for name in message.__struct_fields__)
-    return all(map(_finite, message)) if isinstance(message, list) else True
 
 
 def _struct(fields: object, kind: type[msgspec.Struct], path: str, wrong: list[str]) -> msgspec.Struct:
@@ -80,9 +69,7 @@ def _struct(fields: object, kind: type[msgspec.Struct], path: str, wrong: list[s
 
 def _value(value: object, kind: object, name: str, wrong: list[str]) -> object:
     try:
-        converted = msgspec.convert(value, kind)
-        if _finite(converted):
-            return converted
+        return msgspec.convert(value, kind)
     except msgspec.ValidationError:
         pass
     inner, item = _taken_apart(kind)

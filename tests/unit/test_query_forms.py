@@ -234,7 +234,7 @@ def test_text_that_is_not_a_finite_number_is_refused_with_its_field(text: str) -
     [
         (b'{"yaw":1,"yaw":2}', PoseQuery, "yaw"),
         (b'{"yaw":1,"\\u0079aw":2}', PoseQuery, "yaw"),
-        (b'{"yaw":' + b"1" * 300 + b',"yaw":2}', PoseQuery, "yaw"),
+        (b'{"yaw":1.' + b"1" * 300 + b',"yaw":2}', PoseQuery, "yaw"),
         (b'{"position":{"x":1,"y":1,"z":1,"x":0}}', MotionQuery, "position.x"),
         (b'{"position":{"x":1,"y":1,"z":1},"speed":{"x":1,"y":1,"y":1,"z":1}}', MotionQuery, "speed.y"),
         (b'{"command":1,"value":false,"command":1}', CommandQuery, "command"),
