@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import threading
 from collections.abc import Callable
@@ -109,7 +110,7 @@ def test_abort_in_a_signal_handler_ends_the_commit_that_it_interrupts(twin: Twin
 def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved(twin: Twin) -> None:
     before = steps(twin.hw)
     plan = twin.preview(yaw=90)
-    interrupt = threading.Timer(0.5, signal.raise_signal, (signal.SIGINT,))
+    interrupt = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     interrupt.start()
     with pytest.raises(KeyboardInterrupt, match=r"(?s)bea \(sim\): Stopped;.*bea \(hw\): not moved"):
         plan.commit(lead_s=5)
