@@ -53,7 +53,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
 
 
 def tiled(parts: Sequence[Part], name: str) -> rrb.Container:
-    """One or several parts as one tab."""
+    """Return one tab that contains these parts."""
     return rrb.Grid(*parts, name=name) if len(parts) > 1 else rrb.Horizontal(*parts, name=name)
 
 
