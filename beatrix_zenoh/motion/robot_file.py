@@ -52,7 +52,9 @@ def load(path: Path | None) -> RobotData:
     tables: Tables = msgspec.to_builtins(ROBOT)
     called = f"--robot-file {path}"
     try:
-        held = files.content(path, LONGEST_FILE, called=called, form="TOML", nothing="no robot's values are")
+        held = files.content(
+            path, LONGEST_FILE, called=called, form="TOML", nothing="files with values of a robot are shorter"
+        )
         given = tomllib.loads(held.decode())
     except (OSError, ValueError, RecursionError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error

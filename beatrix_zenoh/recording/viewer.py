@@ -47,7 +47,7 @@ def program() -> Path:
     if found is None or found.origin is None or importlib.util.find_spec("rerun") is None:
         raise Refused(
             Reason.BAD_VALUE,
-            f"Recordings need rerun-sdk, which is not installed: {INSTALL}. It needs a 64-bit system, not an Intel Mac.",
+            f"Recordings need rerun-sdk, which is not installed: {INSTALL} (not for Intel Macs or 32-bit systems).",
         )
     folder = Path(found.origin).parent
     bundled = folder / "Rerun.app/Contents/MacOS/Rerun"
