@@ -101,7 +101,7 @@ class UsbCamera:
         return Frame(jpeg, width, height, t_mono_ns, self.name)
 
     def close(self) -> None:
-        """Release the camera. If its driver blocks, it is released when the driver returns, and `open` fails until then."""
+        """Release the camera; if its driver blocks, this happens later, and `open` fails until then."""
         if self._reader is not None and self._reader.end():
             self._reader = None
 
