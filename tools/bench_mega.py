@@ -3,7 +3,7 @@
 python tools/bench_mega.py           the shipped hex file
 python tools/bench_mega.py --sketch  the sketch, compiled as in the Arduino IDE
 
-Each beside the same sources for a robot whose limits allow what the processor can do.
+Both are measured beside the same sources for a robot whose limits are as high as the processor allows.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Robot:
 
     def finish(self, mega: Mega, seen: Seen) -> None:
         """Run to the end of the motion and add its figures."""
-        mega.tick(5)  # answers that are still to come
+        mega.tick(5)  # answers may still arrive
         mega.run()
         mega.settle()
         seen.add(mega)
@@ -138,7 +138,7 @@ def fast_robot(target: str, folder: Path) -> Robot:
 def show(figure: str, measured: str, to_reach: str = "", *, good: bool = True) -> None:
     """Print one row of the table; mark a figure that is worse than required."""
     wanted = f"to reach: {to_reach}" if to_reach else ""
-    print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'FALLS SHORT'}".rstrip())
+    print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'NOT REACHED'}".rstrip())
 
 
 def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
@@ -149,7 +149,7 @@ def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
         wait(mega, EVEN_MS)
         off = []
         for arm, speed in enumerate(speeds):
-            gone = periods(mega, arm, speed // 4)  # of the last second: it was at speed before
+            gone = periods(mega, arm, speed // 4)  # of the last second, after the arm has reached its speed
             off.append(gone - gone.mean())
         mega.ask(FrameType.STOP)
         robot.finish(mega, seen)
