@@ -188,13 +188,13 @@ def snaps_at(neck: Neck, most: float) -> float | None:
     for level in range(1, math.ceil(most / GRID) + 1):
         tilt = min(level * GRID, most)
         around = (leaning(tilt, math.tau * index / DIRECTIONS) for index in range(DIRECTIONS))
-        if not all(stands(neck, pitch, roll) for pitch, roll in around):
+        if not all(is_unique(neck, pitch, roll) for pitch, roll in around):
             return tilt
     return None
 
 
-def stands(neck: Neck, pitch: float, roll: float) -> bool:
-    """Return whether the arm angles calculated from this pose (rad) give the same pose again."""
+def is_unique(neck: Neck, pitch: float, roll: float) -> bool:
+    """Return whether forward kinematics of the arm angles of this pose (rad) gives the same pose."""
     try:
         there = neck.forward(neck.inverse(0.0, pitch, roll))
     except BeatrixError:

@@ -158,7 +158,7 @@ def replay(
     lead_s = wait_s("lead_s", lead_s)
     if lead_s and isinstance(robots, Robot):
         raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
-    _go_to_begin(robots, following)
+    _go_to_start(robots, following)
     delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
     streams = [Stream(robot, following, delay_s) for robot, delay_s in delays.items()]
     begin_s = time.monotonic() + BEGIN_S
@@ -176,17 +176,17 @@ def replay(
             time.sleep(min(POLL_S, max(0.0, due_s - now_s)))
 
 
-def _go_to_begin(robots: Twin | Robot, following: Following) -> None:
+def _go_to_start(robots: Twin | Robot, following: Following) -> None:
     """Move to the start of the path, unless the robots are there."""
     if isinstance(robots, Robot):
-        if _away(robots, following):
+        if _away_from_start(robots, following):
             robots.begin(following.start).wait()
         return
     robots.check_ready()
-    if _away(robots.sim, following) or _away(robots.hw, following):
+    if _away_from_start(robots.sim, following) or _away_from_start(robots.hw, following):
         robots.preview_query(following.start).commit()
 
 
-def _away(robot: Robot, following: Following) -> bool:
+def _away_from_start(robot: Robot, following: Following) -> bool:
     """Return whether the robot is further than THERE_DEG from the start of the path."""
     return furthest(robot.positions().commanded, arm_angles(following.start.position)) > THERE_DEG

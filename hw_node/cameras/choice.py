@@ -56,7 +56,7 @@ def examples() -> str:
     return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
 
 
-def both(source: str) -> list[CameraChoice]:
+def same_for_both(source: str) -> list[CameraChoice]:
     """Return choices with the same source for both eyes."""
     return [CameraChoice(eye, source) for eye in names.EYES]
 

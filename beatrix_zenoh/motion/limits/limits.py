@@ -138,7 +138,7 @@ class Limits:
         motion = PlannedMotion(start, velocity, target, speed, straight)
         if self._too_far(target, start):
             raise self._too_far_refusal(motion)
-        if self._uncountable(target):
+        if self._beyond_counter(target):
             raise refusals.too_far_to_send(target, self._count_max)
         trajectory = motion.trajectory(self.acceleration)
         try:
@@ -151,7 +151,7 @@ class Limits:
 
     def _accepts_as_sent(self, motion: PlannedMotion) -> bool:
         """Return whether a motion keeps all limits with the speeds rounded as in a frame."""
-        if self._too_far(motion.target, motion.start) or self._uncountable(motion.target):
+        if self._too_far(motion.target, motion.start) or self._beyond_counter(motion.target):
             return False
         speed = self._gear.quarters_to_speed(self._gear.speed_to_quarters(motion.speed))
         trajectory = motion.at_speed(speed).trajectory(self.acceleration)
@@ -167,7 +167,7 @@ class Limits:
         """
         return max(map(abs, arms)) > max(self._arm_max, *map(abs, start))
 
-    def _uncountable(self, arms: Arms) -> bool:
+    def _beyond_counter(self, arms: Arms) -> bool:
         return max(map(abs, self._gear.to_steps(arms))) > _FURTHEST_STEPS
 
     def _too_far_refusal(self, motion: PlannedMotion) -> Refused:

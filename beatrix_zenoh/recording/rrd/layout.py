@@ -24,7 +24,7 @@ TITLES: Final = {"sim": "simulation", "hw": "hardware"}
 ARMS_DEG: Final = (-60.0, 60.0)
 HEAD_DEG: Final = (-60.0, 60.0)
 APART_DEG: Final = (-2.0, 2.0)
-HOW: Final = ": hardware wide, simulation thin"
+STYLES: Final = ": hardware wide, simulation thin"
 
 Part = rrb.Container | rrb.View
 
@@ -110,8 +110,8 @@ def plots_of(shown: RobotSet, name: str) -> rrb.Container:
     twins = shown.twins(name)
     # Half of the screen's height each: the viewer leaves out the numbers of lower axes.
     curves = rrb.Vertical(
-        plot([of_robot(place, "arms") for place in twins], f"arms (°){HOW * (len(twins) > 1)}", ARMS_DEG),
-        plot([of_robot(place, "head") for place in twins], f"head (°){HOW * (len(twins) > 1)}", HEAD_DEG),
+        plot([of_robot(place, "arms") for place in twins], f"arms (°){STYLES * (len(twins) > 1)}", ARMS_DEG),
+        plot([of_robot(place, "head") for place in twins], f"head (°){STYLES * (len(twins) > 1)}", HEAD_DEG),
     )
     if len(twins) == 1:
         return rrb.Horizontal(curves, name=name)
