@@ -59,7 +59,7 @@ class Hardware:
 
 
 class VirtualHardware(Hardware):
-    """The same firmware on a virtual board in real time; its eyes show a test picture."""
+    """A robot whose firmware runs on a virtual board in real time; its eyes show a test picture."""
 
     def __init__(
         self, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None

@@ -105,7 +105,7 @@ class Load:
 
 
 class Crowd:
-    """As many robots as seats at one router, each a process: `places` are their accounts, or the router's endpoint twice."""
+    """Pairs of a robot and a seat at one router, each in a process; `places`: their accounts, or the endpoint twice."""
 
     def __init__(self, router: Served | Program, places: list[tuple[str, str]]) -> None:
         self._router = router

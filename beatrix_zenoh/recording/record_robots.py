@@ -23,7 +23,7 @@ class LiveRecording:
     robot: str
     twin: str
     recording: Recording
-    """by this computer's monotonic clock, s"""
+    """its times are by this computer's monotonic clock, s"""
     clock_s: float
     """largest possible error of the times of `recording`, s"""
     slipped: int | None

@@ -177,7 +177,7 @@ def replay(
 
 
 def _go_to_start(robots: Twin | Robot, following: Following) -> None:
-    """Move to the start of the path, unless the robots are there."""
+    """Move to the start of the path, unless the robots are already at it."""
     if isinstance(robots, Robot):
         if _away_from_start(robots, following):
             robots.begin(following.start).wait()
