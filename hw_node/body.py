@@ -11,7 +11,7 @@ from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import Component, Context, Pose
-from hw_node.cameras import PATTERN, Camera, CameraChoice, both
+from hw_node.cameras import PATTERN, Camera, CameraChoice, same_for_both
 from hw_node.port import VIRTUAL, SerialPort, find
 
 
@@ -59,12 +59,12 @@ class Hardware:
 
 
 class VirtualHardware(Hardware):
-    """The same firmware on a virtual board in real time; its eyes show a test picture."""
+    """A robot whose firmware runs on a virtual board in real time; its eyes show a test picture."""
 
     def __init__(
         self, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
     ) -> None:
-        super().__init__(VIRTUAL, robot, both(PATTERN) if cameras is None else cameras)
+        super().__init__(VIRTUAL, robot, same_for_both(PATTERN) if cameras is None else cameras)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
         self._ticker = RealTimeTicker(self._board)
 

@@ -28,8 +28,8 @@ from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
 HEX = "beatrix-mega2560.hex"
 UNTOUCHED = "Nothing was written."
 FIRST_PAGE = (
-    "The first page, where every start begins, was being written and is not verified: the firmware may start, fail or do "
-    "nothing. Switch the motor power off and run `beatrix flash` again. The boot loader is intact."
+    "The first page, where the firmware starts, was being written and is not verified: the firmware may start, fail or "
+    "do nothing. Switch the motor power off and run `beatrix flash` again. The boot loader is intact."
 )
 HALF_WRITTEN = "The board contains an incomplete firmware and will not start it. Run `beatrix flash` again. The boot loader is intact."
 COMPLETE = "The firmware is written and verified. Press the reset button to start it."
@@ -41,11 +41,11 @@ SetState = Callable[[str], None]
 
 
 def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) -> None:
-    """Reset the board, write, verify, start.
+    """Reset the board, write and verify the firmware, start it.
 
-    The first page contains an endless loop until all others are verified, so a board that loses cable or power in between
-    does not start. One gap remains: for a few milliseconds, at the beginning and at the end, that page itself is blank, and
-    a start would run into the middle of the old or the new firmware.
+    The first page contains an endless loop until all others are verified, so a board that loses its connection or power
+    in between does not start. One gap remains: for a few milliseconds at the beginning and at the end the first page is
+    blank, and a board that starts then executes the middle of the old or the new firmware.
 
     Raises:
         NoAnswer: the boot loader fails.
@@ -120,7 +120,7 @@ def report_board_state() -> Iterator[SetState]:
 
 
 def firmware(path: Path | None) -> bytes:
-    """The image of a file, or by default of the firmware in this package.
+    """Return the image of a file, or by default of the firmware in this package.
 
     Raises:
         WrongUsage: the file has no image for this board.

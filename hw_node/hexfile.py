@@ -17,10 +17,10 @@ BLANK = 0xFF
 """Value of erased flash."""
 DATA, END, SEGMENT, START_SEGMENT, HIGH, START = range(6)
 LENGTHS = {END: 0, SEGMENT: 2, START_SEGMENT: 4, HIGH: 2, START: 4}
-"""Bytes in a record of this kind. Start addresses (START_SEGMENT, START) have no use on an AVR."""
+"""Number of bytes in a record of each kind. Start addresses (START_SEGMENT, START) have no use on an AVR."""
 SHORTEST = 5
 LONGEST_FILE = 4 << 20
-"""Bytes: more than the whole flash, one byte a line."""
+"""Largest size of a file (bytes): more than an image of the whole flash with one byte in each line."""
 
 
 class Piece(NamedTuple):
@@ -32,16 +32,20 @@ class Piece(NamedTuple):
 
 
 def read(path: Path) -> bytes:
-    """The image from address 0 on, gaps blank: 1 to FLASH bytes.
+    """Return the image from address 0 on, 1 to FLASH bytes; gaps are BLANK.
 
     Raises:
-        WrongUsage: BAD_VALUE; no file, or no image for this board. The message names the wrong line.
+        WrongUsage: BAD_VALUE; the file is missing, or not an image for this board. The message names the wrong line.
     """
     found = sorted(piece for piece in pieces(path) if piece.data)
     if not found:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} contains no data.")
     if found[0].at:
-        raise wrong(path, found[0].line, f"is the lowest, at {found[0].at:#x}; the image must begin at 0")
+        raise wrong(
+            path,
+            found[0].line,
+            f"has the lowest address, {found[0].at:#x}; the image must begin at address 0",
+        )
     for before, after in pairwise(found):
         if before.at + len(before.data) > after.at:
             first, again = sorted((before.line, after.line))
@@ -79,7 +83,11 @@ def content(path: Path) -> bytes:
     """The whole file without a byte order mark; raises the errors of `read`."""
     try:
         held = files.content(
-            path, LONGEST_FILE, called=f"{path}", form="Intel HEX", nothing="no firmware for this board is"
+            path,
+            LONGEST_FILE,
+            called=f"{path}",
+            form="Intel HEX",
+            nothing="firmware for this board is shorter",
         )
     except OSError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error

@@ -83,7 +83,7 @@ class SerialPort:
         return b""
 
     def wake(self) -> None:
-        """Nothing to do: a real board runs by itself."""
+        """Do nothing: a real board runs by itself."""
 
     def read(self, timeout_s: float) -> bytes:
         """Received bytes, after waiting up to `timeout_s` for the first one; OSError if the device is gone."""
@@ -106,9 +106,9 @@ def as_os_error() -> Iterator[None]:
     except TerminalError as error:
         raise OSError(*error.args) from error
     except TypeError as error:
-        raise OSError("another thread has closed it") from error
+        raise OSError("another thread has closed the port") from error
     except serial.SerialTimeoutException as error:
-        raise OSError("it accepts no bytes") from error
+        raise OSError("the port accepts no bytes") from error
 
 
 def why_not(error: Exception) -> str:
@@ -117,16 +117,16 @@ def why_not(error: Exception) -> str:
     if number == errno.ENOENT:
         return "is not there: plug the board in, or name its port with --port"
     if number == errno.EACCES:
-        return "may not be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
+        return "cannot be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
     if number in (errno.EAGAIN, errno.EBUSY):
-        return "is used by another program, for example another `beatrix hw`: end that first"
+        return "is used by another program, for example another `beatrix hw`: end that program first"
     if number in NO_PORT or "configure port" in str(error):
-        return "is not a serial port: name another with --port"
+        return "is not a serial port: name another port with --port"
     return f"cannot be opened ({error})"
 
 
 def find(otherwise: str = "") -> str:
-    """The only board on USB; `otherwise` ends the message if there is none.
+    """Return the port of the only board on USB; `otherwise` is appended to the message if there is no board.
 
     Raises:
         NoAnswer: BOARD_LOST, if there is none or more than one.

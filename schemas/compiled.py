@@ -15,12 +15,12 @@ Robot = dict[str, dict[str, object]]
 
 
 def number(robot: Robot, table: str, name: str) -> float:
-    """Value of a row of robot.toml."""
+    """Return the value of a row of robot.toml."""
     return float(robot[table][name]["value"])  # type: ignore[index]
 
 
 def microsteps_per_degree(robot: Robot) -> float:
-    """Microsteps per degree of an arm."""
+    """Return the microsteps per degree of an arm."""
     steps = number(robot, "drive", "full_steps") * number(robot, "drive", "microsteps")
     return steps * number(robot, "drive", "gear_ring") / number(robot, "drive", "gear_pinion") / 360
 
@@ -49,12 +49,12 @@ def compiled(robot: Robot) -> dict[str, int]:
 MEANING = {
     "ARM_SPACING": "microsteps between neighbouring arms at home",
     "ARM_TURN": "microsteps of a whole turn of an arm",
-    "GAP_MIN": "microsteps that must stay between neighbours",
+    "GAP_MIN": "smallest gap between neighbouring arms, microsteps",
     "YAW_SUM_MAX": "largest sum of the three arms, microsteps",
-    "TILT_GAP_MIN": "microsteps between neighbours: with all gaps from this",
-    "TILT_GAP_MAX": "to this the head tilts no further than it may",
+    "TILT_GAP_MIN": "text port: smallest gap, microsteps; with all gaps up to TILT_GAP_MAX the tilt keeps its limit",
+    "TILT_GAP_MAX": "text port: largest gap, microsteps",
     "TEXT_YAW_SUM_MAX": "largest sum of the three arms for the text port, microsteps",
-    "TEXT_SPEED": "quarter microsteps per second",
-    "SPEED_MAX": "quarter microsteps per second, rounded up",
+    "TEXT_SPEED": "speed of text motions, quarter microsteps per second",
+    "SPEED_MAX": "largest speed of an arm, quarter microsteps per second, rounded up",
     "ACCELERATION": "Q26 microsteps per tick, per tick",
 }

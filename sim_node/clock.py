@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 
 PERIOD_S = 0.006
-"""Period of the simulation's thread, which makes the steps that are due."""
+"""Period (s) of the simulation's thread, which makes the steps that are due."""
 RESTING_S = 0.020
-"""The same while the arms rest and no frame for the board has come."""
+"""Period (s) while the arms rest and no frame for the board has arrived."""
 LATE_S = 0.010
 SLICE_S = 0.1
 """Longest simulated time at once, so that the board receives its heartbeat in between."""

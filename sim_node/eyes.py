@@ -35,14 +35,14 @@ UNSTEADY: Final = (
     "restarted. MUJOCO_GL=egl or osmesa selects the driver."
 )
 OUTSIDE_EVERY: Final = 3
-"""If there is no time for all cameras, the outside view is drawn with every third picture of the eyes."""
+"""If the time does not suffice for all cameras, the outside view is drawn with every third picture of the eyes."""
 NO_RENDERER: Final = (
     "The process that draws the pictures cannot be started, has crashed, or hangs; it is restarted."
 )
 GL_FAILURES: Final = 3
 """After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
 SOON_S: Final = 60.0
-"""Failures further apart are not counted together; a start that hangs fails sooner."""
+"""Failures further apart than this are not counted together. A start that hangs fails in a shorter time."""
 _log = logging.getLogger(__name__)
 
 

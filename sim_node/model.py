@@ -119,12 +119,12 @@ def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
 def _set_options(spec: mujoco.MjSpec) -> None:
     option = spec.option
     option.timestep = TIMESTEP_MS / 1000
-    # Solves loops and drives implicitly together: with drives this stiff the other integrators oscillate or lag.
+    # It solves loops and drives implicitly and together: with drives this stiff other integrators oscillate or lag.
     option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.tolerance = 1e-10
-    # An automatic reset would set the neck home, but not the drive.
+    # An automatic reset would move the neck to home, but not the drive.
     option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
 

@@ -28,7 +28,7 @@ class SceneState:
     posture: Vector
     """joint positions, as `Plant.posture`"""
     target: Place
-    """of the person's eyes"""
+    """place of the person's eyes"""
 
 
 class PosedModel:

@@ -27,7 +27,7 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
 }
 
 _FINE: Final = (28, 18)
-"""Points of a ring and rings of a mesh: enough for a round shape, and fast to draw."""
+"""Number of points of a ring and of rings of a mesh: enough for a round shape, and fast to draw."""
 _SPHERE: Final = mujoco.mjtGeom.mjGEOM_SPHERE
 _ELLIPSOID: Final = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 _CYLINDER: Final = mujoco.mjtGeom.mjGEOM_CYLINDER
@@ -70,7 +70,7 @@ def _face(visuals: VisualGeoms) -> None:
 def _arc(
     x: float, y: float, z: float, half: float, bend: float, points: int
 ) -> list[tuple[float, float, float]]:
-    """Points of an arc across the face around (x, y, z) (m): the face falls back to its sides, the arc bends up or down."""
+    """Return points of an arc (m) on the face around (x, y, z); it follows the curved face, and bends up or down."""
     return [(x - 9.0 * t * t, y + t, z + bend * t * t) for t in np.linspace(-half, half, points).tolist()]
 
 

@@ -21,7 +21,7 @@ from sim_node.rays import RayPainter
 CAMERA: Final = "observer"
 _SAMPLES: Final = 4
 _OVERSAMPLING: Final = 2
-"""Smooths the edges that several samples of a pixel do not: those of shadows and of ray casting."""
+"""Pictures are drawn larger by this factor, to smooth also the edges of shadows and of ray casting."""
 
 
 def picture(arms: Arms, width: int, height: int) -> Image:
@@ -63,7 +63,7 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
 
 
 def _shrunk(image: Image) -> Image:
-    """Reduce the size: the mean of blocks of pixels."""
+    """Reduce an image by _OVERSAMPLING: each pixel becomes the mean of a block of pixels."""
     height, width, _ = image.shape
     n = _OVERSAMPLING
     blocks = image.reshape(height // n, n, width // n, n, 3)

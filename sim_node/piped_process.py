@@ -106,5 +106,5 @@ class PipedProcess:
             self._process.wait(ENDING_S)
         except subprocess.TimeoutExpired:
             return
-        with contextlib.suppress(OSError):  # of data that was not written yet
+        with contextlib.suppress(OSError):  # data that the process has not read are lost
             self._in.close()

@@ -44,7 +44,7 @@ _SEQ_PING: Final = 2
 
 
 def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> Preview:
-    """Carry out a motion until the arms rest, as fast as this computer can, and return its course.
+    """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
 
     `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it before
     its end, or needs more than LONGEST_MS.
@@ -118,7 +118,7 @@ class _MotionSimulation:
         return waited or max(map(abs, self._plant.velocities())) < _AT_REST
 
     def result(self) -> Preview:
-        """The course of the motion up to its end; raises Refused if the firmware stopped it."""
+        """Return the samples of the motion up to its end; raises Refused if the firmware stopped it."""
         outcome = Outcome.DONE if self._telemetry is None else Outcome(self._telemetry.outcome)
         if outcome is not Outcome.DONE:
             raise Refused(

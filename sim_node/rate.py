@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 SHARE: Final = 0.5
-"""Largest share of the time for drawing: on two cores the rest is for physics and all else."""
+"""Largest share of the time for drawing; on two cores the rest is for physics and all other threads."""
 SLOWEST_S: Final = 2.0
 """Longest time between two pictures, also on a busy computer."""
 SLOWER: Final = 1.5
 """Factor for the period after a picture during which physics steps were late."""
 FASTER: Final = 0.97
-"""The same after a picture during which no step was late."""
+"""Factor for the period after a picture during which no physics step was late."""
 MEMORY: Final = 0.8
 """Weight of the past in the mean time that a picture takes."""
 

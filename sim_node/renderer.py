@@ -31,9 +31,9 @@ from sim_node.scene import eye_scene
 WIDTH: Final = 640
 HEIGHT: Final = 480
 QUALITY: Final = 80
-"""Of the JPEG pictures, percent."""
+"""Quality of the JPEG pictures, percent."""
 CELL: Final = 4
-"""Side (px) of the squares of a picture without OpenGL: ten instead of three pictures a second of both eyes."""
+"""Side (px) of the squares of a picture without OpenGL; both eyes get ten pictures a second, with 1 px three."""
 BADGE: Final = "NO OPENGL"
 READY: Final = "ready"
 PICTURE_S: Final = 5.0
@@ -60,7 +60,7 @@ class Renderer:
             raise OSError(f"{self.source} cannot draw on this computer")
 
     def draw(self, state: SceneState, views: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-        """Each of these views and its picture, a JPEG file; raises OSError if the process has ended or hangs."""
+        """Yield each of these views with its picture, a JPEG file; raises OSError if the process has ended or hangs."""
         wanted = (view in views for view in names.VIEWS)
         self._process.write(_REQUEST.pack(*wanted, *state.posture, *state.target))
         for view in names.VIEWS:

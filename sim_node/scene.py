@@ -21,7 +21,7 @@ OUTSIDE: Final = ((0.655, 0.235, 0.13), (0.0, 0.0, 0.058), 32.0)
 
 
 def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """The editable model of robot, room and person; its joints are those of `build_spec`, so that qpos is the same."""
+    """Return the editable model of robot, room and person; its joints, and so its qpos, are those of `build_spec`."""
     spec = build_spec(robot)
     add_room(spec)
     add_person(spec)
@@ -30,10 +30,10 @@ def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
 
 
 def eye_scene(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """The same for published pictures, simplified to save time."""
+    """Return the same model for published pictures, simplified to save time."""
     spec = scene_spec(robot)
     quality = spec.visual.quality
-    # All light is directional, so one quad a wall is enough.
+    # All light is directional, so one quad for each wall is enough.
     quality.numquads = 1
     quality.numslices, quality.numstacks = 16, 10
     spec.delete(spec.texture("sky"))

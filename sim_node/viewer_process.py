@@ -54,7 +54,7 @@ def main(words: list[str]) -> int:
         os.nice(NICE)
     os.environ.setdefault("LP_NUM_THREADS", "1")  # Mesa's software driver would use all cores
     import glfw  # noqa: PLC0415 - loads the display's libraries
-    import mujoco.viewer  # noqa: PLC0415 - the same
+    import mujoco.viewer  # noqa: PLC0415 - as above
 
     if not glfw.init():
         return 1

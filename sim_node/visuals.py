@@ -249,7 +249,7 @@ def _chain(spec: mujoco.MjSpec, visuals: VisualGeoms, robot: RobotData, index: i
 
 
 def _neck(spec: mujoco.MjSpec, visuals: VisualGeoms) -> None:
-    """Hub and three spokes between the rods' ends and the skull."""
+    """Add the hub and the three spokes between the ends of the rods and the skull."""
     top = np.array((0.0, 0.0, 0.040))
     for name in ARMS:
         mount = np.array(spec.site(f"mount_{name}").pos)

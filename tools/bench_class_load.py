@@ -85,14 +85,14 @@ def bare_router() -> Iterator[tuple[Program, str]]:
 
 @dataclass(frozen=True)
 class Load:
-    """What the seats have received."""
+    """The messages that the seats have received, and the processor time used."""
 
     sent: int
-    """messages that there were to receive"""
+    """number of messages that should have arrived"""
     ages_ms: list[float]
-    """of those that were received, sorted"""
+    """ages of the messages that arrived, sorted"""
     cpu: tuple[float, float, float]
-    """share of a core: each robot, each seat, the router"""
+    """processor time as share of a core: of each robot, of each seat, of the router"""
 
     def age_ms(self, share: float) -> float:
         """The age that this share of the messages does not exceed."""
@@ -105,7 +105,7 @@ class Load:
 
 
 class Crowd:
-    """As many robots as seats at one router, each a process: `places` are their accounts, or the router's endpoint twice."""
+    """Pairs of a robot and a seat at one router, each in a process; `places`: their accounts, or the endpoint twice."""
 
     def __init__(self, router: Served | Program, places: list[tuple[str, str]]) -> None:
         self._router = router
@@ -158,7 +158,7 @@ class Crowd:
 
 
 def crowd(router: Served, folder: Path, count: int) -> Crowd:
-    """So many robots and seats of the class whose accounts are in the folder."""
+    """Return `count` robots and seats of the class whose accounts are in the folder."""
     numbers = [f"{number:02d}" for number in range(1, count + 1)]
     return Crowd(
         router,

@@ -44,7 +44,7 @@ port = {port}
 """
 STOPS: Final = 300
 CROWD_S: Final = 15.0
-"""Time during which all seats watch all robots, longer than STOPS take."""
+"""Time (s) during which all seats watch all robots; the STOPs take less."""
 REPEATS: Final = 5
 PATIENCE_S: Final = 20.0
 BACK_SEATS: Final = 5
@@ -137,7 +137,7 @@ def program(*command: str, account: Path | None = None) -> Iterator[subprocess.P
 
 
 def recording(school: School) -> bytes:
-    """What a program of a seat sends that asks the robot for its status."""
+    """Return the bytes that a program sends with the account of a seat to read the status of a robot."""
     account = accounts.load(school.path("seat03"))
     with Cable("127.0.0.1", school.classroom.port) as cable:
         account = msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}")
@@ -147,7 +147,7 @@ def recording(school: School) -> bytes:
 
 
 def stop_rows(school: School, count: int) -> Iterator[Row]:
-    """STOP of the teacher: without load, beside a flooding seat, under attack, and while everyone watches everyone."""
+    """STOP of the teacher: without load, beside a flooding seat, under attack, and while all seats watch all robots."""
     hostile, recorded = str(ROOT / "tools/hostile.py"), school.folder / "recorded"
     recorded.write_bytes(recording(school))
     attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
@@ -243,7 +243,7 @@ def lost(school: School, following: Robot, what: str, number: int) -> tuple[floa
 
 
 def restart_rows(school: School) -> Iterator[Row]:
-    """A restart of the router while one robot moves: when all are back, and what has moved."""
+    """Restart the router while one robot moves: time until all clients work again, and angle that the robot moved."""
     back_s, stopped_s, moved = [], [], []
     with contextlib.ExitStack() as stack:
         robots = [
@@ -284,7 +284,7 @@ def restart_rows(school: School) -> Iterator[Row]:
 
 
 def answered(ask: Callable[[], object]) -> None:
-    """Ask until it succeeds."""
+    """Call `ask` until it succeeds."""
     deadline = time.monotonic() + PATIENCE_S
     while True:
         try:
@@ -300,7 +300,7 @@ def rows(folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
     """All figures."""
     school = School(folder)
     with contextlib.ExitStack() as stack:
-        stack.callback(lambda: school.router.end())  # noqa: PLW0108  # the router that runs then
+        stack.callback(lambda: school.router.end())  # noqa: PLW0108  # the router that runs at that time
         yield "", "received/sent; age p50/p99/largest [ms]; CPU robot/seat/router [% of a core]", ""
         yield from bench_class_load.rows(school.router, school.folder, counts)
         for name in (NAME, RESTING):

@@ -29,7 +29,7 @@ class Run:
     """cores used by the simulation and its drawing process"""
     real_time_factor: float
     positions: str
-    """rate (Hz), standard deviation of the period at the source (ms), lost ones"""
+    """rate (Hz), standard deviation of the period at the source (ms), number of lost positions"""
     ages_s: list[float]
     """ages of pictures at a subscriber"""
     hz: float

@@ -3,7 +3,7 @@
 python tools/bench_mega.py           the shipped hex file
 python tools/bench_mega.py --sketch  the sketch, compiled as in the Arduino IDE
 
-Each beside the same sources for a robot whose limits allow what the processor can do.
+Both are measured beside the same sources for a robot whose limits are as high as the processor allows.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Robot:
 
     def finish(self, mega: Mega, seen: Seen) -> None:
         """Run to the end of the motion and add its figures."""
-        mega.tick(5)  # answers that are still to come
+        mega.tick(5)  # answers may still arrive
         mega.run()
         mega.settle()
         seen.add(mega)
@@ -138,7 +138,7 @@ def fast_robot(target: str, folder: Path) -> Robot:
 def show(figure: str, measured: str, to_reach: str = "", *, good: bool = True) -> None:
     """Print one row of the table; mark a figure that is worse than required."""
     wanted = f"to reach: {to_reach}" if to_reach else ""
-    print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'FALLS SHORT'}".rstrip())
+    print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'NOT REACHED'}".rstrip())
 
 
 def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
@@ -149,8 +149,8 @@ def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
         wait(mega, EVEN_MS)
         off = []
         for arm, speed in enumerate(speeds):
-            gone = periods(mega, arm, speed // 4)  # of the last second: it was at speed before
-            off.append(gone - gone.mean())
+            cycles = periods(mega, arm, speed // 4)  # of the last second, after the arm has reached its speed
+            off.append(cycles - cycles.mean())
         mega.ask(FrameType.STOP)
         robot.finish(mega, seen)
     return np.concatenate(off)
@@ -171,9 +171,9 @@ def even_steps(robots: list[Robot], seen: Seen) -> None:
     with Mega(fast.firmware) as mega:
         fast.cruise(mega)
         for arm in range(3):
-            gone = periods(mega, arm, 4000)
-            rate, sd = CYCLES_PER_S / gone.mean(), gone.std()
-            figures = f"{rate:.0f}, sd {sd:.1f}, {gone.min()}..{gone.max()}"
+            cycles = periods(mega, arm, 4000)
+            rate, sd = CYCLES_PER_S / cycles.mean(), cycles.std()
+            figures = f"{rate:.0f}, sd {sd:.1f}, {cycles.min()}..{cycles.max()}"
             show(
                 f"three arms together, arm {arm} [steps/s; cycles]",
                 figures,
@@ -183,10 +183,10 @@ def even_steps(robots: list[Robot], seen: Seen) -> None:
         slept, began = mega.avr.slept, mega.avr.cycle
         mega.tick(50)
         load = 1 - (mega.avr.slept - slept) / (mega.avr.cycle - began)
-        show("the same: processor busy [%]", f"{100 * load:.0f}")
+        show("three arms together: processor busy [%]", f"{100 * load:.0f}")
         fast.finish(mega, seen)
         gaps = {b.tick - a.tick for a, b in pairwise(mega.telemetry) if a.state == b.state == 7}
-        show("the same: telemetry every [ms]", f"{sorted(gaps)}", "[10]", good=gaps == {10})
+        show("three arms together: telemetry every [ms]", f"{sorted(gaps)}", "[10]", good=gaps == {10})
 
 
 def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms: int = 1) -> list[T]:

@@ -64,9 +64,9 @@ def played(twin: Twin) -> tuple[list[Positions], list[Positions]]:
 
 
 def begins(positions: Sequence[Positions], brackets: Sequence[tuple[float, float]]) -> list[float]:
-    """Begin of each motion (s), from the law of an arm that starts at rest: way = a/2 t^2.
+    """Return the start of each motion (s), from the law of an arm that starts at rest: distance = a/2 t^2.
 
-    The arm with the longest way accelerates at the limit; each sample of its first degrees gives the begin.
+    The arm with the longest distance accelerates at the limit; each sample of its first degrees gives the start.
     """
     recorded = recording(positions)
     assert recorded.commanded is not None

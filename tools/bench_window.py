@@ -90,12 +90,12 @@ def presses(window: Window, times: Times) -> tuple[list[float], list[float]]:
         shown.append(times.shown[0][0] - began_s)
         sent.append(times.sent[0] - began_s)
         until(lambda: any(outcome.done for _, outcome in times.shown))
-        QTest.qWait(30 + number % 17)  # else the timer would always stand alike
+        QTest.qWait(30 + number % 17)  # otherwise the phase of the timer would always be the same
     return sent, shown
 
 
 def click(widget: QWidget) -> float:
-    """Press a button with the mouse; returns when (monotonic clock, s)."""
+    """Press a button with the mouse; return the time (monotonic clock, s)."""
     QTest.mousePress(widget, Qt.MouseButton.LeftButton)
     began_s = time.monotonic()
     QTest.mouseRelease(widget, Qt.MouseButton.LeftButton)

@@ -182,7 +182,9 @@ def main() -> None:
     parser.add_argument("--platform", choices=PLATFORMS, default=here())
     parser.add_argument("--python", default=f"{sys.version_info.major}.{sys.version_info.minor}")
     parser.add_argument(
-        "--extras", default="all", help="of pyproject.toml, with commas; a seat needs cli or cli,gui"
+        "--extras",
+        default="all",
+        help="extras of pyproject.toml, separated by commas; a seat needs cli or cli,gui",
     )
     parser.add_argument("--out", type=Path, default=ROOT / "build/bundle")
     options = parser.parse_args()

@@ -27,7 +27,7 @@ from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
 from beatrix_zenoh.errors import Refused
 
 SETTLE_S: Final = 1.0
-"""From a subscription to the first message that counts."""
+"""Time (s) from a subscription to the first message that counts."""
 STAMP: Final = struct.Struct("<qq")
 """Number and time (ns) at the beginning of a bare message."""
 
@@ -61,7 +61,7 @@ class Ours:
         return lambda number: publication.put(positions(number))
 
     def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
-        """Pass key, number and time of messages to `handle`; return a function that ends it."""
+        """Pass key, number and time of messages to `handle`; return a function that ends the subscription."""
 
         def receive(received: zbus.Received) -> None:
             try:
@@ -119,7 +119,7 @@ def robot(session: Ours | Bare, key: str) -> None:
 
 
 def seat(session: Ours | Bare) -> None:
-    """Subscribe as each line of the input says; print ages (ms), and how many messages there were to receive."""
+    """Subscribe as each line of the input says; print ages (ms), and how many messages should have arrived."""
     print("ready", flush=True)
     for line in sys.stdin:
         key, seconds = line.split()
@@ -151,7 +151,7 @@ def seat(session: Ours | Bare) -> None:
 
 
 def main() -> None:
-    """Run one of them."""
+    """Run a robot or a seat."""
     role, where = sys.argv[1:3]
     session = Bare(where) if where.startswith("tcp/") else Ours(where)
     if role == "robot":

@@ -1,8 +1,8 @@
 """Hostile and broken traffic at the port of a router, and a seat that floods a robot.
 
 Both run as processes of their own until they are ended: `python tools/hostile.py flood ROBOT` sends motions to a robot and
-publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` replays and garbles
-what a client has sent (FILE).
+publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` sends the
+bytes that a client has sent (FILE) again, unchanged and changed.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from beatrix_zenoh.settings import resolve
 
 KINDS: Final = ("random", "garbage frame", "truncated", "replayed", "mutated", "oversize", "http")
 HALF_OPEN: Final = 150
-"""Connections that stay open and never say anything."""
+"""Number of connections that stay open and send nothing."""
 PAUSE_S: Final = 0.002
-"""Between two attacks of one kind, s."""
+"""Pause between two attacks of one kind, s."""
 LONGEST: Final = 65535
 """Largest length that Zenoh's frames on TCP can announce: two bytes, little-endian."""
 
 
 def frames(stream: bytes) -> list[bytes]:
-    """Split what a client has sent over TCP into Zenoh's frames."""
+    """Split the TCP stream of a client into Zenoh's frames."""
     found = []
     while len(stream) >= 2:
         end = 2 + int.from_bytes(stream[:2], "little")
@@ -44,7 +44,7 @@ def frames(stream: bytes) -> list[bytes]:
 
 
 def payload(kind: str, recorded: bytes, dice: random.Random) -> bytes:
-    """Return what an attack sends; `recorded` is what a client has sent in an earlier session."""
+    """Return the bytes of one attack; `recorded`: bytes that a client has sent in an earlier session."""
     match kind:
         case "random":
             sent = dice.randbytes(dice.randrange(1, 2000))
@@ -68,7 +68,7 @@ def payload(kind: str, recorded: bytes, dice: random.Random) -> bytes:
 
 
 class Attack:
-    """Threads that attack a router's port until `close`; `recorded` is what a client has sent in an earlier session."""
+    """Threads that attack a router's port until `close`; `recorded`: bytes that a client sent in an earlier session."""
 
     def __init__(self, host: str, port: int, recorded: bytes) -> None:
         self.sent: Counter[str] = Counter()
@@ -112,7 +112,7 @@ class Attack:
 
 
 def flood(robot: str) -> None:
-    """Send motions to a robot, and positions of the own robot to everyone, as fast as Zenoh accepts them."""
+    """Send motions to a robot, and publish positions of the account's robot, as fast as Zenoh accepts them."""
     settings = resolve()
     key = keys.pose(robot, "hw", settings.who)
     payloads = [codec.encode(PoseQuery(yaw=yaw)) for yaw in (0.9, 1.0)]

@@ -43,7 +43,7 @@ def broken_links(page: Path) -> Iterator[str]:
 
 
 def main() -> int:
-    """Print the broken links; 1 if there are any."""
+    """Print the broken links; return 1 if there are any."""
     broken = [line for page in sorted(pages()) for line in broken_links(page)]
     for line in broken:
         print(line)

@@ -33,7 +33,7 @@ SPEED_DEG_S: Final = 80.0
 REST_S: Final = 0.4
 FRAME_S: Final = 0.08
 WIDTH: Final = 320
-"""Of one robot's picture, px."""
+"""Width of the picture of one robot, px."""
 HEIGHT: Final = 340
 COLOURS: Final = 192
 STRIP: Final = 28

@@ -290,9 +290,9 @@ def main(words: Sequence[str] | None = None, root: Path = ROOT) -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("paths", nargs="*", help=f"folders or files; default: {', '.join(TARGETS)}")
-    parser.add_argument("--minutes", type=float, default=10.0, help="time for all")
-    parser.add_argument("--sample", type=int, help="at most so many mutants, chosen at random")
-    parser.add_argument("--seed", type=int, default=0, help="of the choice and the order")
+    parser.add_argument("--minutes", type=float, default=10.0, help="time for all mutants")
+    parser.add_argument("--sample", type=int, help="largest number of mutants, chosen at random")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random choice and order")
     given = parser.parse_args(words)
     deadline = time.monotonic() + 60 * given.minutes
     places = [root / path for path in given.paths or TARGETS if given.paths or (root / path).exists()]

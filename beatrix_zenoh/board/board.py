@@ -171,9 +171,7 @@ class Board:
             self._on_text(frame.seq, Text.unpack(frame.payload))
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
             self._on_text(frame.seq, TextWarning.unpack(frame.payload))
-        elif (
-            FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload
-        ):  # from TELEMETRY on: no replies
+        elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # a reply
             slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:
                 slot.put(frame.payload[0])

@@ -1,4 +1,4 @@
-"""The connection to a board: open the port, again after a loss; handshake, heartbeat, telemetry."""
+"""The connection to a board: opens and reopens the port; handshake, heartbeat, telemetry."""
 
 from __future__ import annotations
 
@@ -21,8 +21,11 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3
 HEARTBEAT_S: Final = wire.HEARTBEAT_PERIOD / 1000
-SILENT: Final = "; is it powered?"
-NEVER_CONNECTED: Final = ": is that the board's port, and is BEATRIX's firmware on the board? `beatrix flash` puts it there (end this first)."
+SILENT: Final = "; is the board powered?"
+NEVER_CONNECTED: Final = (
+    ". Check that the board is connected to this port. If the board does not have BEATRIX's firmware, end this program "
+    "and run `beatrix flash`."
+)
 LOST_S: Final = 0.4
 """Silence after which the board counts as lost; together with READ_S less than 0.5 s."""
 
@@ -91,7 +94,7 @@ class Connection:
         return hello is not None and same_contract(hello)
 
     def write_frame(self, frame: bytes) -> bytes:
-        """Send an encoded frame, as `write`; it counts as heartbeat."""
+        """Send an encoded frame as `write` does; the frame counts as a heartbeat."""
         answer = self.write(frame)
         self._sent_s = time.monotonic()
         return answer
@@ -104,7 +107,9 @@ class Connection:
         try:
             return port.write(data)
         except OSError as error:
-            raise NoAnswer(Reason.BOARD_LOST, f"The board at {port.name} has gone ({error}).") from error
+            raise NoAnswer(
+                Reason.BOARD_LOST, f"The board at {port.name} was disconnected ({error})."
+            ) from error
 
     def wake(self) -> None:
         """Wake the threads that wait for a virtual board; without this call they wake within milliseconds."""

@@ -56,7 +56,7 @@ class Link:
     port: str
     connected: bool
     trouble: str
-    """why the board is not connected: port not opened, other firmware, or silent; else empty"""
+    """why the board is not connected (port not open, other firmware, no frames); empty if it is connected"""
     hello: HelloReply | None
     rejected: int
     """invalid blocks received from the board"""
@@ -107,8 +107,8 @@ def not_connected(link: Link) -> NoAnswer:
 def mismatch_text(hello: HelloReply) -> str:
     """Return the sentence about firmware of another version, or compiled with other values."""
     return (
-        f"The firmware {'.'.join(map(str, hello.version))} speaks contract {hello.contract:08x}, this program "
-        f"{wire.CONTRACT:08x}: it is of another version, or was built for another robot (microsteps, gears, guard, "
-        "speed). End the programs that use the board and run `beatrix flash`, which installs this program's firmware; "
-        "if the firmware was built on purpose, use the program that was generated with it."
+        f"The firmware {'.'.join(map(str, hello.version))} has contract {hello.contract:08x}, this program has "
+        f"{wire.CONTRACT:08x}: the firmware is of another version, or was built for another robot (microsteps, gears, "
+        "guard, speed). End the programs that use the board and run `beatrix flash`, which installs this program's "
+        "firmware. If you need the other firmware, use the program that was generated with it."
     )

@@ -31,7 +31,8 @@ _CATCH_UP_MS: Final = 100
 _STALL_MS: Final = 300
 """After a longer stall of the process the board skips that time, so that the firmware misses no heartbeat."""
 _UNREAD_MS: Final = 100
-"""Plus one step and a heartbeat period, this is less than the heartbeat timeout."""
+"""The host is late if bytes have been unread for longer. With one step and a heartbeat period this is less than the
+heartbeat timeout."""
 _PERIOD_MS: Final = 5
 _YIELD_S: Final = 0.001
 _UNREAD_MAX: Final = 65536

@@ -7,10 +7,10 @@ s1, c1 = sin, cos of alpha1, elbow axis and skull mount axis of arm i are the un
     w_i = Rz(a_i + t_i) (s1, 0, -c1)          v_i = R m_i
 
 and every rod keeps w_i . v_i = cos(alpha2): three closures for three degrees of freedom. All formulas here are derived
-from these closures. Everything is plain Python floats: for 3x3 work that is an order of magnitude faster than arrays.
+from these closures. The code uses plain Python floats, which for 3x3 matrices are ten times as fast as arrays.
 
-Turning all three arms by the same angle turns the head by that angle and nothing else. So both directions are solved
-without the common turn, which is added afterwards: angles stay continuous through any number of turns.
+Turning all three arms by the same angle turns the head by that angle and nothing else. Inverse and forward kinematics
+are therefore solved without this common turn and add it afterwards: angles stay continuous through any number of turns.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _MAX_ITERATIONS: Final = 8
 _MAX_TURN: Final = 0.5
 """Longest Newton step (rad): longer ones may leave the home assembly."""
 _CONVERGED: Final = 1e-12
-"""Square of the last Newton step (rad2): convergence is quadratic, so what remains is below 1e-11 rad."""
+"""Square of the last Newton step (rad2): convergence is quadratic, so the remaining error is below 1e-11 rad."""
 
 
 class Head(NamedTuple):
@@ -69,9 +69,9 @@ class _Linear(NamedTuple):
 
 class _Solution(NamedTuple):
     mean: float
-    """of the arms (rad); the head turns with it"""
+    """mean angle of the arms (rad): the common turn of arms and head"""
     mounts: Triple
-    """v_i without that turn"""
+    """v_i without the common turn"""
     linear: _Linear
 
 
@@ -121,10 +121,10 @@ class Neck:
         return self._hand * math.acos(cosine)
 
     def inverse(self, yaw: float, pitch: float, roll: float) -> Arms:
-        """Arm angles (rad) for a head orientation (rad), exact; yaw may be any number of turns.
+        """Return the exact arm angles (rad) for a head orientation (rad); yaw may be any number of turns.
 
-        Rods and mounts give a closed form with one arc cosine per arm; `hand` decides its sign. Without yaw all arms of an
-        upright head are within half a turn of home, so only there each arm can be wrapped separately. Raises Refused:
+        Rods and mounts give a closed form with one arc cosine per arm; `hand` decides its sign. At yaw 0 every arm is
+        within half a turn of home, so each angle is wrapped to that range before the yaw is added. Raises Refused:
         BAD_VALUE, OUT_OF_REACH.
         """
         if not math.isfinite(yaw + pitch + roll):
@@ -225,7 +225,7 @@ class Neck:
         )
 
     def _solve(self, arms: Sequence[float]) -> _Solution:
-        """Newton on SO(3), from the linear solution at home."""
+        """Solve the closures by Newton's method on SO(3), from the linear solution at home."""
         x, y, z = arms
         mean = (x + y + z) / 3
         x, y, z = x - mean, y - mean, z - mean
@@ -252,7 +252,7 @@ class Neck:
         )
 
     def _attitude(self, mounts: Triple) -> Rotation:
-        """Rows of the orientation that brings two home mounts (and their normal) to the given ones."""
+        """Return the rows of the orientation that turns the mount axes at home to `mounts`."""
         (ux, uy, uz), (vx, vy, vz) = mounts[0], mounts[1]
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         (a, b, c), (d, e, f), (g, h, i) = self._frame
@@ -289,7 +289,7 @@ def _linearise(mounts: Triple, elbows: Triple, cos_twist: float) -> _Linear:
 
 
 def _moved(mounts: Triple, inverse: Triple, right: Arms) -> tuple[Triple, float]:
-    """Mounts after the step that solves the linearised closure, and the square of that step (rad2)."""
+    """Return the mounts after the step that solves the linearised closure, and the square of that step (rad2)."""
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = inverse
     a, b, c = right
     x, y, z = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz

@@ -22,27 +22,27 @@ from beatrix_zenoh.motion.rotation import leaning
 Tables = dict[str, dict[str, object]]
 
 LONGEST_FILE = 1 << 20
-"""Bytes; longer files are refused."""
+"""Largest size of a file (bytes)."""
 LEAST_TILT = ALLOWED["limits"]["tilt_max"].low
 NEAR = math.radians(2.0)
 """Angle (rad) that every robot must reach from home, in any direction."""
 GRID, DIRECTIONS = math.radians(1.5), 48
-"""Spacing of the tested poses in tilt (rad), and number of directions: about 30 ms."""
+"""Spacing of the tested poses in tilt (rad), and number of directions; the test takes about 30 ms."""
 SAME = math.radians(0.01)
 ROUNDING = 1e-9
 HOME: Arms = (0.0, 0.0, 0.0)
 AS_BUILT = (
-    "is compiled into the firmware. To build it for another robot, in the folder of BEATRIX: change schemas/robot.toml, "
-    "then `make generate`, `make firmware`, `beatrix flash`; nodes and simulations that start from there count alike."
+    "is compiled into the firmware. To build the firmware for another robot, in the folder of BEATRIX: change "
+    "schemas/robot.toml, then `make generate`, `make firmware`, `beatrix flash`. Start all nodes in that folder."
 )
 SIGN = "cannot be changed: reverse the plug of the motor that turns the wrong way."
-PINS = "is how the firmware is wired: firmware/beatrix/src/mega/pins.h."
+PINS = "is fixed by the firmware: see firmware/beatrix/src/mega/pins.h."
 ANGLES = "arm_angle, rod_twist and mount_angle"
-FIRMWARE = "the firmware is built for no wider ones"
+FIRMWARE = "the firmware allows no wider limit"
 
 
 def load(path: Path | None) -> RobotData:
-    """The default robot with the values of this file, if any: tables and names as in docs/reference/robot.md.
+    """Return the default robot with the values of this file, if any: tables and names as in docs/reference/robot.md.
 
     Raises:
         WrongUsage: BAD_VALUE; the message names the wrong entry and the allowed ones.
@@ -52,7 +52,9 @@ def load(path: Path | None) -> RobotData:
     tables: Tables = msgspec.to_builtins(ROBOT)
     called = f"--robot-file {path}"
     try:
-        held = files.content(path, LONGEST_FILE, called=called, form="TOML", nothing="no robot's values are")
+        held = files.content(
+            path, LONGEST_FILE, called=called, form="TOML", nothing="files with values of a robot are shorter"
+        )
         given = tomllib.loads(held.decode())
     except (OSError, ValueError, RecursionError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
@@ -70,20 +72,22 @@ def load(path: Path | None) -> RobotData:
 
 
 def fingerprint(robot: RobotData) -> str:
-    """Eight hex digits that are the same for the same values."""
+    """Return a hash of all values, in eight hex digits."""
     return hashlib.sha256(msgspec.json.encode(robot)).hexdigest()[:8]
 
 
 def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str, object]]:
-    """Table, field and value of each entry; raises Refused for unknown or fixed fields and for wrong types."""
+    """Yield table, field and value of each entry; raises Refused for unknown or fixed fields and for wrong types."""
     for table, values in given.items():
         if table not in known or not isinstance(values, dict):
-            raise Refused(Reason.BAD_VALUE, f"{quoted(table)} is no table. There are: {', '.join(known)}.")
+            raise Refused(
+                Reason.BAD_VALUE, f"{quoted(table)} is not a table. The tables are: {', '.join(known)}."
+            )
         for field, value in values.items():
             if field not in known[table]:
                 raise Refused(
                     Reason.BAD_VALUE,
-                    f"[{table}] has no {quoted(field)}. There are: {', '.join(known[table])}.",
+                    f"[{table}] has no {quoted(field)}. Its fields are: {', '.join(known[table])}.",
                 )
             if field not in ALLOWED[table]:
                 why = SIGN if field == "sign" else PINS if table == "pins" else AS_BUILT
@@ -110,7 +114,10 @@ def check(robot: RobotData, given: set[str]) -> None:
         )
     shipped = ROBOT.limits
     ends: dict[str, tuple[float, str]] = {
-        "tilt_max": (most, f"the rods reach {reach:.1f}° in every direction, less a degree"),
+        "tilt_max": (
+            most,
+            f"the rods reach {reach:.1f}° in every direction, and the limit must be one degree less",
+        ),
         "gap_min": (shipped.gap_min, FIRMWARE),
         "yaw_max": (shipped.yaw_max, FIRMWARE),
         "speed_max": (shipped.speed_max, FIRMWARE),
@@ -129,12 +136,12 @@ def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, t
         whole = isinstance(value, int)
         fits = value in allowed[:2] if whole else allowed.low <= value <= allowed.high
         if not fits:
-            text = f"{value}" + ("" if field in given else ", as shipped")
+            text = f"{value}" + ("" if field in given else ", the default value")
             raise outside(table, field, text, allowed, why, whole=whole)
 
 
 def outside(table: str, field: str, value: str, allowed: Range, why: str = "", *, whole: bool) -> Refused:
-    """The error for a value out of range."""
+    """Return the error for a value out of range."""
     low, high, unit = allowed
     if whole:
         text = f"{low} or {high} is allowed"
@@ -177,17 +184,17 @@ def check_motions(robot: RobotData) -> None:
 
 
 def snaps_at(neck: Neck, most: float) -> float | None:
-    """The least tilt (rad), up to this, at which the arms of a head also fit another; None if there is none."""
+    """Return the smallest tilt (rad) up to `most` whose arm angles also fit another head orientation, or None."""
     for level in range(1, math.ceil(most / GRID) + 1):
         tilt = min(level * GRID, most)
         around = (leaning(tilt, math.tau * index / DIRECTIONS) for index in range(DIRECTIONS))
-        if not all(stands(neck, pitch, roll) for pitch, roll in around):
+        if not all(is_unique(neck, pitch, roll) for pitch, roll in around):
             return tilt
     return None
 
 
-def stands(neck: Neck, pitch: float, roll: float) -> bool:
-    """Return whether the arm angles calculated from this pose (rad) give the same pose again."""
+def is_unique(neck: Neck, pitch: float, roll: float) -> bool:
+    """Return whether forward kinematics of the arm angles of this pose (rad) gives the same pose."""
     try:
         there = neck.forward(neck.inverse(0.0, pitch, roll))
     except BeatrixError:
@@ -196,7 +203,7 @@ def stands(neck: Neck, pitch: float, roll: float) -> bool:
 
 
 def near_home() -> Iterator[Arms]:
-    """Poses (rad) close to home, on all sides."""
+    """Yield poses (rad) close to home, in all directions."""
     for yaw in (-NEAR, NEAR):
         for pitch in (-NEAR, 0.0, NEAR):
             for roll in (-NEAR, 0.0, NEAR):

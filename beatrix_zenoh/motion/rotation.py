@@ -28,9 +28,9 @@ def inverse_of_columns(x: Vector, y: Vector, z: Vector) -> Triple:
 
 
 def turned(vectors: Triple, turn: Vector) -> Triple:
-    """The vectors turned about `turn`, by 2 atan(|turn| / 2): the rotation vector, up to its third power.
+    """Return the vectors turned about `turn` by 2 atan(|turn| / 2), which is |turn| up to its third power.
 
-    Cayley's map: exactly a rotation, and cheaper than the exponential.
+    Cayley's map: exactly a rotation, and faster to compute than the exponential map.
     """
     x, y, z = turn[0] / 2, turn[1] / 2, turn[2] / 2
     k = 2 / (1 + x * x + y * y + z * z)
@@ -71,6 +71,6 @@ def tilt_of(pitch: float, roll: float) -> float:
 
 
 def leaning(tilt: float, direction: float) -> tuple[float, float]:
-    """Pitch and roll (rad) of a head that tilts so far (rad) in a direction (rad); `tilt_of` them is the tilt."""
+    """Return pitch and roll (rad) of a head tilted by `tilt` towards `direction` (rad); the inverse of `tilt_of`."""
     level = math.sin(tilt)
     return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))

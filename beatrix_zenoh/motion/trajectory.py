@@ -1,4 +1,4 @@
-"""The firmware's time law in continuous form: per-arm trapezoids of speed that may start in motion."""
+"""The firmware's motion in continuous form: a trapezoidal speed profile for each arm, which may start in motion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from beatrix_zenoh.motion.gear import Arms
 
 _REST: Arms = (0.0, 0.0, 0.0)
 _SHORTEST: Final = 1e-9
-"""Sections shorter than this (s) are rounding."""
+"""Sections shorter than this (s) are rounding errors."""
 _SLOWEST_SHARE: Final = 1 / 16
 """An arm in motion keeps at least this share of the speed, so that an arm that has to reverse arrives."""
 
@@ -21,18 +21,18 @@ class Section(NamedTuple):
     """Part of a trajectory with constant accelerations."""
 
     begin: float
-    """s after the start"""
+    """time (s) after the start of the trajectory"""
     duration: float
     """s"""
     arms: Arms
-    """rad, at its begin"""
+    """angles (rad) at `begin`"""
     velocity: Arms
-    """rad/s, at its begin"""
+    """velocities (rad/s) at `begin`"""
     acceleration: Arms
     """rad/s2"""
 
     def at(self, t: float) -> tuple[Arms, Arms]:
-        """Angles (rad) and velocities (rad/s) t seconds after its begin."""
+        """Return angles (rad) and velocities (rad/s) `t` seconds after `begin`."""
         (x, y, z), (u, v, w), (a, b, c) = self.arms, self.velocity, self.acceleration
         h = t / 2
         velocity = (u + a * t, v + b * t, w + c * t)
@@ -50,7 +50,7 @@ class Trajectory:
     """s"""
 
     def at(self, t: float) -> tuple[Arms, Arms]:
-        """Angles (rad) and velocities (rad/s) of the arms t seconds after the start."""
+        """Return angles (rad) and velocities (rad/s) of the arms `t` seconds after the start."""
         if t >= self.duration:
             return self.target, _REST
         section = self.sections[max(0, bisect_right(self.sections, t, key=lambda section: section.begin) - 1)]
@@ -70,13 +70,13 @@ _Profile = tuple[_Piece, ...]
 def plan(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, acceleration: float, *, straight: bool
 ) -> Trajectory:
-    """Trajectory from `start` (rad), moving with `velocity` (rad/s), to rest at `target` (rad).
+    """Return the trajectory of arms at `start` (rad) with `velocity` (rad/s) to rest at `target` (rad).
 
     speed: top speed of each arm (rad/s), > 0. acceleration: rad/s2, > 0. An arm that cannot stop before its target
-    stops behind it and returns; an arm above its new top speed slows down to it.
-    straight: speed[0] is the speed of the arm with the longest way, the others are slower in proportion; from rest the
-    accelerations are as well, so that all arms start and arrive together on a straight line. In motion that is
-    impossible, and every arm brakes and accelerates at its limit.
+    stops beyond it and returns; an arm above its new top speed slows down to it.
+    straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
+    rest their accelerations are lower in the same proportion, so that all arms start and arrive together on a straight
+    line. In motion that is impossible, and every arm brakes and accelerates at its limit.
     """
     travel = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
     longest = max(map(abs, travel))
@@ -96,7 +96,7 @@ def plan(
 def _profile(start: float, velocity: float, target: float, speed: float, acceleration: float) -> _Profile:
     """Time-optimal motion of one arm to rest at its target, with limited speed and acceleration.
 
-    The sign of the remaining way after braking gives the direction; with u the velocity and d the way in that
+    The sign of the remaining distance after braking gives the direction; with u the velocity and d the distance in that
     direction the peak p follows from (p^2 - u^2) / 2a + p^2 / 2a = d, unless the speed limit cuts it off.
     """
     left = target - start - velocity * abs(velocity) / (2 * acceleration)
@@ -118,7 +118,7 @@ def _profile(start: float, velocity: float, target: float, speed: float, acceler
 
 
 def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
-    """The leading arm's profile, scaled for each arm."""
+    """Return the sections of all arms: the profile of the leading arm, scaled by the share of each arm."""
     (x, y, z), (a, b, c) = start, shares
     return tuple(
         Section(
@@ -134,7 +134,7 @@ def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
 
 
 def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
-    """Sections of constant acceleration of all three arms."""
+    """Return sections in which all three arms have constant acceleration."""
     cuts = sorted({piece.begin for profile in profiles for piece in profile})
     cuts = [
         cut for cut, following in zip(cuts, [*cuts[1:], math.inf], strict=True) if following - cut > _SHORTEST

@@ -1,4 +1,4 @@
-"""The node: a robot on the router."""
+"""The node: it serves one robot at the router."""
 
 from __future__ import annotations
 

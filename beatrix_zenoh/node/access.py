@@ -24,7 +24,7 @@ from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.lease import QUIET_S, Caller, Lease
 
 QUIET_OLD_PROGRAM_S = 5.0
-"""QUIET_S of programs of 2023, which cannot read the reason of a refusal."""
+"""Used instead of QUIET_S for programs of 2023, which cannot read the reason of a refusal."""
 ENDED_SESSIONS = 256
 """Number of ended sessions to remember, because their last requests may still arrive."""
 TEXT_SESSION = "text-port"
@@ -35,7 +35,7 @@ R = TypeVar("R")
 
 
 class Action(Enum):
-    """A request, as far as access depends on it."""
+    """The kinds of requests that the access rules distinguish."""
 
     MOVE = auto()
     ENABLE = auto()

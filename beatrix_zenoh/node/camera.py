@@ -121,7 +121,7 @@ class CameraPublisher:
         if trouble == before:
             return
         reason = Reason.FAULT if trouble else Reason.OK
-        text = trouble or "The camera is there again."
+        text = trouble or "The camera is connected again."
         self._events.add(EventKind.CAMERA, action=self._eye, reason=reason, message=self._named(text))
 
     def status(self) -> CameraStatus:

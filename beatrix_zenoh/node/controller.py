@@ -106,13 +106,13 @@ class MotionController:
         accepted(number, goal)
         self._board.wake()
         if replaced is not None:
-            text = f"A newer motion ({number}, from {caller.seat}) took over."
+            text = f"A newer motion ({number}, of {caller.seat}) replaced this one."
             replaced.ended(replaced.number, Reason.REPLACED, text, now_s - replaced.began_s)
 
     def _send(self, goal: Goal) -> tuple[int, int]:
         """Send a goal to the board; return the number of the motion and the boot number of the board."""
         telemetry = self._board.telemetry
-        # A new number also after a failure: the board may have received that motion, and ignores a repeated number.
+        # Use a new number even after a failure: the board may have received that motion, and ignores a repeated number.
         self._number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
         try:
             self._board.move(goal.frame(self._number))

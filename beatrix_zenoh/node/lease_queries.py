@@ -140,14 +140,14 @@ class LeaseHandler(Component):
         if query.action is LeaseAction.LIMIT:
             planner.limit_speed(query.speed)
             if not planner.speed_limit:
-                return "No speed limit but the robot's own."
+                return "The speed limit of the teacher has ended; the robot's own limit applies."
             return f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
         access.freeze(on=query.action is LeaseAction.FREEZE)
         if query.action is LeaseAction.UNFREEZE:
             return "Every seat may move the robot again."
         if controller.driven and not self._teacher_drives():
             controller.stop(Reason.STOPPED)
-        return "Frozen: only the teacher moves the robot."
+        return "Frozen: only the teacher may move the robot."
 
     def _teacher_drives(self) -> bool:
         running = self._context.controller.running

@@ -15,7 +15,7 @@ from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.planner import degrees
 
 TELEMETRY_S = 1.0
-"""Time within which telemetry shows an acknowledged change: 10 ms, on a busy computer more."""
+"""Longest wait until telemetry shows an acknowledged change; usually 10 ms, longer on a busy computer."""
 HOME_SHIFT_MAX = math.radians(15.0)
 """Angle (rad) by which CALIBRATE may shift a known home; limits, and the cables they protect, count from home."""
 

@@ -1,4 +1,4 @@
-"""A robot on the router: a list of components, started in order and closed in reverse order."""
+"""The node of one robot: a list of components, started in order and closed in reverse order."""
 
 from __future__ import annotations
 

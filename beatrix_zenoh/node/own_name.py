@@ -15,7 +15,7 @@ POLL_S = 0.02
 
 
 def claim_name(bus: Bus, name: str, twin: str) -> None:
-    """Claim the name for the lifetime of the session; two robots with one name would both obey.
+    """Claim the name for the lifetime of the session; two robots with one name would both carry out every request.
 
     Each node first declares its claim, then looks for other claims, so of two nodes at least one sees the other. The
     node with the larger session id withdraws. The other one waits for that, because the first may have looked earlier.
@@ -39,6 +39,6 @@ def taken(bus: Bus, name: str, twin: str) -> Refused:
     """Return the refusal of a second node with the same name."""
     return Refused(
         Reason.NAME_TAKEN,
-        f"A {twin} robot named {name!r} is already on line at {bus.endpoint}. Give this one another name "
-        "(--name), or end the other; `beatrix ls` lists the robots.",
+        f"A {twin} robot named {name!r} is already on line at {bus.endpoint}. Start this robot under another "
+        "name (--name), or end the other robot; `beatrix ls` lists the robots.",
     )

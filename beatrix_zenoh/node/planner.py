@@ -29,7 +29,7 @@ from beatrix_zenoh.refusals import ARMS
 
 @dataclass(frozen=True)
 class Goal:
-    """A checked motion: arms in rad, and the same in the units of the firmware."""
+    """A checked motion: angles of the arms in rad, and target and speeds in the units of the firmware."""
 
     target: Arms
     steps: tuple[int, int, int]

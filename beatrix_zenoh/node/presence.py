@@ -51,7 +51,9 @@ class Presence(Component):
             text = f"The router at {self._endpoint} is connected again."
             self._context.events.add(EventKind.ROUTER, message=text)
             return
-        text = f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests until it is back."
+        text = (
+            f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests."
+        )
         self._context.events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
         self._context.queue.post_event(self._context.controller.client_lost)
 

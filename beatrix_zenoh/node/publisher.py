@@ -20,7 +20,7 @@ ON_CHANGE = {
     kind: [name for name in kind.__struct_fields__ if name not in quiet]
     for kind, quiet in NOT_ON_CHANGE.items()
 }
-"""Fields whose change is published at once, of messages that also have fields that change all the time."""
+"""Fields whose change is published at once, by message; clocks and rates, which always change, are left out."""
 
 
 class Stream:
@@ -31,7 +31,7 @@ class Stream:
         self._json: Publication = sessions.publication(json_key, codec.JSON)
 
     def put(self, message: msgspec.Struct) -> None:
-        """Publish; dropped for a subscriber that cannot keep up."""
+        """Publish a message; Zenoh drops it for a subscriber that cannot keep up."""
         self._packed.put(codec.encode(message))
         if self._json.subscribed:
             self._json.put(codec.encode_json(message))

@@ -33,7 +33,7 @@ SILENT = (
     "frame of its node; if they still move, switch the motor power off."
 )
 SUPERSEDED = "The board carries out a newer motion, which it has not acknowledged."
-NOT_CARRIED_OUT = "The board acknowledged the motion and does not carry it out."
+NOT_CARRIED_OUT = "The board acknowledged the motion but does not carry it out."
 
 
 def motion_reply(

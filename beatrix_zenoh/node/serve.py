@@ -71,7 +71,7 @@ def serve(
         try:
             if ready:
                 node.make_ready()
-            gc.freeze()  # objects loaded so far stay; searching them again would stop all threads for milliseconds
+            gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
             _announce(node, legacy)
             shutdown.wait()
         finally:

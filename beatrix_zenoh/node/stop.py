@@ -35,7 +35,7 @@ FRAMES: Final = {
 }
 """Frames in the order in which they are sent."""
 REST_S: Final = 2.0
-"""Time after which arms that still move are a fault. Arms at full speed rest much earlier; the client waits longer."""
+"""Longest time until the arms rest; more is a fault. Arms at full speed need much less, and clients wait longer."""
 SAME_PRESS_S: Final = 0.5
 """A put and a query of one session within this time are one press and one event."""
 LATCHED_S: Final = 0.3
@@ -195,9 +195,8 @@ class Rest:
     def wait(self, handles: list[RequestHandle]) -> None:
         """Reply to these clients when the arms rest."""
         if not self._moving:
-            same_press = all(
-                handle.events is None for handle in handles
-            )  # queries after the puts that have just ended
+            # The queries of presses whose puts have just been handled.
+            same_press = all(handle.events is None for handle in handles)
             self._end(handles, self._how if same_press else AT_REST)
             return
         if not self._waiting:
@@ -238,5 +237,5 @@ def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
 
 
 def is_stop(key: str) -> bool:
-    """Return whether a key is a STOP, possibly of several robots; a query on `beatrix/**` is none."""
+    """Return whether a key is a STOP, possibly of several robots; a query on `beatrix/**` is not a STOP."""
     return key.endswith("/stop")

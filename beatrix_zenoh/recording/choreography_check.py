@@ -15,7 +15,7 @@ from beatrix_zenoh.recording.path import arms_of
 
 
 def check_choreography(choreography: Choreography, robot: RobotData) -> None:
-    """Check each pose and the path to it from the pose before, with the checks of the robot.
+    """Check each pose and the path to it from the previous pose, as the robot would check them.
 
     The position before the first pose is unknown, so only the first pose itself and its speed are checked.
 
@@ -34,7 +34,7 @@ def check_choreography(choreography: Choreography, robot: RobotData) -> None:
 
 
 def first_arms(step: Step, planner: Planner) -> Arms:
-    """Arms (rad) of the first pose; raises Refused if it exceeds a limit."""
+    """Return the arm angles (rad) of the first pose; raises Refused if it exceeds a limit."""
     if isinstance(step, Pose):
         place = arms_of(HeadAngles(step.yaw, step.pitch, step.roll), planner.neck)
     else:
@@ -45,5 +45,5 @@ def first_arms(step: Step, planner: Planner) -> Arms:
 
 
 def resting(position: tuple[int, int, int]) -> Telemetry:
-    """Telemetry of a board whose arms rest at this position (microsteps)."""
+    """Return the telemetry of a board whose arms rest at this position (microsteps)."""
     return Telemetry(0, 0, 0, 0, 0, position, (0, 0, 0), 0, 0)

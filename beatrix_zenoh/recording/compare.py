@@ -35,25 +35,25 @@ class AxisDifference:
 
     axis: str
     lag_s: float
-    """by which the second is behind the first; NaN: the axis did not move, or moved differently"""
+    """lag of the second behind the first; NaN: the axis did not move, or moved differently"""
     largest: float
     rms: float
     largest_after: float
-    """after removal of each motion's lag"""
+    """largest difference after removal of each motion's lag"""
     rms_after: float
     at_rest: float
-    """largest while both rest; NaN: they never rest together"""
+    """largest difference while both rest; NaN: they never rest at the same time"""
     offset: float
-    """mean of second minus first while both rest; NaN: they never rest together"""
+    """mean of second minus first while both rest; NaN: they never rest at the same time"""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A second recording against a first, on a common grid."""
+    """The comparison of a second recording with a first, on a common grid of times."""
 
     lag_s: float
-    """by which the set points of the second are behind those of the first (its positions, where no set points were
-    recorded); NaN if nothing moved"""
+    """lag (s) of the set points of the second behind those of the first, or of its positions if its set points were not
+    recorded; NaN if nothing moved"""
     moved: tuple[MovedPart, ...]
     """the motions, each with the lag of its positions"""
     t: Floats
@@ -69,12 +69,12 @@ class Comparison:
 
     @property
     def seconds(self) -> float:
-        """Duration of the compared part: the longest without a hole in either recording, s."""
+        """Duration (s) of the compared part, the longest part without a hole in either recording."""
         return float(self.t[-1] - self.t[0])
 
     @property
     def arms_at_rest(self) -> float:
-        """Largest difference of any arm while both rest, deg; NaN if they never rest together."""
+        """Largest difference of any arm while both rest, deg; NaN if they never rest at the same time."""
         return max(axis.at_rest for axis in self.axes[: len(ARMS)])
 
     @property

@@ -11,7 +11,7 @@ GRID_NS: Final = 20_000_000
 GAP_NS: Final = 100_000_000
 """Samples further apart than this are not interpolated."""
 WAITING: Final = 250
-"""Samples of one robot that are kept until the other robot's arrive: 5 s."""
+"""Samples of one robot (5 s) that are kept until samples of the other robot arrive."""
 
 Angles = tuple[float, ...]
 
@@ -57,7 +57,7 @@ class Difference:
 
 
 def at(samples: deque[tuple[int, Angles]], time_ns: int) -> Angles | None:
-    """Angles at a time between the first and the last sample; older samples are dropped. None inside a gap."""
+    """Return the angles at a time from the first to the last sample, None inside a gap; drop older samples."""
     while len(samples) > 1 and samples[1][0] <= time_ns:
         samples.popleft()
     (before_ns, before), (after_ns, after) = samples[0], samples[min(1, len(samples) - 1)]

@@ -39,11 +39,11 @@ RING_HEIGHT: Final = 0.013
 POST_RADIUS: Final = 0.054
 FLOOR: Final = -0.206
 ROD_PARTS: Final = 6
-"""Straight pieces of a rod's arc."""
+"""Number of straight pieces that form the arc of a rod."""
 
 
 class Form(StrEnum):
-    """A solid's form; `size` of a Solid in m."""
+    """The form of a solid; the text of each form describes `size` (m) of a Solid."""
 
     ELLIPSOID = "ellipsoid"
     """half axes"""
@@ -66,7 +66,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Body:
-    """A body of the model; `path` from the model's root, its parents included."""
+    """A body of the model; `path` contains its parents, from the root on."""
 
     path: str
     solids: tuple[Solid, ...]
@@ -76,7 +76,7 @@ IDENTITY: Final[Quaternion] = (0.0, 0.0, 0.0, 1.0)
 
 
 def geometry_of(info: GeometryInfo) -> Geometry:
-    """The geometry that a robot reports, in degrees as robot data has it."""
+    """Convert the geometry that a robot reports to degrees, the unit of robot data."""
     return Geometry(
         arm_angle=math.degrees(info.arm_angle),
         rod_twist=math.degrees(info.rod_twist),
@@ -198,7 +198,7 @@ class Figure:
 
 
 def direction(azimuth: float, across: float, up: float) -> Vector:
-    """The vector at an azimuth (rad), so far (m) from the vertical axis and so high (m)."""
+    """Return a vector from cylindrical coordinates: azimuth (rad), distance from the vertical axis and height (m)."""
     return across * math.cos(azimuth), across * math.sin(azimuth), up
 
 

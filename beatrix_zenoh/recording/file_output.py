@@ -20,7 +20,7 @@ PERIOD_S: Final = 0.5
 FLUSH_S: Final = 5.0
 CLOSE_S: Final = 10.0
 SPARE_BYTES: Final = 200_000_000
-"""Free space that is left on the disk: a full disk stops other programs."""
+"""Bytes that the recorder leaves free on the disk, because a full disk stops other programs."""
 
 
 class FileOutput:
@@ -92,7 +92,7 @@ class FileOutput:
                 if spare < SPARE_BYTES
                 else "writing takes too long"
             )
-            self._say(f"The recording ends here: {why}. Make room, or record to another disk.")
+            self._say(f"The recording ends here: {why}. Delete files, or record to another disk.")
 
     def _begin(self) -> Stream:
         path = self._path

@@ -29,13 +29,14 @@ from beatrix_zenoh.recording.series import Floats
 TARGET_S: Final = 0.04
 """Time between two targets."""
 LOOK_S: Final = 0.08
-"""The speed brings the arm back onto the path within this time. Shorter times oscillate, longer times cut corners."""
+"""The speed brings the arm back onto the path within this time. With shorter times the arms oscillate; with longer
+times they leave the path where it turns."""
 STEP_S: Final = 0.01
 LEAD_IN_S: Final = 0.08
 """Targets begin this long before the path, because an arm at full acceleration cannot catch up."""
 AHEAD_S: Final = 0.7
-"""The longest time between a target on the path and now. A target is no further than the arm needs to brake, because a
-robot checks each motion up to its end: arms of different speed must stay close to the path."""
+"""The longest time from now to the target's point on the path. A target is only as far ahead as the arm needs to brake,
+because a robot checks each motion up to its end, and there arms of different speeds must still be close to the path."""
 TURN_DEG: Final = 0.1
 """Smaller reversals of the path are ignored: about a microstep."""
 REST_DEG: Final = 0.001
@@ -44,13 +45,13 @@ AT_REST_DEG_S: Final = 10.0
 KEEP_S: Final = 1.0
 """At rest a target is repeated after this time, because the lease of a robot ends after two seconds of rest."""
 OFF_DEG: Final = 3.0
-"""A path is refused if an arm would deviate further from it."""
+"""Largest allowed deviation of an arm from the path, deg."""
 SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 _REST: Final = (0.0, 0.0, 0.0)
 
 
 class Target(NamedTuple):
-    """A query and its time (s from the begin of the path, negative before it)."""
+    """A query and its time: s from the start of the path, negative before the start."""
 
     t: float
     query: MotionQuery
@@ -62,10 +63,10 @@ class Following:
 
     path: ArmPath
     start: MotionQuery
-    """to the begin of the path, at the robot's usual speed"""
+    """the motion to the start of the path, at the default speed of the robot"""
     targets: tuple[Target, ...]
     planned: Floats
-    """where the arms will be (n, 3) from LEAD_IN_S before the path, in steps of STEP_S; deg"""
+    """planned arm angles (n, 3), deg, in steps of STEP_S from LEAD_IN_S before the start of the path"""
     fastest: float
     """the speed limit of an arm, deg/s"""
     off_deg: float
@@ -141,7 +142,7 @@ class OffThePath(Exception):
 
 
 def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
-    """The targets, and the planned angles of the arms (n, 3) from LEAD_IN_S before the path, in steps of STEP_S, deg.
+    """Return the targets, and the planned arm angles as in `Following.planned`.
 
     Raises:
         OffThePath: the path is too fast.
@@ -174,7 +175,7 @@ def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
 
 
 def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tuple[list[float], list[float]]:
-    """Goal (deg) and speed (deg/s) of each arm, from its coming path in steps of STEP_S and its position (rad)."""
+    """Return goal (deg) and speed (deg/s) of each arm; `coming`: the next part of the path, deg, in steps of STEP_S."""
     slowest, fastest = math.degrees(limits.speed_min), math.degrees(limits.speed_max)
     look = round(LOOK_S / STEP_S)
     goals, speeds = [], []
@@ -195,9 +196,9 @@ def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tupl
 
 
 def speed_for(way: float, now: float, acceleration: float) -> float:
-    """The speed (deg/s) with which an arm at speed `now` travels `way` (deg) in LOOK_S.
+    """Return the speed (deg/s) with which an arm at speed `now` (deg/s) covers the distance `way` (deg) in LOOK_S.
 
-    With c the speed and r = |c - now| / a the time to reach it, the way is c LOOK - (c - now) |c - now| / 2a.
+    With c the speed and r = |c - now| / a the time to reach it, the distance is c LOOK - (c - now) |c - now| / 2a.
     """
     more = way - now * LOOK_S
     root = LOOK_S**2 - 2 * abs(more) / acceleration
@@ -206,11 +207,10 @@ def speed_for(way: float, now: float, acceleration: float) -> float:
 
 
 def furthest(coming: Floats, sign: float, enough: float) -> float:
-    """The furthest point (deg) in a direction before the path turns back, or the first beyond `enough`."""
+    """Return the furthest point (deg) in a direction before the path turns back, or the first one beyond `enough`."""
     ahead = sign * coming
-    ahead = ahead[
-        int(np.argmin(ahead[: round(LOOK_S / STEP_S) + 1])) :
-    ]  # without the path before a reversal that is close
+    # Leave out the path before a reversal within LOOK_S.
+    ahead = ahead[int(np.argmin(ahead[: round(LOOK_S / STEP_S) + 1])) :]
     peak = np.maximum.accumulate(ahead)
     ends = np.flatnonzero((peak - ahead > TURN_DEG) | (ahead >= sign * enough))
     return sign * float(peak[ends[0] if len(ends) else -1])

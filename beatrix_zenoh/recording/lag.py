@@ -22,15 +22,15 @@ from beatrix_zenoh.recording.series import (
 )
 
 NEAR_S = 0.5
-"""Range of the first search for a lag."""
+"""Largest lag of the first search, s."""
 FAR_S = 5.0
-"""Range of the second search, if no lag in the first explains the second recording."""
+"""Largest lag of the second search, s, made if no lag of the first search explains the second recording."""
 LOCAL_S = 0.15
 """The largest difference between the lag of one motion and the lag of the whole."""
 EXPLAINED = 0.1
-"""A lag that leaves less than this share of the variance explains the second recording;"""
+"""A lag explains the second recording if it leaves less than this share of the variance."""
 UNEXPLAINED = 0.5
-"""a lag that leaves more than this does not."""
+"""A lag is not reported if it leaves more than this share of the variance."""
 STEP_FINE_S = 0.001
 MOST = 20_000
 """The largest number of times at which two recordings are compared; longer ones are thinned."""
@@ -44,7 +44,7 @@ class Shift(NamedTuple):
 
 
 class MovedPart(NamedTuple):
-    """A motion of one robot or both, from rest to rest: s by the first's clock, and the lag of the second."""
+    """A motion of one robot or both, from rest to rest: times by the clock of the first, lag of the second, s."""
 
     begin_s: float
     end_s: float
@@ -52,11 +52,11 @@ class MovedPart(NamedTuple):
 
 
 def lag(first: Recording, second: Recording, columns: Sequence[int] = tuple(range(len(ARMS)))) -> float:
-    """Seconds by which the second is behind the first; NaN if nothing moved, or no lag up to 5 s explains it.
+    """Return the lag (s) of the second behind the first; NaN if nothing moved, or no lag up to 5 s explains the second.
 
     The shift with the least sum of squared differences of these axes: in steps of the grid, then of 1 ms, then at the
-    vertex of the parabola through the best three. Constant differences do not count. Half of the shared time is
-    compared at least, so no lag longer than a quarter of it is found.
+    vertex of the parabola through the best three. Constant differences do not count. At least
+    half of the shared time is compared, so the longest lag that can be found is a quarter of the shared time.
     """
     t = common_grid(first, second)
     one, other = chosen(first, columns), chosen(second, columns)
@@ -71,7 +71,7 @@ def lag(first: Recording, second: Recording, columns: Sequence[int] = tuple(rang
 
 
 def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
-    """The recording with only these axes."""
+    """Return the recording with only these axes."""
     return Recording(recorded.t, recorded.angles[:, list(columns)])
 
 

@@ -17,7 +17,7 @@ PERIOD_S: Final = 0.1
 PROBE_S: Final = 1.0
 FLUSH_S: Final = 0.5
 THAWING_S: Final = 0.02
-"""FLUSH_S for a frozen viewer: files must not wait for it."""
+"""Used instead of FLUSH_S for a frozen viewer: files must not wait for a viewer."""
 CLOSE_S: Final = 2.0
 
 
@@ -121,7 +121,7 @@ class LiveOutput:
             return
         self._reported = self.state
         what = {
-            ViewerState.MISSING: f"No viewer answers on {HOST}:{self._port}. The robots appear as soon as one does.",
+            ViewerState.MISSING: f"No viewer answers on {HOST}:{self._port}. Start one; the robots then appear in it.",
             ViewerState.FROZEN: "The viewer receives nothing: it is frozen or too slow. Data are left out until it responds.",
             ViewerState.CONNECTED: f"The viewer receives data again; it missed {self.left_out} rows.",
         }

@@ -43,7 +43,10 @@ class Output(Protocol):
         ...
 
     def update(self, now_s: float) -> bool:
-        """Write what is due (monotonic clock, s); True if the output has restarted and needs all poses and states again."""
+        """Write the rows that are due at `now_s` (monotonic clock).
+
+        Returns True if the output has restarted and needs all poses and states again.
+        """
         ...
 
     def close(self) -> bool:

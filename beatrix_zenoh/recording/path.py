@@ -32,7 +32,7 @@ class ArmPath:
     """Points (n) of a path, at least two: t in s from 0, ascending; arms (n, 3) in deg."""
 
     source: str
-    """its name in refusals"""
+    """name of the path in refusals"""
     t: Floats
     arms: Floats
     lines: tuple[int, ...] = ()
@@ -54,7 +54,7 @@ class ArmPath:
         return f"{self.source}, line {line} (t = {t:.2f} s)"
 
     def at_speed(self, factor: float) -> ArmPath:
-        """The same path, `factor` times as fast; raises WrongUsage for a wrong factor, or if the result is too long."""
+        """Return the path, `factor` times as fast; raises WrongUsage if the factor is wrong or the result too long."""
         whole = checked_factor(self.factor * checked_factor(factor))
         path = ArmPath(self.source, self.t / factor, self.arms, self.lines, whole)
         path.check_length()

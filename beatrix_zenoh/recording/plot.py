@@ -22,47 +22,47 @@ WIDTH_IN = 10.0
 
 
 def path_figure(path: Path) -> Figure:
-    """A previewed path: arms and head over time."""
+    """Return a figure of a previewed path: arms and head over time."""
     angles = np.array([(*arms, *head) for arms, head in zip(path.arms, path.head, strict=True)])
     figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)
     for panel, name, part in zip(panels, NAMES, (slice(0, 3), slice(3, 6)), strict=True):
         for column, colour, axis in zip(angles[:, part].T, COLOURS, AXES[part], strict=True):
             panel.plot(path.t, column, color=colour, label=axis)
-        dress(panel, f"{name} (°)")
+        label_panel(panel, f"{name} (°)")
     panels[-1].set_xlabel("time (s)")
     return figure
 
 
 def twin_figure(found: Comparison, title: str) -> Figure:
-    """Simulation and hardware over time, arms and head, and how far apart they are, with and without their lag."""
+    """Return a figure of arms and head of both robots over time, and of their differences with and without lag."""
     t = found.t - found.t[0]
     figure = Figure(figsize=(WIDTH_IN, 8.5), layout="constrained")
     figure.suptitle(title, fontsize=14, x=0.01, ha="left")
     arms, head, apart = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
     for panel, name, part in ((arms, "arms", slice(0, 3)), (head, "head", slice(3, 6))):
-        both(panel, t, found.first[:, part], found.second[:, part], AXES[part])
-        dress(panel, f"{name} (°)")
+        draw_both(panel, t, found.first[:, part], found.second[:, part], AXES[part])
+        label_panel(panel, f"{name} (°)")
     for i, (colour, arm) in enumerate(zip(COLOURS, ARMS, strict=True)):
         apart.plot(t, found.second[:, i] - found.first[:, i], color=colour, linewidth=3, alpha=0.3)
         apart.plot(t, found.second_after[:, i] - found.first[:, i], color=colour, linewidth=1, label=arm)
-    dress(apart, "hardware - simulation (°)")
-    apart.set_title("pale: as it was;  dark: each motion brought forward by its lag", fontsize=10, loc="left")
+    label_panel(apart, "hardware - simulation (°)")
+    apart.set_title("pale: as recorded;  dark: each motion moved forward by its lag", fontsize=10, loc="left")
     apart.set_xlabel("time (s)")
     arms.set_title("wide and pale: hardware;  thin and dark: simulation", fontsize=10, loc="left")
     return figure
 
 
-def both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
-    """The second wide and pale, the first thin on top of it: where they agree one sees both."""
+def draw_both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
+    """Draw the second wide and pale and the first thin on top, so that both are visible where they agree."""
     for column, colour in zip(second.T, COLOURS, strict=True):
         panel.plot(t, column, color=colour, linewidth=6, alpha=0.3, solid_capstyle="round")
     for column, colour, name in zip(first.T, COLOURS, names, strict=True):
         panel.plot(t, column, color=colour, linewidth=1.2, label=name)
 
 
-def dress(panel: Axes, label: str) -> None:
-    """Label, grid and legend, nothing else."""
+def label_panel(panel: Axes, label: str) -> None:
+    """Add label, grid and legend to a panel."""
     panel.set_ylabel(label)
     panel.grid(alpha=0.25)
     panel.spines[["top", "right"]].set_visible(False)

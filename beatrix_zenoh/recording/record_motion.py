@@ -20,7 +20,7 @@ POINTS_HZ: Final = 25.0
 SLACK_S: Final = 0.005
 """Tolerance: positions arrive every 20 ms, slightly early or late."""
 SAME_DEG: Final = 0.01
-"""Set points are whole microsteps, 0.086 deg: closer ones are the same."""
+"""Set points closer than this are equal: they are whole microsteps of 0.086 deg."""
 Timed = tuple[float, Place]
 """Time in s, and a place in deg."""
 
@@ -138,7 +138,7 @@ def arm_angles_of(positions: Positions) -> ArmAngles:
 
 
 def head_of(info: Info) -> Callable[[Positions], HeadAngles]:
-    """A function that gives the head (deg) at the set points of the arms."""
+    """Return a function that computes the head orientation (deg) from the set points of the arms."""
     neck = Neck(robot_of(info).geometry)
 
     def head(positions: Positions) -> HeadAngles:

@@ -23,9 +23,9 @@ class LiveRecording:
     robot: str
     twin: str
     recording: Recording
-    """by this computer's monotonic clock, s"""
+    """its times are by this computer's monotonic clock, s"""
     clock_s: float
-    """the largest possible error of those times, s"""
+    """largest possible error of the times of `recording`, s"""
     slipped: int | None
     """full motor steps that slipped during the recording, all arms together; None: not measured"""
 

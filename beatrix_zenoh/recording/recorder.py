@@ -34,7 +34,7 @@ class Recorder:
         names: Sequence[str] = (),
         cameras_hz: float = CAMERAS_HZ,
     ) -> None:
-        """Begin.
+        """Start recording.
 
         Args:
             client: the session.

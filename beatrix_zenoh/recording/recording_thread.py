@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.timebase import Timebase
 
 PERIOD_S: Final = 0.05
 WAITING: Final = 500
-"""Publications of a robot kept until its clock offset is known; beyond it the oldest are dropped and counted."""
+"""Publications of a robot that are kept until its clock offset is known; then the oldest are dropped and counted."""
 REPORT_S: Final = 5.0
 END_S: Final = 15.0
 """The longest that `close` waits for a disk or a viewer."""

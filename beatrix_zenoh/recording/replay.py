@@ -26,15 +26,15 @@ from beatrix_zenoh.recording.record_robots import clock_s
 POLL_S: Final = 0.02
 """Period of checks while no target is due."""
 LATE_S: Final = 1.0
-"""A later target is not sent: this program was suspended, and the robot rests somewhere on the path."""
+"""A target that is late by more than this is not sent: the program was suspended, and the robot has stopped."""
 THERE_DEG: Final = 0.1
 """Tolerance of the position at the start of the path; a microstep is 0.086 deg."""
 BEGIN_S: Final = 0.05 + LEAD_IN_S
 """Time from the call to the start of the path."""
 CORRECT_S: Final = 0.2
-"""Time within which a deviation from the plan is corrected"""
+"""Time within which a deviation from the plan is corrected."""
 FASTER: Final = 1.5
-"""at up to this factor above or below the planned speed."""
+"""Largest factor between the planned speed and the speed that corrects a deviation."""
 BAD_SPEED_REASONS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 Progress = Callable[[float], None]
 """Called with the elapsed time of the path, s."""
@@ -57,7 +57,7 @@ class Stream:
         self.motion: Motion | None = None
 
     def start(self, begin_s: float) -> None:
-        """Begin the path at a time of the monotonic clock (s), or later by the delay."""
+        """Start the path at `begin_s` (s, monotonic clock) plus the delay."""
         self._begin_s = begin_s + self._delay_s
 
     @property
@@ -102,7 +102,7 @@ class Stream:
                 self.motion = self.robot.begin(target.query)  # with the speeds of the plan
 
     def _corrected(self, query: MotionQuery) -> MotionQuery:
-        """The target with speeds that correct the deviation from the plan.
+        """Return the target with speeds that correct the deviation from the plan.
 
         Deviations arise because targets arrive with a varying delay.
         """
@@ -146,10 +146,10 @@ def replay(
     *,
     lead_s: float = 0.0,
 ) -> None:
-    """Move to the begin of a path, then follow it; with both robots the hardware follows `lead_s` (s) after the simulation.
+    """Move to the start of a path, then follow it; of both robots the hardware moves `lead_s` (s) after the simulation.
 
-    With both robots, the motion to the begin is previewed on a copy of the simulation. If one robot refuses a target or is
-    stopped, both are stopped and the replay ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
+    With both robots, the motion to the start is previewed on a copy of the simulation. If one robot refuses a target or
+    is stopped, both are stopped and the replay ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
 
     Raises:
         WrongUsage: `lead_s` is not a time, or is given for one robot.
@@ -157,8 +157,8 @@ def replay(
     """
     lead_s = wait_s("lead_s", lead_s)
     if lead_s and isinstance(robots, Robot):
-        raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: leave it out for one robot.")
-    _go_to_begin(robots, following)
+        raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
+    _go_to_start(robots, following)
     delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
     streams = [Stream(robot, following, delay_s) for robot, delay_s in delays.items()]
     begin_s = time.monotonic() + BEGIN_S
@@ -176,17 +176,17 @@ def replay(
             time.sleep(min(POLL_S, max(0.0, due_s - now_s)))
 
 
-def _go_to_begin(robots: Twin | Robot, following: Following) -> None:
-    """Move to the begin of the path, unless the robots are there."""
+def _go_to_start(robots: Twin | Robot, following: Following) -> None:
+    """Move to the start of the path, unless the robots are already at it."""
     if isinstance(robots, Robot):
-        if _away(robots, following):
+        if _away_from_start(robots, following):
             robots.begin(following.start).wait()
         return
     robots.check_ready()
-    if _away(robots.sim, following) or _away(robots.hw, following):
+    if _away_from_start(robots.sim, following) or _away_from_start(robots.hw, following):
         robots.preview_query(following.start).commit()
 
 
-def _away(robot: Robot, following: Following) -> bool:
+def _away_from_start(robot: Robot, following: Following) -> bool:
     """Return whether the robot is further than THERE_DEG from the start of the path."""
     return furthest(robot.positions().commanded, arm_angles(following.start.position)) > THERE_DEG

@@ -20,7 +20,7 @@ class Samples:
     time_ns: Nanoseconds
     """(n,) source's time by the clock of the recording computer, since 1970"""
     robot_ns: Nanoseconds
-    """(n,) the same by the robot's own wall clock: its published t_wall_ns"""
+    """(n,) source's time by the robot's own wall clock, its published t_wall_ns"""
     arms: Floats
     """(n, 3) short, middle, long, deg: measured in a simulation, counted on hardware"""
     commanded: Floats

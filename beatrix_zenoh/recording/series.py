@@ -22,13 +22,12 @@ AXES = (*ARMS, *HEAD)
 GRID_S = 0.01
 """Positions come every 20 ms; half of that loses no detail."""
 SHARED_S = 1.0
-"""Two recordings that overlap less cannot be compared."""
+"""Shortest overlap (s) of two recordings that can be compared."""
 REST_S = 0.1
-"""A robot is at rest if within this time before and after no arm has turned"""
+"""A robot is at rest if no arm turns by more than REST_DEG within this time (s) before and after."""
 REST_DEG = 0.3
-"""by more than this."""
 HOLE_S = 1.0
-"""Between samples further apart than this the position is unknown."""
+"""If two samples are further apart than this (s), the position between them is unknown."""
 GAP = 1.6
 """A period longer than this many usual periods is a gap."""
 

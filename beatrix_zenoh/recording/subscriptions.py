@@ -25,7 +25,7 @@ class RobotSubscriptions:
     """
 
     def __init__(self, client: Client, names: Sequence[str], *, cameras: bool) -> None:
-        """Subscribe to the robots of these names, or to all robots if there are none.
+        """Subscribe to the robots of these names, or to all robots if no name is given.
 
         With `cameras`, robots capture pictures for this recorder.
         """

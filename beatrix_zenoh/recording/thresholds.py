@@ -16,13 +16,13 @@ class Thresholds:
     """The largest allowed values; None: not checked."""
 
     lag_s: float | None = None
-    """of the set points, either way"""
+    """largest lag of the set points, of either robot behind the other"""
     rms_deg: float | None = None
-    """root mean square of any axis after each motion was brought forward by its lag"""
+    """largest root mean square difference of an axis after removal of each motion's lag"""
     largest_deg: float | None = None
-    """the same, the largest difference"""
+    """largest difference of an axis after removal of each motion's lag"""
     rest_deg: float | None = None
-    """largest difference of any axis while both rest"""
+    """largest difference of an axis while both rest"""
     missed_steps: int | None = None
     """full motor steps that slipped in the simulation"""
 
@@ -40,11 +40,11 @@ class Thresholds:
             return
         if math.isnan(found.lag_s):
             yield (
-                f"At most {self.lag_s:g} s of lag is allowed, and none could be measured: {why_no_lag(found)} "
-                "Move both robots while you compare."
+                f"At most {self.lag_s:g} s of lag is allowed, but the lag could not be measured: {why_no_lag(found)} "
+                "Move both robots during the comparison."
             )
         elif abs(found.lag_s) > self.lag_s:
-            yield f"The lag is {found.lag_s:+.3f} s; at most {self.lag_s:g} s either way is allowed."
+            yield f"The lag is {found.lag_s:+.3f} s; at most {self.lag_s:g} s in either direction is allowed."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
         checks = (
@@ -58,7 +58,7 @@ class Thresholds:
             values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
             if all(math.isnan(value) for value in values.values()):
                 yield (
-                    f"At most {allowed:g}° of {what} is allowed, and both never rested together: "
+                    f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: "
                     "let both rest for a second."
                 )
             for axis, value in values.items():
@@ -70,7 +70,7 @@ class Thresholds:
             return
         if slipped is None:
             yield (
-                f"At most {self.missed_steps} missed steps are allowed, and this source does not measure them: "
+                f"At most {self.missed_steps} missed steps are allowed, but this source does not measure them: "
                 "only a live simulation does."
             )
         elif abs(slipped) > self.missed_steps:

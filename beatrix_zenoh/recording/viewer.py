@@ -22,7 +22,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import NoAnswer, Refused
 
 HOST: Final = "127.0.0.1"
-"""The viewer obeys every program that reaches its port, so other computers must not reach it."""
+"""The viewer accepts data and commands from every program, so other computers must not reach its port."""
 PORT: Final = 9876
 WEB_PORT: Final = 9090
 START_S: Final = 15.0
@@ -47,7 +47,7 @@ def program() -> Path:
     if found is None or found.origin is None or importlib.util.find_spec("rerun") is None:
         raise Refused(
             Reason.BAD_VALUE,
-            f"Recordings need rerun-sdk, which is not installed: {INSTALL}. There is none for Intel Macs and 32-bit systems.",
+            f"Recordings need rerun-sdk, which is not installed: {INSTALL} (not for Intel Macs or 32-bit systems).",
         )
     folder = Path(found.origin).parent
     bundled = folder / "Rerun.app/Contents/MacOS/Rerun"
@@ -75,7 +75,7 @@ def tool(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def verify(path: Path) -> str:
-    """Empty if a file is complete, else Rerun's error message."""
+    """Return an empty text if a file is complete, else Rerun's error message."""
     done = tool("rrd", "verify", str(path))
     return "" if done.returncode == 0 else (done.stderr.strip() or "it could not be read").splitlines()[0]
 
@@ -94,9 +94,9 @@ def check_recording(path: Path) -> None:
     if path.suffix.lower() == ".csv":
         raise Refused(
             Reason.BAD_VALUE,
-            f"{path} is a motion file, and no recording (.rrd): use `beatrix replay {path}`.",
+            f"{path} is a motion file, not a recording (.rrd): use `beatrix replay {path}`.",
         )
-    what = "is no recording" if begin else "is empty"
+    what = "is not a recording" if begin else "is empty"
     raise Refused(Reason.BAD_VALUE, f"{path} {what}. `beatrix record FILE.rrd` writes recordings.")
 
 
@@ -131,7 +131,7 @@ class Viewer:
     """A viewer process, reachable from this computer only."""
 
     def __init__(self, port: int, *words: str) -> None:
-        """Start it; `words` are further options of the program and files to show.
+        """Start the viewer; `words` are further options of the program and files to show.
 
         Raises:
             Refused: BAD_VALUE, Rerun is not installed, or the port is taken.
@@ -157,10 +157,10 @@ class Viewer:
         )
 
     def wait_ready(self, port: int | None = None) -> None:
-        """Wait until it listens on its port, or on another of its ports.
+        """Wait until the viewer listens on its port, or on `port` if that is given.
 
         Raises:
-            Refused: it has ended; the message quotes its last output.
+            Refused: the viewer has ended; the message quotes its last output.
             NoAnswer: TIMED_OUT.
         """
         deadline = time.monotonic() + START_S
@@ -182,7 +182,7 @@ class Viewer:
         return self._process.poll()
 
     def end(self) -> None:
-        """Terminate it, or kill it after END_S. May be called twice."""
+        """Terminate the viewer, or kill it after END_S. May be called twice."""
         if self._process.poll() is None:
             self._process.terminate()
             try:

@@ -66,7 +66,7 @@ void send_move(Input &input, uint8_t how) {
   else send_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
 }
 
-// Whatever was requested: no limit is crossed, and no step is made while the motors are off.
+// Checks, after any requests, that the arms keep the limits and that no step is made while the motors are off.
 void run_checked(uint8_t milliseconds) {
   const Report *report = report_buffer();
   for (uint8_t i = 0; i < milliseconds; i++) {

@@ -5,5 +5,5 @@ from __future__ import annotations
 from hw_node.cameras.camera import Camera as Camera
 from hw_node.cameras.choice import PATTERN as PATTERN
 from hw_node.cameras.choice import CameraChoice as CameraChoice
-from hw_node.cameras.choice import both as both
 from hw_node.cameras.choice import choices as choices
+from hw_node.cameras.choice import same_for_both as same_for_both

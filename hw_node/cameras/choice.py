@@ -56,8 +56,8 @@ def examples() -> str:
     return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
 
 
-def both(source: str) -> list[CameraChoice]:
-    """The same source for both eyes."""
+def same_for_both(source: str) -> list[CameraChoice]:
+    """Return choices with the same source for both eyes."""
     return [CameraChoice(eye, source) for eye in names.EYES]
 
 
@@ -73,7 +73,7 @@ def choices(words: Sequence[str]) -> list[CameraChoice]:
         if eye not in names.EYES or not equals or not source:
             raise wrong(word, f"give an eye, left or right, and its source: {examples()}")
         if eye in found:
-            raise wrong(word, f"the {eye} eye has a camera already. Give each eye once")
+            raise wrong(word, f"the {eye} eye has a camera already. Name each eye only once")
         found[eye] = CameraChoice(eye, source)
         check(word, found[eye], [one for one in found.values() if one.eye != eye])
     return list(found.values())
@@ -91,7 +91,7 @@ def check(word: str, choice: CameraChoice, others: Sequence[CameraChoice]) -> No
         return
     check_usb(word, source)
     if any(same(other.source, source) for other in others):
-        how = "`ls /dev/v4l/by-path` lists all cameras" if on_linux() else "Their numbers begin at 0"
+        how = "`ls /dev/v4l/by-path` lists all cameras" if on_linux() else "The numbers of cameras begin at 0"
         raise wrong(word, f"the other eye has this camera already. {how}")
 
 

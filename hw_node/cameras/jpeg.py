@@ -1,4 +1,4 @@
-"""Segments of JPEG pictures: size, tables, and the pictures of a stream. Nothing is decoded."""
+"""Reads the segments of JPEG pictures (size, tables) and the pictures of a stream, without decoding."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ OPEN_S: Final = 10.0
 """Longest wait for a camera to open: drivers of Windows need several seconds."""
 END_S: Final = 1.0
 PAUSE_S: Final = 0.05
-"""Pause between attempts to read the first picture, if the driver fails at once instead of waiting."""
+"""Pause (s) between attempts to read the first picture, if the driver fails at once instead of waiting."""
 
 
 class Capture(Protocol):
@@ -101,7 +101,7 @@ class UsbCamera:
         return Frame(jpeg, width, height, t_mono_ns, self.name)
 
     def close(self) -> None:
-        """Release the camera; if its driver blocks, it is released when the driver returns, and not opened before."""
+        """Release the camera; if its driver blocks, this happens later, and `open` fails until then."""
         if self._reader is not None and self._reader.end():
             self._reader = None
 
@@ -113,7 +113,7 @@ class UsbCamera:
 
 
 class Reader:
-    """A camera and its thread, which opens, reads and releases it: Windows requires one thread for these."""
+    """A camera and its thread, which opens, reads and releases it: Windows requires one thread for all three."""
 
     def __init__(self, number: int, opencv: OpenCv) -> None:
         self._number, self._opencv = number, opencv

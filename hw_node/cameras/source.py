@@ -22,7 +22,7 @@ class FrameSource(Protocol):
         """Kind of source, as in `Frame.source`."""
 
     def trouble(self) -> str:
-        """The reason why there can be no picture now, empty if none is known; fast, and does not open the source."""
+        """Return why there can be no picture now, empty if no reason is known; quick, and does not open the source."""
 
     def open(self) -> None:
         """Start taking pictures."""

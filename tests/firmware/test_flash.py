@@ -312,7 +312,7 @@ def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
         ("hello\n", "line 1 is not a record"),
         (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is not a record"),
         (THE_END, "contains no data"),
-        (B + THE_END, "line 1 is the lowest, at 0x10"),
+        (B + THE_END, "line 1 has the lowest address, 0x10"),
         (A + B + line(31, 0, b"AA") + THE_END, "line 3 overlaps line 2"),
         (B + A + line(15, 0, b"A") + THE_END, "line 3 overlaps line 2"),
         (A + THE_END + "\n" + B, "line 4 comes after the end"),

@@ -48,9 +48,9 @@ def test_a_new_board_is_reported_as_one_to_flash(tmp_path: Path) -> None:
     with Stage() as stage:
         stage.mega(tmp_path / "board", "--firmware", str(LOADER))
         node = stage.hardware("bea", str(tmp_path / "board"))
-        silent = f"{tmp_path / 'board'} is silent: is that the board's port"
+        silent = f"{tmp_path / 'board'} is silent. Check that the board is connected to this port."
         assert any(line.startswith(silent) for line in node.lines)
         robot = stage.robot("bea", "hw")
-        with pytest.raises(Refused, match="`beatrix flash` puts it there") as refusal:
+        with pytest.raises(Refused, match="run `beatrix flash`") as refusal:
             robot.enable()
         assert refusal.value.reason is Reason.BOARD_LOST

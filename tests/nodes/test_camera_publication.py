@@ -185,7 +185,7 @@ def test_a_lost_camera_is_an_event_and_a_warning(eyes: Eyes, robot: Robot) -> No
         eyes.eyes["right"].report("")
         lost, found = islice((event for event in events if event.kind is EventKind.CAMERA), 2)
     assert (lost.kind, lost.action, lost.reason) == (EventKind.CAMERA, "right", Reason.FAULT)
-    assert (found.reason, found.message) == (Reason.OK, "right eye: The camera is there again.")
+    assert (found.reason, found.message) == (Reason.OK, "right eye: The camera is connected again.")
 
 
 def test_undecodable_pictures_are_skipped_and_reported_once(

@@ -132,7 +132,10 @@ def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robo
         images.next(5.0)
         until(lambda: trouble(robot) == "", "the trouble is over")
         messages = [event.message for event in islice((one for one in events if one.kind == "camera"), 2)]
-    assert messages == ["left eye: It is used by another program.", "left eye: The camera is there again."]
+    assert messages == [
+        "left eye: It is used by another program.",
+        "left eye: The camera is connected again.",
+    ]
 
 
 def test_a_camera_without_pictures_has_a_fault(

@@ -44,7 +44,7 @@ def test_an_eye_is_open_while_subscribed_and_returns_after_unplugging(
             assert "it is not plugged in" in next(found).message
             until(lambda: not robot.status().cameras[0].connected, "its absence is in the status")
             module.plugged = True
-            until(lambda: "is there again" in next(found).message, "it is found by itself")
+            until(lambda: "is connected again" in next(found).message, "it is found by itself")
             images.take()
             assert images.next(5.0).width == 640
         until(lambda: module.released == len(module.opened), "it is closed when no client watches")

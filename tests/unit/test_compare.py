@@ -220,7 +220,7 @@ def test_each_exceeded_threshold_is_reported() -> None:
         ALLOWED.exceeded(compare(shaken([0.0] * 3), shaken([-0.2] * 3, offset=1.0)), slipped=-4)
     )
     for part in (
-        "The lag is -0.200 s; at most 0.01 s either way is allowed.",
+        "The lag is -0.200 s; at most 0.01 s in either direction is allowed.",
         "middle: the root mean square difference after lag removal is 1.000°; at most 0.2° is allowed.",
         "middle: the largest difference after lag removal",
         "middle: the difference at rest",
@@ -235,10 +235,10 @@ def test_thresholds_that_cannot_be_checked_are_reported() -> None:
     sentences = ALLOWED.exceeded(compare(still, still), slipped=None)
     assert sentences == [
         (
-            "At most 0.01 s of lag is allowed, and none could be measured: nothing moved. Move both robots while you "
-            "compare."
+            "At most 0.01 s of lag is allowed, but the lag could not be measured: nothing moved. "
+            "Move both robots during the comparison."
         ),
-        "At most 0 missed steps are allowed, and this source does not measure them: only a live simulation does.",
+        "At most 0 missed steps are allowed, but this source does not measure them: only a live simulation does.",
     ]
 
 

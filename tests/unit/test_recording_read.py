@@ -143,7 +143,7 @@ def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
     written(empty, RobotSet({}), [])
     for path, words in (
         (missing, "there is no such file"),
-        (text, "is no recording"),
+        (text, "is not a recording"),
         (nothing, "is empty"),
         (motion, "is a motion file.* use `beatrix replay"),
         (empty, "no positions"),

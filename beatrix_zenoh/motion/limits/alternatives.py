@@ -25,7 +25,7 @@ def furthest(
     """Furthest accepted point found on the line from `start` to `goal` (rad), None if there is none.
 
     accepts: whether a request for this point would be accepted. first: share of the line for the first try.
-    fallback: share of the rest that the next try leaves out.
+    fallback: position of the next try between the accepted point (0) and the refused point (1).
     """
     low, high, share = 0.0, 1.0, first
     found: Arms | None = None
@@ -53,7 +53,7 @@ def typed(angles: Arms) -> Arms:
 
 
 def in_single(values: Arms) -> Arms:
-    """The values in single precision, as messages hold them."""
+    """Round the values to single precision, the precision of messages."""
     x, y, z = struct.unpack("<3f", struct.pack("<3f", *values))
     return x, y, z
 
@@ -81,7 +81,7 @@ def _toward_zero(angle: float) -> float:
 
 
 def _rounded(number: float, *, up: bool) -> float:
-    """A non-negative number in tenths, or with two significant digits if it is less than one."""
+    """Round a non-negative number to tenths, or to two significant digits if it is less than one."""
     if not number:
         return 0.0
     scale = 10.0 ** max(1, 1 - math.floor(math.log10(number * (1 + _ROUNDING))))

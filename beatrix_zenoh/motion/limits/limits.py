@@ -22,18 +22,18 @@ from beatrix_zenoh.motion.trajectory import Trajectory
 _REACH_MARGIN: Final = math.radians(1.0)
 _ROUNDING: Final = 1e-9
 _POSE_ROUNDING: Final = math.radians(0.1)
-"""Tolerance for float32 and whole microsteps: the limit itself must pass."""
+"""Tolerance (rad), so that float32 and whole microsteps do not make a pose at a limit exceed it."""
 _SPEED_ROUNDING: Final = 1.001
-"""Tolerance for float32 and quarter microsteps: the limit itself must pass."""
+"""Tolerance (factor), so that float32 and quarter microsteps do not make a speed at a limit exceed it."""
 _FURTHEST_STEPS: Final = 2**15 - 1
 """Largest distance from home in microsteps: the target of a MOVE is an i16."""
 _FURTHEST_START: Final = 1000.0
-"""rad; a counter further from home is wrong"""
+"""Largest angle (rad) of an arm from home at the start of a motion: a larger one is an error of the step counter."""
 _FASTEST_START: Final = 10.0
-"""times the speed limit; the same for velocities"""
+"""Largest velocity of an arm at the start of a motion, in multiples of the speed limit: a larger one is an error."""
 
 SLOWEST_LIMIT_DEG: Final = 5.0
-"""Slowest limit (deg/s) that the teacher may set: clients wait for a motion no longer than one at this speed can take."""
+"""Slowest limit (deg/s) that the teacher may set. Clients wait for a motion as long as one at this speed can take."""
 
 
 class Limits:
@@ -107,10 +107,10 @@ class Limits:
             raise self._refusals.of_start(arms) from None
 
     def arms_for(self, pose: Arms, start: Arms, velocity: Arms, speed: Arms) -> Arms:
-        """Arm angles (rad) for a head orientation (yaw, pitch, roll in rad).
+        """Return the arm angles (rad) for a head orientation (yaw, pitch, roll in rad).
 
         start, velocity, speed: as for `check_motion`; alternatives are checked with them.
-        Raises Refused (BAD_VALUE, OUT_OF_REACH, YAW_LIMIT) if no motion can reach it.
+        Raises Refused (BAD_VALUE, OUT_OF_REACH, YAW_LIMIT) if no motion can reach this orientation.
         """
         _, pitch, roll = pose
         if math.isfinite(pitch + roll) and tilt_of(pitch, roll) > self.tilt_max + _POSE_ROUNDING:
@@ -119,17 +119,17 @@ class Limits:
             arms = self._neck.inverse(*pose)
             if not self._too_far(arms, start):
                 return arms
-            margin = YAW  # yaw is checked with the path
+            margin = YAW  # other violations of the yaw limit are found by the check of the path
         motion = PlannedMotion(start, velocity, start, speed, straight=True)
         raise self._refusals.of_pose(margin, pose, motion)
 
     def check_motion(
         self, start: Arms, velocity: Arms, target: Arms, speed: Arms, *, straight: bool
     ) -> Trajectory:
-        """Trajectory of a motion that keeps all limits over its whole path.
+        """Return the trajectory of a motion after checking all limits over its whole path.
 
-        start: set point of the arms (rad) now, moving with velocity (rad/s). target: rad. speed: rad/s, see
-        `trajectory.plan`. A motion may start beyond a limit if it leads back.
+        start, velocity: present set point (rad) and velocity (rad/s) of the arms. target: rad. speed, straight: as for
+        `trajectory.plan`, rad/s. A motion may start beyond a limit if it leads back.
         Raises Refused: BAD_VALUE, SPEED_LIMIT, ARM_GAP, YAW_LIMIT, OUT_OF_REACH.
         """
         self.check_speed(speed)
@@ -138,7 +138,7 @@ class Limits:
         motion = PlannedMotion(start, velocity, target, speed, straight)
         if self._too_far(target, start):
             raise self._too_far_refusal(motion)
-        if self._uncountable(target):
+        if self._beyond_counter(target):
             raise refusals.too_far_to_send(target, self._count_max)
         trajectory = motion.trajectory(self.acceleration)
         try:
@@ -151,7 +151,7 @@ class Limits:
 
     def _accepts_as_sent(self, motion: PlannedMotion) -> bool:
         """Return whether a motion keeps all limits with the speeds rounded as in a frame."""
-        if self._too_far(motion.target, motion.start) or self._uncountable(motion.target):
+        if self._too_far(motion.target, motion.start) or self._beyond_counter(motion.target):
             return False
         speed = self._gear.quarters_to_speed(self._gear.speed_to_quarters(motion.speed))
         trajectory = motion.at_speed(speed).trajectory(self.acceleration)
@@ -167,7 +167,7 @@ class Limits:
         """
         return max(map(abs, arms)) > max(self._arm_max, *map(abs, start))
 
-    def _uncountable(self, arms: Arms) -> bool:
+    def _beyond_counter(self, arms: Arms) -> bool:
         return max(map(abs, self._gear.to_steps(arms))) > _FURTHEST_STEPS
 
     def _too_far_refusal(self, motion: PlannedMotion) -> Refused:
@@ -195,7 +195,7 @@ def _within(values: Arms, bound: float) -> bool:
 
 
 def with_alternative(refusal: Refused, alternative: Alternative | None) -> Refused:
-    """The same refusal with an alternative in its detail and sentence."""
+    """Return the refusal with this alternative in its detail and sentence."""
     if refusal.detail is None or alternative is None:
         return refusal
     fields = {name: getattr(refusal.detail, name) for name in refusal.detail.__struct_fields__}

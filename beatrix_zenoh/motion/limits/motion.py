@@ -30,11 +30,11 @@ class PlannedMotion:
         return replace(self, target=target)
 
     def at_speed(self, speed: Arms) -> PlannedMotion:
-        """The same motion at other speeds (rad/s)."""
+        """Return the same motion at other speeds (rad/s)."""
         return replace(self, speed=speed)
 
     def proportional_speed(self) -> Arms:
-        """Speeds (rad/s) with which the arms arrive at about the same time, none above its present speed."""
+        """Return speeds (rad/s) with which the arms arrive at about the same time; no arm becomes faster."""
         travel = [abs(b - a) for a, b in zip(self.start, self.target, strict=True)]
         longest = max(*travel, 1e-9)
         x, y, z = (min(self.speed) * max(_LEAST_SHARE, way / longest) for way in travel)

@@ -24,16 +24,16 @@ from beatrix_zenoh.motion.rotation import dot, leaning
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 TOLERANCE: Final = math.radians(0.1)
-"""A value exceeds its limit from half of this (rad) on, and the check guarantees that no motion exceeds it by more
-(a stream of motions, each begun while the previous one is just beyond: by a third more).
+"""Largest excess (rad) of a limit that the check lets pass; the check reports an excess of half of this or more.
 
-Arms stand on microsteps, so a goal at a limit is up to half a step (0.045 deg) beyond it when it is read back.
+In a stream of motions, each begun while the previous one is just beyond a limit, the excess may be a third larger.
+Arms stop on whole microsteps, so a goal at a limit is up to half a step (0.045 deg) beyond it when it is read back.
 """
 _ROUNDING: Final = 1e-9
 _STEP_OUTSIDE: Final = 0.02
 """Longest step (rad of |d'|) where the curvature is not known, because a limit is already exceeded."""
 _SHORTEST: Final = 1e-6
-"""Shortest step (s), so that every check ends; the tolerance allows longer steps."""
+"""Shortest step (s), so that every check ends. The tolerance is so wide that the check needs no shorter step."""
 TILT_KNOWN_BEYOND: Final = math.radians(2.0)
 """The curvature is known this far beyond the tilt limit (rad), except close to a stretched rod."""
 _SHORT_OF_REACH: Final = math.radians(0.5)
@@ -75,9 +75,9 @@ class Violation:
     """The first point of a trajectory at which a limit is exceeded."""
 
     index: int
-    """of the margin; TILT if no head orientation is possible"""
+    """index of the margin; TILT if no head orientation is possible"""
     t: float
-    """s after the start"""
+    """time (s) after the start"""
     arms: Arms
     """rad"""
 
@@ -165,7 +165,7 @@ class PathChecker:
     def _step(
         self, floors: _Floors, here: Clearance, velocity: Arms, acceleration: Arms, left: float
     ) -> float:
-        """Time (s) for which no margin can be used up."""
+        """Return a time (s) within which no margin can be used up."""
         step, speed, rate = left, _level(velocity), _level(acceleration)
         if here.values[TILT] <= self._up_known:
             pace = speed + math.sqrt(speed * speed + 2 * _STEP_OUTSIDE * rate)
@@ -190,7 +190,10 @@ class _Floors:
         self.values = [min(end, value) for end, value in zip(ends, start.values, strict=True)]
 
     def visit(self, clearance: Clearance) -> int | None:
-        """Index of a margin that is used up here; otherwise raise the floors after a start outside the limits."""
+        """Return the index of a margin that is used up here, or None.
+
+        After a start outside the limits this raises the floors, so that the motion cannot go back outside.
+        """
         for index, value in enumerate(clearance.values):
             floor = self.values[index]
             if value < floor - _ROUNDING:
@@ -212,7 +215,7 @@ def _lengths(trajectory: Trajectory) -> Arms:
 
 
 def _level(vector: Arms) -> float:
-    """Length without the common turn."""
+    """Return the length of a vector of arm values without their common part."""
     x, y, z = vector
     mean = (x + y + z) / 3
     x, y, z = x - mean, y - mean, z - mean
@@ -220,7 +223,7 @@ def _level(vector: Arms) -> float:
 
 
 def _lowest(first: float, second: float, duration: float) -> float:
-    """Least of first * t + second / 2 * t^2 for t from 0 to duration."""
+    """Return the smallest value of first * t + second / 2 * t^2 for t from 0 to `duration`."""
     end = (first + second * duration / 2) * duration
     if first < 0 < first + second * duration:
         end = -first * first / (2 * second)

@@ -1,4 +1,4 @@
-"""Refusals of motions: the exceeded limit, its value, where, and an accepted alternative."""
+"""Refusals of motions: the exceeded limit, the place and value of the violation, and an accepted alternative."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Rules(NamedTuple):
     acceleration: float
     """rad/s2"""
     slowest: float
-    """rad/s, of an arm"""
+    """lowest speed of an arm, rad/s"""
     accepts: Callable[[PlannedMotion], bool]
     """whether a motion keeps all limits"""
 
@@ -44,13 +44,13 @@ class RefusalBuilder:
         self._acceleration, self._slowest, self._accepts = rules.acceleration, rules.slowest, rules.accepts
 
     def of_rest(self, index: int, arms: Arms) -> Refused:
-        """Refusal of a head at rest at these arm angles (rad), which exceeds the limit of this index."""
+        """Return the refusal of arm angles (rad) at which a head at rest exceeds the limit of this index."""
         return _refused(index, self._detail(index, arms, at_goal=True))
 
     def of_pose(self, index: int, pose: Arms, motion: PlannedMotion) -> Refused:
-        """Refusal of a head orientation (rad) that exceeds the limit of this index wherever it starts.
+        """Return the refusal of a head orientation (rad) that exceeds the limit of this index.
 
-        motion: the motion to it; its goal is not used.
+        motion: start and speeds of the motion to it; its goal is not used.
         """
         value = tilt_of(pose[1], pose[2]) if index == TILT else pose[0]
         return _refused(
@@ -61,7 +61,7 @@ class RefusalBuilder:
         )
 
     def of_motion(self, violation: Violation, motion: PlannedMotion) -> Refused:
-        """Refusal of a motion that leaves the limits."""
+        """Return the refusal of a motion that leaves the limits."""
         index, at_goal = self._exceeded_limit(violation, motion)
         arms = motion.target
         if not at_goal:
@@ -109,9 +109,9 @@ class RefusalBuilder:
         return None if arms is None else Alternative(arms=Vector3(*arms))
 
     def _exceeded_limit(self, violation: Violation, motion: PlannedMotion) -> tuple[int, bool]:
-        """Index of the limit to name, and whether the goal exceeds it.
+        """Return the index of the limit to name, and whether the goal exceeds it.
 
-        A gap has priority: a goal with close arms usually also tilts too far, but users see the arms.
+        A gap has priority: a goal with close arms usually tilts too far as well, but users see the close arms.
         """
         at_goal = self._checker.exceeded(motion.target, motion.start)
         if not at_goal:
@@ -136,7 +136,7 @@ class RefusalBuilder:
         return self.for_pose(pose, motion)
 
     def _speed(self, motion: PlannedMotion) -> Arms | None:
-        """Speeds (rad/s) in proportion to the paths of the arms, if the motion keeps the limits with them."""
+        """Return speeds (rad/s) in proportion to the paths of the arms; None if the motion still leaves the limits."""
         x, y, z = (typed_speed(speed, self._slowest, math.inf) for speed in motion.proportional_speed())
         speed = in_single((x, y, z))
         return speed if self._accepts(motion.at_speed(speed)) else None
@@ -151,7 +151,7 @@ class RefusalBuilder:
         violation: Violation | None = None,
         alternative: Alternative | None = None,
     ) -> Detail:
-        """Detail of the limit of this index at these arm angles (rad); `value` (rad) if it is known already."""
+        """Return the detail for the limit of this index at these arm angles (rad); `value`: rad, None to compute it."""
         low, high, limit = None, None, _limit(index)
         if limit is Limit.TILT:
             high = self._bounds.tilt_max

@@ -1,4 +1,4 @@
-"""Rerun: nothing else imports it. Streams, layout, and reading files back."""
+"""Streams, layout and files of Rerun; no other package imports it."""
 
 from __future__ import annotations
 

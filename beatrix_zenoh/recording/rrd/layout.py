@@ -24,7 +24,7 @@ TITLES: Final = {"sim": "simulation", "hw": "hardware"}
 ARMS_DEG: Final = (-60.0, 60.0)
 HEAD_DEG: Final = (-60.0, 60.0)
 APART_DEG: Final = (-2.0, 2.0)
-HOW: Final = ": hardware wide, simulation thin"
+STYLES: Final = ": hardware wide, simulation thin"
 
 Part = rrb.Container | rrb.View
 
@@ -53,7 +53,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
 
 
 def tiled(parts: Sequence[Part], name: str) -> rrb.Container:
-    """One or several parts as one tab."""
+    """Return one tab that contains these parts."""
     return rrb.Grid(*parts, name=name) if len(parts) > 1 else rrb.Horizontal(*parts, name=name)
 
 
@@ -110,8 +110,8 @@ def plots_of(shown: RobotSet, name: str) -> rrb.Container:
     twins = shown.twins(name)
     # Half of the screen's height each: the viewer leaves out the numbers of lower axes.
     curves = rrb.Vertical(
-        plot([of_robot(place, "arms") for place in twins], f"arms (°){HOW * (len(twins) > 1)}", ARMS_DEG),
-        plot([of_robot(place, "head") for place in twins], f"head (°){HOW * (len(twins) > 1)}", HEAD_DEG),
+        plot([of_robot(place, "arms") for place in twins], f"arms (°){STYLES * (len(twins) > 1)}", ARMS_DEG),
+        plot([of_robot(place, "head") for place in twins], f"head (°){STYLES * (len(twins) > 1)}", HEAD_DEG),
     )
     if len(twins) == 1:
         return rrb.Horizontal(curves, name=name)

@@ -39,7 +39,7 @@ def read(path: Path) -> Recorded:
     """Read a recording, also one whose recorder was killed.
 
     Raises:
-        Refused: BAD_VALUE: the file is no recording of BEATRIX, or is damaged.
+        Refused: BAD_VALUE: the file is not a recording of BEATRIX, or is damaged.
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}

@@ -18,7 +18,7 @@ Item = tuple[str, rr.AsComponents]
 GHOST = (20, 120, 255, 120)
 """Colour and opacity of the simulation over the hardware."""
 THINNER_M = 0.001
-"""The ghost is thinner by this, because coincident surfaces would flicker."""
+"""Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
 ARM_NAMES, HEAD_NAMES = ("short", "middle", "long"), ("yaw", "pitch", "roll")
 HEAD_COLOURS = ((230, 159, 0), (204, 121, 167), (86, 180, 233))
 """Colours of Okabe and Ito, distinguishable with colour blindness; not those of the arms."""

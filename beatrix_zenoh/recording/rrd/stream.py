@@ -32,7 +32,7 @@ class Stream:
         self._name = name
         self._shown: set[Place] = set()
         self.broken = False
-        """The connection is lost for good; further data are discarded."""
+        """Whether the connection is lost permanently; further data are discarded."""
 
     def to_file(self, path: Path) -> None:
         """Write to this file; raises OSError if it cannot be opened."""
@@ -44,7 +44,7 @@ class Stream:
         self._begin()
 
     def to_viewer(self, url: str) -> None:
-        """Send to a viewer that listens already: otherwise this takes 5 s and data are lost."""
+        """Send to a viewer that already listens; without one this call takes 5 s and data are lost."""
         self._stream.connect_grpc(url)
         self._begin()
 
@@ -53,7 +53,7 @@ class Stream:
         self._stream.log("/", rr.ViewCoordinates.FLU, static=True)
 
     def show(self, robots: RobotSet) -> None:
-        """Log the robots that are new, and the layout for it."""
+        """Log the static data of new robots, and the layout for all robots."""
         names = {place[0] for place in self._shown}
         for place, figure in robots.robots.items():
             if place in self._shown:

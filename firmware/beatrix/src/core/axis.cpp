@@ -57,7 +57,8 @@ void Axis::follow(int32_t target, const Ramp &ramp, const Fixed &rest) {
   rest_ = rest;
 }
 
-// Microsteps to rest: less than 130 microsteps/s, a tenth of the speed at which a motor can start.
+// Largest distance to rest, in microsteps: the speed is less than 130 microsteps/s, and a motor can start at ten times
+// that speed.
 static const int32_t STOP_AT_ONCE_MAX = 4;
 
 bool Axis::may_stop_at_once() const {
@@ -78,7 +79,7 @@ void Axis::stop_at_once() {
 }
 
 // Choose the fastest speed from which the arm still stops before its target. If a new target lies within the stopping
-// distance, no speed does, and the arm brakes.
+// distance, there is no such speed, and the arm brakes.
 void Axis::plan() {
   next_direction_ = direction_;
   if (at_rest()) next_direction_ = target_ < position_ ? -1 : 1;

@@ -14,15 +14,16 @@ struct Ramp {
   Fixed stopping_distance;  // from top speed to rest, this tick included
 };
 
-// Speed / ACCELERATION, within one.
+// Estimate of speed / ACCELERATION; the error is at most one.
 uint16_t ticks_to_rest(const Fixed &speed);
-// v + (v - a) + (v - 2a) + ... down to rest. `ticks` is an estimate, corrected by a loop: the closer, the faster.
+// v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, in less time if
+// the estimate is better.
 Fixed stopping_distance_of(const Fixed &speed, const Fixed &acceleration, uint16_t ticks);
 void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp *ramp);
 
 // Every tick is planned first (plan or brake), can be checked (next_rest, next_rest_steps) and is then committed (commit).
-// A tick takes additions and comparisons only, because the rest position is updated incrementally: it stays while braking,
-// moves by v in a tick at constant speed v, and by v + (v + a) in a tick that accelerates by a.
+// A tick takes additions and comparisons only, because the rest position is updated incrementally: it is constant while
+// the arm brakes, moves by v in a tick at constant speed v, and by v + (v + a) in a tick that accelerates by a.
 class Axis {
  public:
   // Rest at `steps`.
@@ -31,7 +32,7 @@ class Axis {
   void place_at_last_step() { place(steps_); }
   // Set the target: from rest, or in motion with an unchanged acceleration.
   void follow(int32_t target, const Ramp &ramp);
-  // With another acceleration: first compute the rest position of braking with it, then pass it on.
+  // Set the target in motion with another acceleration: compute the rest position for that acceleration, and pass it.
   Fixed rest_with(const Fixed &acceleration) const;
   void follow(int32_t target, const Ramp &ramp, const Fixed &rest);
 

@@ -15,7 +15,7 @@ static const uint8_t FRACTION_BITS = 40;
 static const uint8_t BITS_BEYOND_Q26 = FRACTION_BITS - 26;
 
 // Two halves, because avr-gcc keeps 32 bits in registers, but calls a subroutine for every sum and comparison of 64 bits.
-// They halve the time of a tick.
+// This halves the time of a tick.
 struct Fixed {
   uint32_t low;
   int32_t high;  // Q8

@@ -3,8 +3,8 @@
 // The target owns one Machine and calls
 //   machine.start()         once after reset, before interrupts are on;
 //   buffer.put(byte)        for every received byte, from the receive interrupt;
-//   machine.process(buffer, n)  from its main loop: acts on received STOP and EMERGENCY_STOP frames, whatever waits before
-//                           them, then decodes up to n bytes while transmit_room() >= REPLY_ROOM. Replies are never
+//   machine.process(buffer, n)  from its main loop: acts on received STOP and EMERGENCY_STOP frames, even behind other
+//                           bytes, then decodes up to n bytes while transmit_room() >= REPLY_ROOM. Replies are never
 //                           dropped: without room for one, the received bytes wait;
 //   machine.poll()          from its main loop, once per millisecond;
 //   machine.tick()          every millisecond, from a timer interrupt. After it, motion().axis(i).start() and .end() are
@@ -38,7 +38,7 @@ uint16_t transmit_room();
 // Queue bytes for transmission; the core has checked transmit_room().
 void send(const uint8_t *bytes, uint8_t count);
 
-// Switch the motor drivers. Off takes effect before it returns and discards pending steps.
+// Switch the motor drivers. Switching off takes effect before the call returns, and discards pending steps.
 void set_drivers(bool on);
 // Steps of an arm that the last set_drivers(false) discarded: forward minus backward.
 int16_t discarded_steps(uint8_t arm);
@@ -55,8 +55,8 @@ uint8_t bytes_lost();
 // Called from every poll().
 void reset_watchdog();
 
-// Mask and unmask the interrupt of tick(), not those of bytes and steps. A tick that is due meanwhile is delayed. Also
-// compiler barriers. Not nested.
+// Mask and unmask the interrupt of tick(), not those of bytes and steps. A tick that is due meanwhile is delayed. Both
+// calls are compiler barriers. Calls cannot be nested.
 void disable_tick();
 void enable_tick();
 

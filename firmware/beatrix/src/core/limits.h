@@ -11,7 +11,7 @@ static const uint8_t ARMS = 3;
 
 inline uint8_t next_arm(uint8_t arm) { return uint8_t(arm < ARMS - 1 ? arm + 1 : 0); }
 
-// Difference of step counts to the next arm at this gap. The arm after the last is the first, a turn further.
+// Difference of step counts to the next arm at this gap. The arm after the last one is the first one, one turn further.
 inline int32_t difference_at(uint8_t arm, int32_t gap) {
   return gap - (arm < ARMS - 1 ? ARM_SPACING : ARM_TURN - (ARMS - 1) * ARM_SPACING);
 }
@@ -19,8 +19,7 @@ inline int32_t difference_at(uint8_t arm, int32_t gap) {
 // GAP, YAW, or NONE if arms at these steps are within the limits.
 Outcome check_steps(const int32_t steps[ARMS]);
 
-// The same for the planned tick: NONE if braking right after it ends within the limits, or no further beyond them than
-// now.
+// GAP, YAW, or NONE if braking right after the planned tick ends within the limits, or no further beyond them than now.
 Outcome check_tick(const Axis axes[ARMS]);
 
 }  // namespace beatrix

@@ -38,7 +38,7 @@ __attribute__((noinline)) void Machine::act_on_stops(ReceiveBuffer &buffer) {
   if (buffer.discard_oldest()) receiver_.feed(0);
 }
 
-// Carry out and acknowledge a STOP whose frame was discarded; the receiver has acknowledged any other.
+// Carry out and acknowledge a STOP whose frame was discarded; the others were acknowledged when they were decoded.
 __attribute__((noinline)) void Machine::finish_stop(ReceiveBuffer &buffer) {
   EarlyStop stop = buffer.first_stop();
   buffer.remove_stop();
@@ -49,7 +49,7 @@ __attribute__((noinline)) void Machine::finish_stop(ReceiveBuffer &buffer) {
   send_ack(stop.type, stop.seq, execute(stop.type, 0, 0));
 }
 
-// True: a line or a frame was handled, which takes long.
+// Returns true if a line or a frame was handled, which takes long.
 bool Machine::receive(uint8_t byte) {
   byte_received_ = true;
   Received received = receiver_.feed(byte);

@@ -68,7 +68,7 @@ void Motion::follow_or_brake_first(const Plan &plan) {
   for (uint8_t i = 0; i < ARMS; i++) {
     const Fixed &acceleration = plan.ramp[i].acceleration;
     rest[i] = axes_[i].rest_with(acceleration);
-    axes_[i].brake_with(acceleration, rest[i]);  // only for the check: every tick plans anew
+    axes_[i].brake_with(acceleration, rest[i]);  // only for the check: every tick plans again
   }
   braking_ = check_tick(axes_) != OUTCOME_NONE;
   if (braking_) {

@@ -36,7 +36,7 @@ class ReceiveBuffer {
 
   bool empty() const { return head_ == tail_; }
   bool full() const { return waiting() >= FILL_MAX; }
-  // The oldest byte; only while not empty.
+  // The oldest byte; the buffer must not be empty.
   uint8_t take() {
     uint8_t tail = tail_;
     uint8_t byte = bytes_[tail];

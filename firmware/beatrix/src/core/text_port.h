@@ -31,12 +31,12 @@ class TextPort {
   // Phase of the current command: the event or time for which its second reply waits.
   enum Phase : uint8_t {
     IDLE,        // no current command
-    WAITING_FOR_REST,    // the end of the previous motion, before it starts its own
-    MOVING,      // the last step of its motion
+    WAITING_FOR_REST,    // the end of the previous motion; then the motion of this command starts
+    MOVING,      // the last step of the motion of this command
     COUNTING_ONLY,  // motors are off: the time that the motion would take
-    STOPPING,    // the arms to rest
-    ARRIVED,     // the motors, which are behind the tick
-    CANCELLED,        // nothing: its motion was ended by a stop or another motion
+    STOPPING,    // the rest of the arms
+    ARRIVED,     // the last step of the motors, which follow the tick
+    CANCELLED,        // nothing: a stop or another motion has ended the motion
   };
 
   bool advance(Machine &machine);

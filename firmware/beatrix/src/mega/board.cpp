@@ -18,7 +18,7 @@ namespace {
 
 Machine machine;
 
-// Stops what the Arduino core has started: its clock would take 3 % of the time; its PWM is not used.
+// Stops the timers and the converter that the Arduino core has started: its clock would take 3 % of the time.
 void stop_other_timers() {
   TIMSK0 = 0;
   TCCR0B = TCCR2B = TCCR4B = TCCR5B = 0;
@@ -59,7 +59,8 @@ void begin(uint32_t baud) {
   sei();
 }
 
-// Received bytes before telemetry, because of EMERGENCY_STOP. MAX_WIRE bounds them, so poll() runs even under a flood.
+// Processes received bytes before telemetry, because they may contain EMERGENCY_STOP; at most MAX_WIRE of them, so that
+// poll() runs even in a flood.
 void run() {
   if (work_pending()) machine.process(mega::receive_buffer, MAX_WIRE);
   if (mega::tick_done()) {
@@ -77,7 +78,7 @@ void reset_watchdog() { wdt_reset(); }
 }  // namespace beatrix
 
 // After a watchdog reset the watchdog keeps running with its shortest period, 16 ms, so it is stopped first. Most boot
-// loaders do so, too, but the firmware needs none.
+// loaders stop it as well, but the firmware also runs without a boot loader.
 extern "C" void stop_watchdog() __attribute__((naked, used, section(".init3")));
 extern "C" void stop_watchdog() {
   MCUSR = 0;

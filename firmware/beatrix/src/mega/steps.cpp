@@ -23,7 +23,8 @@ namespace {
 // From reading the counter to the earliest match that is not missed; also the shortest pause between two pulses.
 const uint16_t MATCH_LEAD = 32;
 // Lead of the match before a sparse step: 60 cycles to the pin, and less than 100 for a byte or the end of a tick with
-// interrupts disabled. Three arms that wait one after another delay the UART by 850 cycles; it holds two bytes of 640.
+// interrupts disabled. Three arms that wait one after another delay the UART by 850 cycles, and it holds two bytes of
+// 640 cycles.
 const uint8_t SPARSE_LEAD = 160;
 
 struct Queue {
