@@ -7,9 +7,9 @@ from typing import Final
 CLASS: Final[dict[str, str]] = {
     # -- the lease of one robot
     "lease.take": "Take",
-    "lease.take_tip": "Hold this robot: only your seat and the teacher move it until you give it back.",
+    "lease.take_tip": "Hold this robot: only your seat and the teacher can move it until you give it back.",
     "lease.take_over": "Take over",
-    "lease.take_over_tip": "Take this robot from {holder}: a motion of {holder} stops, and only your seat moves the robot.",
+    "lease.take_over_tip": "Take this robot from {holder}: a motion of {holder} stops, and only your seat can move the robot.",
     "lease.wait": "Wait for my turn",
     "lease.wait_tip": (
         "Wait in the queue. The robot is yours when {holder} gives it back, or has not moved it for a minute."
@@ -37,7 +37,7 @@ CLASS: Final[dict[str, str]] = {
     "condition.frozen": "frozen by the teacher",
     "condition.frozen_short": "frozen",
     "reason.taken": "{holder} has taken this robot. Wait for your turn; you can always press STOP.",
-    "reason.frozen": "Only the teacher moves this robot until the teacher unfreezes it.",
+    "reason.frozen": "Only the teacher can move this robot until the teacher unfreezes it.",
     "banner.frozen": "The teacher has frozen the robot ({robots}). You can move it again when the teacher unfreezes it.",
     # -- requests in the history
     "what.take": "take",
@@ -62,7 +62,7 @@ CLASS: Final[dict[str, str]] = {
     "class.hide_tip": "Show one robot again (F2)",
     "class.summary": "Robots: {robots:.0f}. Seats on line: {count:.0f} ({seats}).",
     "class.freeze_all": "Freeze all",
-    "class.freeze_all_tip": "Stop all robots; until you unfreeze them, only you move them.",
+    "class.freeze_all_tip": "Stop all robots; until you unfreeze them, only you can move them.",
     "class.unfreeze_all": "Unfreeze all",
     "class.unfreeze_all_tip": "Let all seats move the robots again.",
     "class.limit": "Set limit",
@@ -71,11 +71,11 @@ CLASS: Final[dict[str, str]] = {
     "class.limit_now": "Speed limit: {speed:.0f} °/s.",
     "class.limit_differs": "The robots have different speed limits.",
     "class.freeze": "Freeze",
-    "class.freeze_tip": "Stop {robot}; until you unfreeze it, only you move it.",
+    "class.freeze_tip": "Stop {robot}; until you unfreeze it, only you can move it.",
     "class.unfreeze": "Unfreeze",
     "class.unfreeze_tip": "Let all seats move {robot} again.",
     "class.take_over": "Take over",
-    "class.take_over_tip": "Stop {robot} and hold it: until you give it back, only you move it.",
+    "class.take_over_tip": "Stop {robot} and hold it: until you give it back, only you can move it.",
     "class.give_back": "Give back",
     "class.give_back_tip": "Let other seats move {robot}; the next seat in the queue gets it.",
     "class.show_robot": "Show robot",
@@ -86,7 +86,7 @@ CLASS: Final[dict[str, str]] = {
     "cannot.limit": "Nothing was sent: '{text}' is no speed. Type degrees per second, for example 20, or clear the field to end the limit.",
     "label.class": "Robots of the class",
     "label.class_robot": "Robot",
-    "label.class_twin": "On",
+    "label.class_twin": "Twin",
     "label.class_state": "State",
     "label.class_driver": "Driven by",
     "label.class_waiting": "Waiting",
@@ -97,6 +97,6 @@ CLASS: Final[dict[str, str]] = {
     "label.class_all": "All robots",
     "label.class_one": "Selected robot",
     "tip.class_rate": "Positions that arrive in a second; 50 is normal.",
-    "tip.class_age": "Time since the last positions have arrived, in seconds.",
+    "tip.class_age": "Time since the last positions arrived, in seconds.",
     "label.keys_class": "F2: class or robot, in the teacher's window",
 }
