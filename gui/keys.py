@@ -15,7 +15,7 @@ SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
 class Keys(QObject):
     """Filters the events of the whole application before any widget receives them.
 
-    A shortcut would not do: on a button it acts 0.1 s late, and text fields and popups consume it.
+    Qt's shortcuts are not enough: on a button they act 0.1 s late, and text fields and popups consume them.
     """
 
     stop = pyqtSignal()
@@ -31,13 +31,13 @@ class Keys(QObject):
         self._stop_bar = stop_bar
 
     def install(self) -> None:
-        """Start to filter."""
+        """Start filtering."""
         application = QApplication.instance()
         if application is not None:
             application.installEventFilter(self)
 
     def remove(self) -> None:
-        """Stop to filter."""
+        """Stop filtering."""
         application = QApplication.instance()
         if application is not None:
             application.removeEventFilter(self)

@@ -29,9 +29,9 @@ from gui.widgets.stop_bar import StopBar
 from gui.widgets.trouble import Trouble
 
 LOW_PX = 680
-"""Windows that are lower, at 100 % type, show history and poses as tabs of the middle column."""
+"""Windows lower than this, at 100 % type, show history and poses as tabs of the middle column."""
 ROOMY_PX = 768
-"""Windows that are lower, at 100 % type, keep no room for the countdown while no motion waits."""
+"""Windows lower than this, at 100 % type, keep no room for the countdown while no motion waits."""
 
 
 class Panels(QWidget):
@@ -189,7 +189,7 @@ class Panels(QWidget):
         self.stop_bar.show_last(last)
 
     def show_world(self, world: World) -> None:
-        """Append the positions to the plots, which no view holds."""
+        """Append the positions to the plots; views do not contain them."""
         self.plots.append(world)
 
     def show_image(self, twin: str, image: CameraImage) -> None:

@@ -25,10 +25,10 @@ from gui.state.intents import Theme
 from gui.state.state import State
 from gui.window import Window
 
-KEEP_MS = 1000
+SAVE_MS = 1000
 """Period of saving changed choices."""
 SIGNAL_MS = 100
-"""Period of checking for Ctrl-C: Python runs signal handlers only between its own instructions, which Qt's loop has none of."""
+"""Period of checking for Ctrl-C: Python runs signal handlers only between its own instructions, and Qt's loop has none."""
 SIZE = (1366, 768)
 logger = logging.getLogger("beatrix.window")
 
@@ -45,9 +45,9 @@ def run(settings: Settings, theme: Theme | None, language: str | None, *, name_g
             signals = QTimer()
             signals.timeout.connect(lambda: window.close() if shutdown.requested(0.0) else None)
             signals.start(SIGNAL_MS)
-            keeping = QTimer()
-            keeping.timeout.connect(autosave.save_changes)
-            keeping.start(KEEP_MS)
+            saving = QTimer()
+            saving.timeout.connect(autosave.save_changes)
+            saving.start(SAVE_MS)
             say("ready window")
             application.exec()
             ignore_signals()

@@ -53,11 +53,11 @@ class Style:
         return round(pixels * self.scale)
 
     def twin(self, twin: str) -> str:
-        """Colour of `sim` or `hw`."""
+        """Return the colour of `sim` or `hw`."""
         return self.sim if twin == "sim" else self.hw
 
     def condition(self, condition: Condition) -> str:
-        """Colour of the symbol and the word of a state."""
+        """Return the colour of the symbol and the word of a state."""
         return {
             Condition.ABSENT: self.dim,
             Condition.SILENT: self.bad,
@@ -143,7 +143,7 @@ PROJECTOR = Style(
 
 
 def style_of(theme: Theme) -> Style:
-    """Colours and sizes of a theme."""
+    """Return the colours and sizes of a theme."""
     return {Theme.DARK: DARK, Theme.LIGHT: LIGHT, Theme.PROJECTOR: PROJECTOR}[theme]
 
 

@@ -20,9 +20,10 @@ from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
 from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
-# No deadline: a busy machine is no fault of the code, and pytest's timeout holds. Other examples are drawn in each run.
-settings.register_profile("house", deadline=None, max_examples=50)
-settings.load_profile("house")
+# Hypothesis has no deadline, because a busy machine is no fault of the code; pytest's timeout applies. Each run draws
+# other examples.
+settings.register_profile("beatrix", deadline=None, max_examples=50)
+settings.load_profile("beatrix")
 
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
 SECONDS_TO_GO = 3.0
@@ -50,9 +51,8 @@ def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
 
 
 sys.addaudithook(refuse_other_networks)
-if (
-    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-):  # begun with `&` in a script: our programs would be deaf too
+# A script that starts pytest with `&` makes it ignore SIGINT; child processes would inherit that.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -64,7 +64,7 @@ def computes(nodeid: str) -> bool:
 class Sharing(LoadScopeScheduling):  # type: ignore[misc]
     """Keeps tests that share robots, or a build, in one process; else each process would start its own.
 
-    Marks do not do it: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
+    Marks have no effect: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
 
     The first process executes the tests that compute, at low priority, so that they do not delay the robots of the others.
     """

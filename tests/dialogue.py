@@ -27,7 +27,7 @@ def read(path: Path) -> list[Entry]:
 
 
 def expected_replies(dialogue: list[Entry]) -> list[Entry]:
-    """Return the replies of the dialogue; to @STOPALL, whose second reply has changed, those of this firmware."""
+    """Return the recorded replies; for @STOPALL those of this firmware, because its second reply has changed."""
     replies, command, count = [], "", 0
     for entry in dialogue:
         if entry.to_robot:

@@ -1,10 +1,10 @@
 /* A V4L2 camera for tests: preloaded into a program, it answers the ioctls that the program makes on a named pipe.
  *
- * Opening and waiting are the system's own; the structures are those of its header, so that a program that fills them
- * wrongly fails. Pictures come through the pipe, each behind two numbers: its length in bytes, and 1 if the camera marks
- * it as damaged. A picture of no bytes unplugs the camera. While nothing streams, what comes is thrown away. A file
- * beside the pipe, with `.refuses` behind its name, holds an errno and the lowest rate (1/s) at which to begin fails
- * with it. While it streams, what was asked for stands in a file that ends in `.asked`. */
+ * The system itself opens the pipe and waits for it. The structures are those of its header, so a program that fills
+ * them wrongly fails. Pictures come through the pipe, each after two numbers: its length in bytes, and 1 if the camera
+ * marks it as damaged. A picture of no bytes unplugs the camera. While the camera does not stream, pictures are discarded. A
+ * file beside the pipe, named like it with `.refuses` at the end, contains an errno and a rate (1/s): to begin a stream
+ * at this rate or above fails with the errno. During a stream a file that ends in `.asked` contains its settings. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -29,7 +29,7 @@ struct camera {
     char queued[BUFFERS];
     unsigned char *memory[BUFFERS];
 };
-static struct camera cameras[CAMERAS]; /* by file descriptor, modulo: a test opens one or two */
+static struct camera cameras[CAMERAS]; /* by file descriptor modulo CAMERAS; a test opens one or two */
 
 static int is_camera(int fd) {
     struct stat status;

@@ -66,7 +66,7 @@ class FakeCapture:
 
     def set(self, property_id: int, value: float, /) -> bool:
         self.asked[property_id] = value
-        return False  # as a driver that refuses does
+        return False  # as a driver without this property does
 
     def grab(self) -> bool:
         assert threading.current_thread() is self.thread, "on Windows one thread must make all calls"
@@ -75,7 +75,9 @@ class FakeCapture:
             self._module.failures -= 1
             return False
         self._pause.wait(0.005)
-        self._connected = self._connected and self._module.plugged  # open an unplugged one again
+        self._connected = (
+            self._connected and self._module.plugged
+        )  # a camera must be opened again after unplugging
         return self._connected and bool(self._module.endless or self._module.pictures)
 
     def retrieve(self) -> tuple[bool, Pixels | None]:

@@ -1,7 +1,7 @@
-"""The computers of a school: each computer reaches only the router's.
+"""The computers of a school: each reaches only the computer of the router.
 
-Each is a network namespace where this computer permits them: linked to the router's by a cable of its own, without a
-route to any other address, and without multicast. Elsewhere all of them are processes on loopback.
+If this computer permits network namespaces, each computer is one: a cable of its own links it to the router's computer,
+and it has no other route and no multicast. Otherwise all of them are processes on loopback.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Host:
 
 
 class School:
-    """The computers, and the cables between them and the router's."""
+    """The computers, and the cables between them and the router's computer."""
 
     def __init__(self, folder: Path) -> None:
         self.isolated = isolates()

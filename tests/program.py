@@ -28,7 +28,7 @@ class Program:
     """Sends lines and collects the reply lines with their times in ms, rounded up to the next poll.
 
     `framed`: behind a host that always sends frames; then flags, warnings and telemetry are collected as well.
-    `look_ms`: from one poll to the next, a divisor of HEARTBEAT_MS.
+    `look_ms`: time between two polls (ms), a divisor of HEARTBEAT_MS.
     """
 
     def __init__(self, core: Core | None = None, *, framed: bool = False, look_ms: int = LOOK_MS) -> None:

@@ -39,11 +39,11 @@ class PtyBoard:
         self.path.symlink_to(os.ttyname(slave))
         self.board = VirtualBoard(Firmware(boot=self.boots, name="bea"))
         self._ticker = RealTimeTicker(self.board)
-        self._threads = [threading.Thread(target=self._hear), threading.Thread(target=self._speak)]
+        self._threads = [threading.Thread(target=self._receive), threading.Thread(target=self._send)]
         for thread in self._threads:
             thread.start()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         while not self._over.is_set():
             if select.select([self._master], [], [], 0.05)[0]:
                 with contextlib.suppress(OSError):
@@ -51,7 +51,7 @@ class PtyBoard:
                     if not self.deaf:
                         self.board.write(data)
 
-    def _speak(self) -> None:
+    def _send(self) -> None:
         while not self._over.is_set():
             data = self.board.read(0.05)
             if data and not self.deaf:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 
 class Turns:
-    """Tests run side by side; one that needs the computer alone waits for the running ones, and the next wait for it.
+    """Lets tests run side by side, and a test that needs the computer alone run by itself.
 
-    The system frees the locks of a process that is killed, and pytest-timeout ends one that hangs.
+    Such a test waits for the running tests, and later tests wait for it. The system frees the locks of a process that is killed, and pytest-timeout ends one that hangs.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -23,8 +23,7 @@ class Turns:
         """Wait for the turn of a test, and keep it until the block ends."""
         with self._running.open("w") as running:
             with self._next.open("w") as begins:
-                fcntl.flock(
-                    begins, fcntl.LOCK_EX
-                )  # without it, a test that waits alone would never get its turn
+                # Without this lock, other tests would always begin before a test that needs the computer alone.
+                fcntl.flock(begins, fcntl.LOCK_EX)
                 fcntl.flock(running, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
             yield

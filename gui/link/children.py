@@ -25,7 +25,7 @@ class Children(Worker):
         self._simulation: Child | None = None
         self._numbers = itertools.count(1)
         self.starting = False
-        """a requested simulation does not serve yet"""
+        """whether a requested simulation does not serve yet"""
         self._trouble = ""
 
     @property

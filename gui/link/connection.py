@@ -33,11 +33,11 @@ class Session:
 
     client: Client
     monitor: Monitor
-    """of all robots of the router; only Qt's thread reads states"""
+    """the states of all robots of the router; only Qt's thread reads them"""
     twin: Twin
     """both robots of the chosen name"""
     seats: Seats
-    """that are connected to the router"""
+    """the seats that are connected to the router"""
 
 
 class Connection:
@@ -107,7 +107,7 @@ class Connection:
             return
         session = self.session = replace(old, twin=Twin(robot, client=old.client))
         self._on_session(session)
-        self._tasks.put(old.twin.close)  # which may wait for a robot
+        self._tasks.put(old.twin.close)  # on the connection's thread, because it may wait for a robot
 
     def states(self) -> tuple[RobotState, RobotState]:
         """Simulation and hardware of the chosen name now."""

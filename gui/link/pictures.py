@@ -29,7 +29,7 @@ class Pictures:
         """Subscribe to nothing yet.
 
         Args:
-            client: the session; pictures come through its session for them.
+            client: provides the session for pictures.
             robot: name of the robot.
             on_image: called on threads of this object, for each picture; must return at once.
         """

@@ -18,7 +18,7 @@ from gui.state.actions import Outcome
 from gui.state.world import PlanPhase, PlanProgress
 
 BOTH = ""
-"""Twin of outcomes."""
+"""The twin in outcomes of motions of both robots."""
 ABORTED = "Aborted in this window."
 
 
@@ -36,12 +36,12 @@ class Job:
     motion: TwinMotion | None = None
     """the motion, after it was committed"""
     dropped: BeatrixError | None = None
-    """why it must not begin"""
+    """why the motion must not begin or go on; None: it may"""
     reported: bool = False
-    """its last outcome was reported"""
+    """whether its last outcome was reported"""
 
     def cancel(self, why: BeatrixError) -> None:
-        """End it without waiting: nothing more is sent, and moving robots are stopped."""
+        """End the motion without waiting: nothing more is sent, and moving robots are stopped."""
         self.dropped = self.dropped or why
         motion = self.motion or (None if self.plan is None else self.plan.motion)
         if motion is not None:
@@ -57,9 +57,9 @@ class Plans(Worker):
         self._report = report
         self._lock = threading.Lock()
         self._trying: Job | None = None
-        """the newest, until it was committed"""
+        """the newest job, until it is committed"""
         self._moving: Job | None = None
-        """the last that was committed, until its end"""
+        """the job that was committed last, until its end"""
 
     def send(
         self, row: int, twin: Twin, query: MotionQuery | PoseQuery, lead_s: float, clear: Callable[[], None]
@@ -145,7 +145,7 @@ class Plans(Worker):
             self._moving = job
             if self._trying is job:
                 self._trying = None
-        if job.dropped is not None:  # while it was committed
+        if job.dropped is not None:  # by another thread during the commit
             job.cancel(job.dropped)
         if not job.reported:
             self._report(accepted(job.row, BOTH, job.plan.verdict, job.plan.duration + job.lead_s))

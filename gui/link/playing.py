@@ -27,7 +27,7 @@ class Job:
     robots: Twin | Robot
     title: str
     ending: BeatrixError | None = None
-    """why it must end; None while it may go on"""
+    """why the play must end; None: it may go on"""
 
     @property
     def twin(self) -> str:
@@ -35,7 +35,7 @@ class Job:
         return "" if isinstance(self.robots, Twin) else self.robots.twin
 
     def check(self) -> None:
-        """Raise the error that it must end with, if there is one."""
+        """Raise `ending` if the play must end."""
         if self.ending is not None:
             raise self.ending
 

@@ -32,10 +32,10 @@ class Recordings(Worker):
         self._child: Child | None = None
         self._began_s: float | None = None
         self._lasted_s: float | None = None
-        """None while it runs"""
+        """duration (s); None: the recording runs"""
         self._trouble = ""
         self._ending = False
-        """the user has ended it"""
+        """whether the user has ended the recording"""
 
     def progress(self) -> RecordingProgress | None:
         """Return the progress of the last recording; None if there was none."""

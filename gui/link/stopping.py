@@ -20,7 +20,7 @@ from gui.link.outcomes import done, failed, of_several
 from gui.link.worker import Worker, show_error
 from gui.state.actions import Outcome
 
-NO_REPLY = "It did not answer: it is frozen, or its connection is. Switch its power off if it moves."
+NO_REPLY = "No answer: the robot or its connection is frozen. Switch the robot's power off if it moves."
 YIELD_S = 0.002
 """Longest time that Qt's thread yields to the thread that sends STOP."""
 

@@ -11,7 +11,7 @@ from beatrix_zenoh.client import Place
 
 @dataclass(frozen=True)
 class Action:
-    """Root of all actions."""
+    """Base class of all actions."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Govern(Action):
     places: tuple[Place, ...] = ()
     """name and twin of each robot; empty: all robots on line"""
     speed: float = 0.0
-    """of LIMIT, rad/s; 0: no limit"""
+    """speed limit (rad/s), for LIMIT only; 0: no limit"""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Play(Action):
     """None: the poses are played"""
     poses: tuple[tuple[float, float, float], ...] = ()
     speed: float = 30.0
-    """deg/s, of poses"""
+    """speed between poses, deg/s"""
     lead_s: float = 0.0
 
 
@@ -185,4 +185,4 @@ class Outcome:
     robots: int = 0
     """number of robots that a request to several robots was sent to"""
     failed: tuple[str, ...] = ()
-    """those that refused it or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""
+    """robots that refused the request or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""

@@ -28,7 +28,7 @@ class Choices:
     page: Page = Page.ROBOT
     tab: Tab = Tab.HEADS
     target: Orientation | None = None
-    """of the head pad; None: the target follows the head"""
+    """target of the head pad; None: the target follows the head"""
 
     @property
     def twins(self) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ PLACE: Final = "class"
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
-    """Return the page; None if this window is not the teacher's. It has rows only while it is shown."""
+    """Return the page; None if this window is not the teacher's. The page has rows only while it is shown."""
     if not world.is_teacher:
         return None
     texts = memory.choices.texts
@@ -95,7 +95,7 @@ def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
 
 def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) -> ClassRowView:
     status = robot.status
-    found = pills.unwell(robot, texts)
+    found = pills.problem(robot, texts)
     if found is None and status is not None:
         found = _working(status, texts)
     assert found is not None  # a robot without a status is silent
@@ -126,7 +126,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
 
 
 def _remarks(status: Status | None, found: pills.Finding, texts: Texts, *, limit_shown: bool) -> list[str]:
-    """Return what the other cells of a row do not say; the speed limit unless the page shows it for all robots."""
+    """Return facts that the other cells of a row do not show; the speed limit unless the page shows it for all robots."""
     remarks = [found.reason] if found.condition in (Condition.SILENT, Condition.FAULT) else []
     if status is None:
         return remarks

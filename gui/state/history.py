@@ -29,7 +29,7 @@ from gui.state.world import World
 from gui.texts import Texts
 
 SHOWN = 100
-"""Rows."""
+"""Most rows of the view."""
 BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
 GOOD, BAD, OPEN = "✓", "✕", "…"
@@ -168,7 +168,7 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
 
 
 def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
-    """Return the text of the first cause: if one robot refuses, the window stops the other robot, which is no cause."""
+    """Return the text of the first cause. If one robot refuses, the window stops the other robot; that STOP is no cause."""
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
     if worst.failed:
@@ -179,7 +179,8 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
         return texts("result.aborted" if row.aborted else "result.stopped"), False
     began = worst.twin in row.accepted or "" in row.accepted
     if began and worst.reason is Reason.STOPPED and BY_STOP not in worst.message:
-        return texts("result.ended", text=text), False  # this window has ended it, and the message says why
+        # This window has ended the motion, and the message contains the reason.
+        return texts("result.ended", text=text), False
     return failure(worst.reason, text, texts, began=began)
 
 
@@ -252,7 +253,7 @@ def _governed(request: Govern, texts: Texts) -> str:
 
 
 def _number(value: float, texts: Texts, *, signed: bool = False) -> str:
-    """An angle (deg) with at most one decimal; an increment is signed."""
+    """Return an angle (deg) with at most one decimal; an increment gets its sign."""
     rounded = round(value, 1) + 0.0
     text = texts("figure", value=rounded)
     return f"+{text}" if rounded > 0 and signed else text

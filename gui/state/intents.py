@@ -25,9 +25,9 @@ class Page(StrEnum):
     """A page of the window."""
 
     ROBOT = "robot"
-    """one robot: its simulation and its hardware"""
+    """simulation and hardware of one name"""
     CLASS = "class"
-    """all robots and seats at the router; of the teacher's window only"""
+    """all robots and seats at the router; only in the teacher's window"""
 
 
 class Theme(StrEnum):
@@ -40,7 +40,7 @@ class Theme(StrEnum):
 
 @dataclass(frozen=True)
 class Intent:
-    """Root of all intents."""
+    """Base class of all intents."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class RunCommand(Intent):
 
     command: Command
     value: bool = True
-    """of ENABLE: on or off"""
+    """for ENABLE: on or off"""
     twin: str = ""
     """`sim` or `hw`; empty: the checked robots"""
 
@@ -156,7 +156,7 @@ class DismissNotice(Intent):
 
 @dataclass(frozen=True)
 class TogglePage(Intent):
-    """Show the page of the class, or the robot again; of the teacher's window only."""
+    """Show the page of the class, or the robot again; only in the teacher's window."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The lease of each robot: the button that takes it, waits for it or gives it back, and what is said about it."""
+"""The lease of each robot: the button that takes the robot, waits for it or gives it back, the notes and the banner."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def limit_text(status: Status, texts: Texts) -> str:
     return texts("note.limit", speed=math.degrees(status.speed_limit))
 
 
-# -- what has changed -------------------------------------------------------------------------------
+# -- changes of leases ------------------------------------------------------------------------------
 
 
 def follow(memory: Memory, world: World) -> None:
@@ -83,7 +83,7 @@ def follow(memory: Memory, world: World) -> None:
 
 
 def standing(status: Status, seat: str) -> Standing:
-    """Return what a seat has of a robot."""
+    """Return whether a seat has taken a robot or waits for it."""
     return Standing(held=status.holder == seat and status.lease > 0, waiting=seat in status.waiting)
 
 
@@ -139,7 +139,7 @@ def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> li
 
 
 def give_back_all(memory: Memory, world: World) -> list[Action]:
-    """Give back what this window has taken or waits for, because another robot is to be shown."""
+    """Give back all robots that this window has taken or waits for; called before another robot is shown."""
     places = tuple(
         place
         for place, now in memory.standings.items()

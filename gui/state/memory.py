@@ -26,7 +26,7 @@ from gui.state.saved import SavedPose
 from gui.state.views import HistoryRowView
 
 KEPT = 200
-"""Rows of the history."""
+"""Most rows of the history."""
 Request = Send | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern | Play | WriteFile
 """Actions with a row in the history."""
 
@@ -37,19 +37,19 @@ class Row:
 
     request: Request
     place: str
-    """the control that it came from, as in `RefusalView`"""
+    """the control of the request, as in `RefusalView`"""
     began_s: float
     """wall clock, since 1970; 0: unknown"""
     before: ArmAngles | None
     """set point of the arms at the time of the request, deg; None: unknown, or no motion"""
     undoes: int | None = None
-    """row of the motion that it undoes; None: it is no undo"""
+    """row of the motion that this request undoes; None: it is no undo"""
     dropped: bool = False
-    """this window has aborted or stopped it"""
+    """whether this window has aborted or stopped the request"""
     aborted: bool = False
-    """it was dropped by Abort or Change, not by STOP"""
+    """whether it was dropped by Abort or Change, not by STOP"""
     outcomes: Mapping[str, Outcome] = field(default_factory=dict)
-    """the newest of each robot"""
+    """the newest outcome of each robot"""
     accepted: frozenset[str] = frozenset()
     """robots that accepted it"""
 
@@ -60,7 +60,7 @@ class Row:
 
     @property
     def twins(self) -> tuple[str, ...]:
-        """Robots that it was for."""
+        """Robots that the request was sent to."""
         match self.request:
             case Send(twins=twins) | SendCommand(twins=twins) | Play(twins=twins):
                 return twins
@@ -95,19 +95,17 @@ class Refusal:
     detail: Detail | None = None
     twin: str = ""
     robots: tuple[str, ...] = ()
-    """those that refused a request to several robots"""
+    """the robots that refused, if the request was sent to several"""
     request: Request | None = None
     """the refused request"""
 
 
 @dataclass(frozen=True)
 class Standing:
-    """What this seat has of one robot."""
+    """Whether this seat has taken one robot, and whether it waits for it."""
 
     held: bool = False
-    """this seat has taken the robot"""
     waiting: bool = False
-    """this seat waits for the robot"""
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ class HistoryCache:
     own: dict[int, tuple[Row, HistoryRowView]] = field(default_factory=dict)
     events: tuple[object, ...] = ()
     foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)
-    """with the time of each (wall clock, s)"""
+    """rows of other seats, with the time of each (wall clock, s)"""
     rows: tuple[Row, ...] = ()
     views: tuple[HistoryRowView, ...] = ()
 
@@ -142,18 +140,18 @@ class Memory:
     rows: tuple[Row, ...] = ()
     """oldest first"""
     numbers: int = 0
-    """rows made so far"""
+    """number of the newest row"""
     undo: tuple[tuple[int, ArmAngles], ...] = ()
     """row of each accepted motion, and the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, str] = field(default_factory=dict)
-    """`presence.troubles` at the newest request, which were shown until then"""
+    """`presence.troubles` at the newest request; they are not shown any more"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
-    """of both robots of the shown name, when `leases.follow` was called last"""
+    """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
-    """about a lease that this seat got or lost; None: nothing new"""
+    """a sentence about a lease that this seat got or lost; None: nothing new"""
     history_cache: HistoryCache = field(default_factory=HistoryCache)
 
     def next_row(self) -> int:

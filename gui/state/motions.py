@@ -80,7 +80,7 @@ def begin(
     memory.troubles = troubles(world)
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
     if not looks and not isinstance(request, SendLease | Govern):
-        # An old aim is not where the next Send should go.
+        # The target of the pad is out of date after another motion, so it follows the head again.
         memory.choices = replace(memory.choices, target=None)
     return memory.add_row(Row(request, place, world.wall_s, _before(world, request), undoes))
 

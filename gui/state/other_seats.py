@@ -43,15 +43,15 @@ class Group:
     began_s: float
     """wall clock, since 1970"""
     newest_s: float
-    """of the newest request"""
+    """time of the newest request"""
     motions: Mapping[str, int]
-    """number of the newest motion of each robot; 0: it is none"""
+    """number of the newest motion of each robot; 0: the request is no motion"""
     under_way: frozenset[str]
     """robots whose newest motion has not ended"""
     count: int
-    """requests at the first robot"""
+    """number of requests to the first robot"""
     ended: bool
-    """the fields below are about the end of a motion, not about its beginning"""
+    """whether the fields below describe the end of a motion, not its beginning"""
     reason: Reason
     message: str
     detail: Detail | None
@@ -73,7 +73,7 @@ def groups(world: World) -> tuple[Group, ...]:
 def _foreign(world: World) -> Iterator[tuple[Event, str]]:
     for robot in (world.sim, world.hw):
         for event in robot.events:
-            # A lease event without an action says that the holder has changed, not that a seat has sent a request.
+            # A lease event without an action reports a change of the holder, not a request.
             if event.kind in KINDS and event.action and not _own(event, world):
                 yield event, robot.twin
 

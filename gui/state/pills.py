@@ -59,12 +59,12 @@ class Finding:
 
 
 def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
-    """Simulation and hardware."""
+    """Return the states of simulation and hardware."""
     return tuple(pill(world, twin, texts) for twin in ("sim", "hw"))
 
 
 def pill(world: World, twin: str, texts: Texts) -> PillView:
-    """One robot."""
+    """Return the state of one robot."""
     found, status = finding(world, twin, texts), world.twin(twin).status
     latency_s = world.latency_s.get(twin)
     here = found.condition is not Condition.ABSENT
@@ -87,7 +87,7 @@ def pill(world: World, twin: str, texts: Texts) -> PillView:
 
 
 def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
-    """Return what is to be said about the lease of a robot beside its condition."""
+    """Return the notes about the lease of a robot, which are shown beside its condition."""
     driven = found.condition is Condition.DRIVEN
     return leases.notes(status, world, texts, holder_shown=driven)
 
@@ -97,15 +97,15 @@ def finding(world: World, twin: str, texts: Texts) -> Finding:
     robot = world.twin(twin)
     if not on_line(world, twin):
         return _absent(world, twin, texts)
-    found = unwell(robot, texts)
+    found = problem(robot, texts)
     if found is None and robot.status is not None:
         found = _shared(robot.status, world, texts) or working(robot.status, texts)
     assert found is not None  # a robot without a status is silent
     return found
 
 
-def unwell(robot: RobotState, texts: Texts) -> Finding | None:
-    """Return the first problem of a robot that is on line, whichever seat drives it; None if it can move."""
+def problem(robot: RobotState, texts: Texts) -> Finding | None:
+    """Return the first problem of a robot that is on line, regardless of its holder; None if the robot can move."""
     if robot.status is None or silent(robot):
         age_s = robot.positions_age_s
         reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))
@@ -142,7 +142,7 @@ def _shared(status: Status, world: World, texts: Texts) -> Finding | None:
 
 
 def working(status: Status, texts: Texts) -> Finding:
-    """Return whether a robot that is ready moves."""
+    """Return MOVING or READY for a robot without a problem."""
     if status.moving:
         return Finding(Condition.MOVING, texts("condition.moving"))
     return Finding(Condition.READY, texts("condition.ready"))
@@ -181,7 +181,7 @@ def fault_of(status: Status) -> Fault:
 
 
 def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
-    if fault not in FAULT_CONDITIONS:  # of a robot of another version
+    if fault not in FAULT_CONDITIONS:  # the robot has another version
         return Finding(Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), "")
     text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
     if fault is Fault.ASSEMBLY_LEFT:
@@ -215,7 +215,7 @@ def next_step_intent(next_step: str, twin: str) -> Intent:
 
 
 def details(status: Status, texts: Texts) -> str:
-    """Return board, cameras and waiting seats, a line each."""
+    """Return board, cameras and waiting seats, on a line each."""
     board = status.board
     lines = [
         texts(

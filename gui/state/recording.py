@@ -10,7 +10,7 @@ from gui.state.world import LinkPhase, World
 
 
 def view(memory: Memory, world: World) -> RecordView:
-    """The Record button."""
+    """Return the Record button, the duration, and the button that opens the recording."""
     texts, recording = memory.choices.texts, world.recording
     if recording is not None and recording.running:
         minutes, seconds = divmod(max(0.0, recording.seconds) // 1, 60.0)

@@ -135,9 +135,7 @@ def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
     detail = refusal.detail
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
-        return (
-            WAIT  # another seat holds the robot; `value` is the number of a lease of this seat that has ended
-        )
+        return WAIT  # another seat holds the robot; a `value` would be an ended lease of this seat
     needs = [] if detail is None else detail.needs
     if needs[:2] == ["ENABLE", "CALIBRATE"]:
         return MAKE_READY

@@ -89,7 +89,7 @@ def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
 
 
 def handle(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
-    """Return the actions of an intent about the present motion; none without one."""
+    """Return the actions of an intent about the present motion; none if there is no motion."""
     if world.plan is None or not (
         _can_change(world.plan) or isinstance(intent, Abort)
     ):  # Abort also ends a motion that was just sent

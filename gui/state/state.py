@@ -82,7 +82,7 @@ class State:
         )
 
     def follow(self, world: World) -> None:
-        """Note what has changed in the world since the last call: a turn that has come, a lease that was lost."""
+        """Compare leases with those at the last call, to show a lease that this seat got or lost."""
         leases.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
@@ -141,12 +141,12 @@ class State:
         return poses.handle(self._memory, world, intent)
 
     def _choose(self, name: str, world: World) -> list[Action]:
-        """Show the robot of this name; give back what this window has taken of the robot before."""
+        """Show the robot of this name; give back the previous robot."""
         memory = self._memory
         memory.refusal = None
         given_back: list[Action] = []
         if name != world.robot:
-            memory.undo = ()  # they are poses of the robot before
+            memory.undo = ()  # its poses belong to the previous robot
             given_back = leases.give_back_all(memory, world)
         return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
 

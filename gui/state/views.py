@@ -56,9 +56,9 @@ class PillView:
     latency: str
     """for example `2 ms`; empty: unknown"""
     notes: tuple[str, ...]
-    """the seat that holds it, waiting seats and speed limit, as far as `text` does not say it; the most important first"""
+    """holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
     lease: ButtonView | None
-    """to take the robot, wait for it or give it back; None: there is a next step, or it does not answer"""
+    """to take the robot, wait for it or give it back; None: there is a next step, or the robot does not answer"""
     warnings: tuple[str, ...] = ()
     details: str = ""
     """board, cameras and waiting seats, for the tooltip"""
@@ -101,7 +101,7 @@ class HeadView:
     tilt_max: float
     """limit, deg"""
     yaw_max: float
-    """limit either way, deg"""
+    """limit in both directions, deg"""
     path: tuple[Orientation, ...]
     """the previewed path; empty: none"""
     send: ButtonView
@@ -169,7 +169,7 @@ class HistoryRowView:
     """One request, of this window or of another seat."""
 
     row: int
-    """number of the row; -1: of another seat, which cannot be repeated"""
+    """number of the row; -1: a request of another seat, which cannot be repeated"""
     time: str
     who: str
     what: str
@@ -202,7 +202,7 @@ class PosesView:
 
     names: tuple[str, ...]
     go: ButtonView
-    """`intent` without name: the widget fills in the one that is selected"""
+    """its intent has no name: the widget fills in the name of the selected pose"""
     save: ButtonView
     delete: ButtonView
     play: ButtonView
@@ -232,7 +232,7 @@ class RecordView:
     toggle: ButtonView
     running: bool
     text: str
-    """for example `0:12`; empty: none runs"""
+    """duration, for example `0:12`; empty: no recording runs"""
     open: ButtonView | None
 
 
@@ -267,7 +267,7 @@ class ClassView:
     freeze_all: ButtonView
     unfreeze_all: ButtonView
     limit: ButtonView
-    """`intent` without speed: the widget fills in the text of its field"""
+    """its intent has no speed: the widget fills in the text of its field"""
     limit_now: str
     """the present limit"""
     result: str

@@ -58,9 +58,9 @@ class RecordingProgress:
     running: bool
     seconds: float
     trouble: str = ""
-    """why it has ended by itself; empty: it has not"""
+    """why the recording has ended by itself; empty: it has not"""
     ending: bool = False
-    """the user has ended it, and the recorder completes the file"""
+    """whether the user has ended it and the recorder still completes the file"""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class World:
     """monotonic clock"""
     phase: LinkPhase
     endpoint: str
-    """of the router, for example tcp/127.0.0.1:7447"""
+    """address of the router, for example tcp/127.0.0.1:7447"""
     seat: str
     robot: str
     """name of the robot that the window shows"""
@@ -98,7 +98,7 @@ class World:
     session: str = ""
     """Zenoh session of this window, as events name it; empty: unknown"""
     limits: LimitInfo | None = None
-    """as the robot reports them; None: unknown, so the defaults are shown"""
+    """limits that the robot reports; None: unknown, so the defaults are shown"""
     seats: tuple[str, ...] = ()
     """seats that are connected to the router, by name"""
     robots: tuple[RobotState, ...] = ()
@@ -110,5 +110,5 @@ class World:
         return self.seat == TEACHER
 
     def twin(self, twin: str) -> RobotState:
-        """State of `sim` or `hw`."""
+        """Return the state of `sim` or `hw`."""
         return self.sim if twin == "sim" else self.hw

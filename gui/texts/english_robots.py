@@ -6,7 +6,7 @@ from typing import Final
 
 ROBOTS: Final[dict[str, str]] = {
     # -- why something is off, or cannot be sent
-    "off.unchecked": "Check Simulation, Hardware or both first: motions and commands go where a box is checked.",
+    "off.unchecked": "Check Simulation, Hardware or both first: motions and commands go to the checked robots.",
     "off.no_plan": "No motion waits for its lead.",
     "off.no_undo": "There is no motion to undo.",
     "off.no_pose": "There is no saved pose. Save one first.",
@@ -74,7 +74,7 @@ ROBOTS: Final[dict[str, str]] = {
     "next.retry": "Retry",
     "next.retry_tip": "Try the router again now.",
     "next.enable": "Enable",
-    "next.enable_tip": "Motors on. Set the head upright first.",
+    "next.enable_tip": "Switch the motors on. Set the head upright first.",
     "next.ready": "Make ready",
     "next.ready_tip": "Enable and calibrate, as far as either is missing.",
     "next.calibrate": "Calibrate",
@@ -90,7 +90,7 @@ ROBOTS: Final[dict[str, str]] = {
     "banner.connecting": "Looking for a router at {endpoint}.",
     "banner.no_router": "No router answers at {endpoint}. Start a simulation here, or start the router and try again.",
     "banner.refused": (
-        "The router at {endpoint} refuses this window's account. `beatrix join` your seat's file, then start the window again."
+        "The router at {endpoint} refuses this window's account. Run `beatrix join SEAT.toml`, then restart the window."
     ),
     "banner.starting": "A simulation is starting on this computer.",
     "banner.no_robot": "No robot is on line. Start a simulation here, or start a robot with `beatrix up`.",

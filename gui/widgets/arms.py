@@ -1,4 +1,4 @@
-"""The arms: one row each, one for all, and how far and how fast + and - go."""
+"""The arms: a row for each and one for all, increment and speed of + and -."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ STEPS = 10
 """Positions of a slider per unit."""
 GAP_PX = 6
 NAMES_CHARACTERS = 18
-"""Width that is kept for a text with a name."""
-PARTED = " · "
+"""Characters for which a label with a name keeps room."""
+SEPARATOR = " · "
 ARMED_MS = 6000
 """Time in which a button with a question accepts its second press."""
 
@@ -188,7 +188,7 @@ def paint_mark(painter: QPainter, box: QRectF, colour: QColor, *, round_: bool) 
 
 
 class SliderBox(QWidget):
-    """A named number as a slider and as a box; reports changes of either."""
+    """A named number as a slider and as a box; reports changes of both."""
 
     changed = pyqtSignal(float)
 
@@ -276,7 +276,7 @@ class ElidedLabel(QLabel):
 
 
 class OptionalLabel(QLabel):
-    """A sentence that is drawn only if all of it fits; the tooltip of its parent repeats it."""
+    """A sentence that is drawn only if all of it fits. The tooltip of its parent contains it."""
 
     def __init__(self, role: str = "") -> None:
         super().__init__()
@@ -301,7 +301,7 @@ class OptionalLabel(QLabel):
 
 
 class PartsLabel(QLabel):
-    """Several texts on one line, of which as many are drawn as have room; the tooltip of its parent repeats them."""
+    """Several texts on one line; draws as many as fit. The tooltip of its parent contains all."""
 
     def __init__(self, role: str = "") -> None:
         super().__init__()
@@ -313,13 +313,13 @@ class PartsLabel(QLabel):
         """Show other texts, the most important first."""
         if parts != self._parts:
             self._parts = parts
-            self.setText(PARTED.join(parts))
+            self.setText(SEPARATOR.join(parts))
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        lines = (PARTED.join(self._parts[:count]) for count in range(len(self._parts), 0, -1))
+        lines = (SEPARATOR.join(self._parts[:count]) for count in range(len(self._parts), 0, -1))
         width = self.fontMetrics().horizontalAdvance
         shown = next((line for line in lines if width(line) <= self.width()), "")
         painter = QPainter(self)

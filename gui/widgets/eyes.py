@@ -227,7 +227,7 @@ class OutsideView(QWidget):
             if view.eye == OUTSIDE:
                 self.picture.show_view(view)
 
-    def show_image(self, twin: str, image: CameraImage) -> None:  # noqa: ARG002 - only a simulation has it
+    def show_image(self, twin: str, image: CameraImage) -> None:  # noqa: ARG002 - only simulations have this view
         """Show a picture of the outside view; ignore those of the eyes."""
         if image.eye == OUTSIDE:
             self.picture.show_image(image)

@@ -13,7 +13,7 @@ from gui.widgets.controls import label
 
 
 class FileDialog(QFileDialog):
-    """Qt's own dialog, not modal; shows in a line of its own what Qt would show in a modal box."""
+    """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
 
     def __init__(self, texts: Texts, parent: QWidget, title: str, mode: QFileDialog.AcceptMode) -> None:
         super().__init__(parent, title, str(begin_folder(mode)), texts("label.csv_files"))
@@ -39,7 +39,7 @@ class FileDialog(QFileDialog):
         self._clear_notice()
 
     def accept(self) -> None:
-        """Report the file; an existing one to be written at the second press, a missing one to be read not at all."""
+        """Report the file. An existing file is overwritten only at the second press; a missing file cannot be opened."""
         selected = self.selectedFiles()
         file = Path(selected[0] if selected else "")
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
@@ -75,7 +75,10 @@ class FileDialog(QFileDialog):
 
 
 def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
-    """Return the shipped choreographies to read from, or the working folder (home if it was deleted) to write to."""
+    """Return the first folder of the dialog.
+
+    It is that of the shipped choreographies for reading, and for writing the working folder, or home if that was deleted.
+    """
     if mode == QFileDialog.AcceptMode.AcceptOpen:
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
     try:

@@ -1,4 +1,4 @@
-"""The head pad: a ring for yaw around a disc for pitch and roll, to drag the target on."""
+"""The head pad: the user drags the target on a disc for pitch and roll, and on a ring for yaw around it."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from gui.theme import DARK, Style, style_of
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 150
 BEYOND = 1.2
-"""Radius of the disc by that of the limit: a target beyond the limit is possible, and the refusal explains it."""
+"""Radius of the disc, divided by that of the limit: a target beyond the limit is possible, and the refusal explains it."""
 RING = 0.13
-"""Width of the ring by the radius of the pad."""
+"""Width of the ring, divided by the radius of the pad."""
 KEYS = {
     Qt.Key.Key_Left: (0.0, 0.0, -1.0),
     Qt.Key.Key_Right: (0.0, 0.0, 1.0),
@@ -27,8 +27,9 @@ KEYS = {
     Qt.Key.Key_PageUp: (1.0, 0.0, 0.0),
     Qt.Key.Key_PageDown: (-1.0, 0.0, 0.0),
 }
-"""Step in yaw, pitch, roll of a key."""
+"""Step of each key in yaw, pitch and roll (deg)."""
 COARSE_DEG = 5.0
+"""The step with Shift."""
 LINE_PX = 14
 
 

@@ -7,7 +7,7 @@ from PyQt5.QtWidgets import QFrame, QHBoxLayout, QSizePolicy, QVBoxLayout
 
 from gui.state.views import Condition, PillView
 from gui.widgets.controls import (
-    PARTED,
+    SEPARATOR,
     ElidedLabel,
     IntentButton,
     OptionalLabel,
@@ -76,7 +76,7 @@ class Pill(QFrame):
         set_text(self.state, f"{view.symbol} {view.text}")
         self.notes.show_parts(tuple(part for part in (*view.notes, view.latency) if part))
         set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
-        lines = [view.reason, *view.warnings, PARTED.join(view.notes), view.details]
+        lines = [view.reason, *view.warnings, SEPARATOR.join(view.notes), view.details]
         self.setToolTip("\n".join(line for line in lines if line))
         self.setAccessibleName(f"{view.title}: {view.text}")
         self.setAccessibleDescription(self.toolTip())

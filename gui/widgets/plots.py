@@ -119,7 +119,8 @@ class Curves:
             column: layout of the plots.
             title: quantity and unit.
             least: least height of the plot (deg).
-            names: of the curves, by a sign that looks like the line; the last curve is on top. Empty: not in the legend.
+            names: name of each curve, by a sign that looks like its line; a curve without a name is not in the legend. The
+                last curve is on top.
         """
         self._title, self._names, self._least = title, names, least
         self._label = QLabel()

@@ -36,10 +36,11 @@ from beatrix_zenoh.board.link import Decoder
 SLICE_S: Final = 0.001
 """Longest delay of bytes from the board (s); bytes to the board are passed on at once."""
 ACTIVE_SLICE_S, ACTIVE_S = 10 / BAUD, 0.005
-"""The same while a reply is expected, the time of one byte; and how long after the last input that is (s)."""
+"""The same for ACTIVE_S after each input, while a reply is expected: the time of one byte (s)."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
 """Most cycles that are simulated at once after a delay of this process, so that control lines are still read."""
-SPOILT: Final = 0.01
+DAMAGED_SHARE: Final = 0.01
+"""Share of damaged bytes while there is noise."""
 PR_SET_TIMERSLACK: Final = 29
 """linux/prctl.h; ns."""
 WORDS: Final = ("reset", "freeze", "go", "unplug", "plug", "noise", "quiet", "swallow", "quit")
@@ -63,22 +64,21 @@ class Cable:
 
     def take(self) -> bytes:
         """Return the bytes that programs have sent; blocks if there are none."""
-        return self._spoilt(os.read(self.master, 4096))
+        return self._damaged(os.read(self.master, 4096))
 
     def give(self, data: bytes) -> None:
         """Send bytes to the program that has the port open."""
         if self.swallowing:
             data = self._without_one_reply(data)
-        with contextlib.suppress(
-            BlockingIOError
-        ):  # no program reads; the buffer of a real chip would overflow, too
-            os.write(self.master, self._spoilt(data))
+        # If no program reads, the buffer is full; that of a real chip would overflow, too.
+        with contextlib.suppress(BlockingIOError):
+            os.write(self.master, self._damaged(data))
 
-    def _spoilt(self, data: bytes) -> bytes:
+    def _damaged(self, data: bytes) -> bytes:
         if not self.noisy:
             return data
         chance = self._chance
-        return bytes(chance.randrange(256) if chance.random() < SPOILT else byte for byte in data)
+        return bytes(chance.randrange(256) if chance.random() < DAMAGED_SHARE else byte for byte in data)
 
     def _without_one_reply(self, data: bytes) -> bytes:
         """Return the complete frames without the first reply to a numbered request."""
@@ -163,9 +163,9 @@ class Live:
             if sys.stdin in ready:
                 self._listen(os.read(sys.stdin.fileno(), 4096))
             elif not self._frozen:
-                self._live(has_input=bool(ready))
+                self._run_to_now(has_input=bool(ready))
 
-    def _live(self, *, has_input: bool) -> None:
+    def _run_to_now(self, *, has_input: bool) -> None:
         """Run the board up to now; pass its bytes to programs, and those of programs to the board."""
         due = round((time.monotonic() - self._began) * 1000 * CYCLES_PER_MS)
         self._avr.run_until(min(due, self._avr.cycle + CATCH_UP))
@@ -181,11 +181,11 @@ class Live:
             self._running = False
         *lines, self._half_line = (self._half_line + data).split(b"\n")
         for line in lines:
-            self._obey(line.decode(errors="replace").strip())
+            self._carry_out(line.decode(errors="replace").strip())
 
-    def _obey(self, word: str) -> None:
+    def _carry_out(self, word: str) -> None:
         if word not in WORDS:
-            print(f"what is {word!r}? Say one of: {', '.join(WORDS)}", flush=True)
+            print(f"There is no command {word!r}. Type one of: {', '.join(WORDS)}", flush=True)
             return
         if self._plugged == (word == "plug") and word != "quit":
             print(f"{word}: it is {'plugged in' if self._plugged else 'unplugged'}", flush=True)

@@ -1,14 +1,15 @@
-// An Arduino Mega 2560 on the bench: libsimavr 1.6 with its traps worked round, wires with true timing, and a log of
-// what the pins did. Called from Python (avr.py) by ctypes; one thread at a time.
+// A simulated Arduino Mega 2560: libsimavr 1.6 with corrections, serial wires with exact timing, and a log of the pins'
+// levels. Python (bench.py) calls it by ctypes, from one thread at a time.
 //
-// What libsimavr 1.6 does otherwise than the chip, and what is done about it here:
-//   INT4 and INT5 (the step pins of X and Y) in level mode poll every cycle          strict level triggering off
-//   an interrupt's response time (5 cycles, 5 more from sleep) is not charged        charged when its vector is called
-//   a compare match some cycles after a timer's overflow is lost                    found and raised (on_overflow)
-//   a flag raised while its interrupt is masked is forgotten on unmasking            raised again (unmask)
-//   a byte takes 11 bit times, the receive buffer has 64 places                      a receiver of our own, 2 places
-//   an EEPROM write is over at once, and whole after any reset                       busy for 3.4 ms, spoilt by a reset
-//   flash can be written anew without being erased                                   bits only go from 1 to 0
+// libsimavr 1.6 differs from the chip in these points; this file corrects them:
+//   libsimavr                                                                        here
+//   INT4 and INT5 (the step pins of X and Y) in level mode poll every cycle          strict level triggering is off
+//   an interrupt's response time (5 cycles, 5 more from sleep) is not counted        counted when its vector is called
+//   a compare match some cycles after a timer's overflow is lost                     found and raised (on_overflow)
+//   a flag raised while its interrupt is masked is lost on unmasking                 raised again (unmask)
+//   a byte takes 11 bit times, the receive buffer has 64 places                      10 bit times, 2 places
+//   an EEPROM write ends at once, and a reset does not damage it                     3.4 ms; a reset damages its byte
+//   flash can be written again without being erased                                  bits only change from 1 to 0
 //   the pins keep their level in reset                                               the drivers' pull-up is modelled
 #include <stdbool.h>
 #include <stdint.h>
@@ -47,14 +48,14 @@ typedef struct {
 } Byte;
 
 typedef struct {
-  uint64_t calls, cycles, longest;  // without what was nested in them; response and return included
-  uint64_t last;                    // when it was called last
+  uint64_t calls, cycles, longest;  // without nested interrupts; with response and return
+  uint64_t last;                    // cycle of the last call
 } Work;
 
-// What Python reads; all counts are since the start.
+// The data that Python reads; all counts are since power-on.
 typedef struct {
   uint64_t cycle, slept;
-  uint64_t edges, sent;  // in the logs
+  uint64_t edges, sent;  // lengths of the logs
   uint64_t overruns, resets, unread;
   Work work[VECTORS];
   uint8_t levels[SIGNALS];
@@ -65,13 +66,13 @@ struct Bench {
   avr_t *avr;
   avr_uart_t *uart;
   avr_timer_t *timer1, *timer3;
-  avr_io_t watch;  // hears of resets and of flash being written
+  avr_io_t watch;  // callbacks for resets and for writing of flash
   Report report;
   Edge *edges;
   size_t edge_room;
   Byte *sent;
   size_t sent_room, taken;
-  uint64_t wire_free;  // when the board's own sending ends
+  uint64_t wire_free;  // cycle at which the last byte of the board ends
 
   uint8_t *queue;  // bytes on their way to the board
   size_t queue_room, queue_head, queue_tail;
@@ -115,7 +116,7 @@ static void on_pin(avr_irq_t *irq, uint32_t value, void *param) {
   log_edge(wire->bench, wire->signal, value & 1);
 }
 
-// The drivers are off while their wire floats: the shield's pull-up.
+// The drivers are off while their wire is not driven, because the shield has a pull-up.
 static void look_at_enable(Bench *b, uint8_t direction, uint8_t port) {
   log_edge(b, ENABLE, (direction & ENABLE_BIT) && !(port & ENABLE_BIT) ? 0 : 1);
 }
@@ -153,7 +154,7 @@ static void on_vector(avr_irq_t *irq, uint32_t running, void *param) {
   uint64_t at = b->avr->cycle;
   if (running) {
     b->avr->cycle += RESPONSE + (b->woken ? WAKE : 0);
-    b->avr->run_cycle_count = 1;  // or a compare match falling into these cycles is lost
+    b->avr->run_cycle_count = 1;  // otherwise a compare match in these cycles is lost
     b->woken = false;
     if (b->depth == VECTORS) return;
     b->running[b->depth].vector = irq->irq / 256;
@@ -185,12 +186,12 @@ static void unmask(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param
   }
 }
 
-// libsimavr looks for compare matches when an overflow is dealt with, which may be some cycles late, and passes over
-// those that were due in between. A step would be 4 ms late, a tick as well.
+// libsimavr looks for compare matches when it handles an overflow, which may be some cycles late, and skips those that
+// were due in between. Then a step or a tick would be 4 ms late.
 static avr_cycle_count_t on_overflow(avr_t *avr, avr_cycle_count_t when, void *param) {
   avr_timer_t *timer = param;
   uint64_t begin = timer->tov_base, whole = timer->tov_cycles;
-  if (begin != when && begin + whole != when) return begin + whole;  // started anew
+  if (begin != when && begin + whole != when) return begin + whole;  // the timer was restarted
   for (int i = 0; i < AVR_TIMER_COMP_COUNT; i++) {
     uint64_t match = timer->comp[i].comp_cycles;
     if (match && when + match < avr->cycle) avr_raise_interrupt(avr, &timer->comp[i].interrupt);
@@ -198,7 +199,7 @@ static avr_cycle_count_t on_overflow(avr_t *avr, avr_cycle_count_t when, void *p
   return when + whole;
 }
 
-// Its own handler has been called before.
+// libsimavr has called its own handler before.
 static void on_clock(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
   Bench *b = param;
   avr_timer_t *timer = address == TCCR1B ? b->timer1 : b->timer3;
@@ -226,7 +227,7 @@ static void take_from_shift_register(Bench *b) {
   }
 }
 
-// A byte's stop bit. One that finds buffer and shift register full has overwritten the latter: an overrun.
+// Handles the stop bit of a byte. If buffer and shift register are full, the byte overwrites the latter: an overrun.
 static avr_cycle_count_t on_byte(avr_t *avr, avr_cycle_count_t when, void *param) {
   Bench *b = param;
   uint8_t byte = b->queue[b->queue_head++];
@@ -269,7 +270,7 @@ static void on_sent(avr_irq_t *irq, uint32_t value, void *param) {
   b->sent[b->report.sent++] = byte;
 }
 
-// Ten bits, not the eleven that libsimavr counts; its own handler has been called before.
+// Sets ten bits for a byte instead of eleven, after libsimavr's own handler.
 static void on_baud(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
   (void)address, (void)value;
   Bench *b = param;
@@ -306,7 +307,7 @@ static void use_eeprom(Bench *b, uint32_t action, uint8_t *bytes, uint32_t offse
 
 // --- flash
 
-// Called by libsimavr for every SPM, before its own part writes the page.
+// libsimavr calls this for every SPM, before it writes the page.
 static int on_store(avr_io_t *io, uint32_t control, void *param) {
   (void)param;
   avr_t *avr = io->avr;
@@ -322,7 +323,7 @@ static int on_store(avr_io_t *io, uint32_t control, void *param) {
 
 // --- reset, start, run
 
-// Called by libsimavr for every reset, whoever caused it, before its own parts are reset.
+// libsimavr calls this for every reset of any cause, before it resets its own parts.
 static void on_reset(avr_io_t *io) {
   Bench *b = io->avr->custom.data;
   b->report.resets++;
@@ -330,17 +331,17 @@ static void on_reset(avr_io_t *io) {
   b->buffered = 0;
   b->shifted = b->woken = false;
   b->fresh = true;
-  while (b->report.sent && b->sent[b->report.sent - 1].cycle > b->avr->cycle) b->report.sent--;  // cut off on the wire
+  while (b->report.sent && b->sent[b->report.sent - 1].cycle > b->avr->cycle) b->report.sent--;  // incomplete
   b->wire_free = 0;
   if (b->eeprom_busy) {
-    uint8_t spoilt = 0x55;
-    use_eeprom(b, AVR_IOCTL_EEPROM_SET, &spoilt, b->eeprom_address, 1);
+    uint8_t damaged = 0x55;
+    use_eeprom(b, AVR_IOCTL_EEPROM_SET, &damaged, b->eeprom_address, 1);
     b->eeprom_busy = false;
   }
   look_at_enable(b, 0, 0);
 }
 
-// What resets undo, before the first instruction.
+// Restores after a reset, before the first instruction, what libsimavr has reset.
 static void prepare(Bench *b) {
   b->fresh = false;
   b->avr->run_cycle_limit = RUN_LIMIT;
@@ -361,7 +362,7 @@ static bool load(avr_t *avr, const char *path) {
     for (int i = 0; i < count; i++) avr_loadcode(avr, chunks[i].data, chunks[i].size, chunks[i].baseaddr);
     if (count <= 0) return false;
     avr->codeend = chunks[count - 1].baseaddr + chunks[count - 1].size;
-    // With a boot loader, which comes last: the fuses of the Mega start it instead of address 0.
+    // The fuses of the Mega start a boot loader, which is at the end of the flash, instead of address 0.
     if (chunks[count - 1].baseaddr >= BOOT_LOADER) avr->reset_pc = avr->pc = BOOT_LOADER;
     return true;
   }
@@ -437,7 +438,8 @@ static avr_cycle_count_t on_time(avr_t *avr, avr_cycle_count_t when, void *param
   return 0;
 }
 
-// Until this cycle, or an instruction further. Returns libsimavr's state: 6 and 7 mean that the program is over.
+// Runs until this cycle; the last instruction may end later. Returns libsimavr's state: 6 and 7 mean that the program
+// has ended.
 int bench_run(Bench *b, uint64_t until) {
   avr_t *avr = b->avr;
   if (avr->cycle < until) avr_cycle_timer_register(avr, until - avr->cycle, on_time, b);
@@ -455,7 +457,7 @@ int bench_run(Bench *b, uint64_t until) {
 
 void bench_reset(Bench *b) { avr_reset(b->avr); }
 
-// Bytes for the board, one after another, the first beginning now or behind those on their way.
+// Queues bytes for the board. The first begins now, or after the queued ones.
 void bench_send(Bench *b, const uint8_t *bytes, uint32_t count, uint64_t byte_cycles) {
   if (!count) return;
   bool idle = b->queue_head == b->queue_tail;
@@ -470,7 +472,7 @@ void bench_send(Bench *b, const uint8_t *bytes, uint32_t count, uint64_t byte_cy
   if (idle) avr_cycle_timer_register(b->avr, byte_cycles, on_byte, b);
 }
 
-// Bytes from the board since the last call, those whole by now; returns how many, at most `room`.
+// Copies the complete bytes from the board since the last call; returns their number, at most `room`.
 uint32_t bench_receive(Bench *b, uint8_t *bytes, uint32_t room) {
   uint32_t count = 0;
   while (count < room && b->taken < b->report.sent && b->sent[b->taken].cycle <= b->avr->cycle) {
@@ -489,9 +491,9 @@ void bench_analogue(Bench *b, uint8_t input, uint32_t millivolts) {
   avr_raise_irq(avr_io_getirq(b->avr, AVR_IOCTL_ADC_GETIRQ, input), millivolts);
 }
 
-// Whether the main loop is at work or asleep, rather than an interrupt.
+// Returns whether no interrupt is running: the main loop runs or sleeps.
 int bench_in_main(Bench *b) { return b->depth == 0; }
-// Overwrites the instruction that is next with a jump to itself; returns what was there, for bench_mend().
+// Overwrites the next instruction with a jump to itself; returns the old one, for bench_mend().
 uint32_t bench_hang(Bench *b) {
   uint8_t *at = b->avr->flash + b->avr->pc;
   uint32_t was = at[0] | at[1] << 8;

@@ -163,7 +163,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     TABLE,
     ids=[f"{row[0]} {row[1].__name__} {row[2].replace('/', '.')}" for row in TABLE],
 )
-def test_the_router_allows_what_the_rules_say_and_nothing_else(
+def test_the_router_allows_exactly_what_the_table_allows(
     router: ClassRouter, account: str, kind: Kind, key: str, allowed: bool
 ) -> None:
     assert kind(router, account, key) is allowed

@@ -108,7 +108,7 @@ def test_a_certificate_of_the_class_under_an_unknown_name_may_do_nothing(certifi
     robot.undeclare_token(keys.alive("bea1", "hw"))
 
 
-def test_the_sentence_for_a_router_without_certificates_says_so(
+def test_the_error_for_a_router_without_certificates_names_the_cause(
     passwords: ClassRouter, certificates: ClassRouter
 ) -> None:
     account = certificates.account("ana")
@@ -184,7 +184,7 @@ def test_secrets_are_in_no_output_and_no_process_list(
     assert joined.password not in everything
 
 
-def test_a_seat_that_says_it_is_another_is_refused_on_its_own_computer(joined: Account) -> None:
+def test_a_program_that_claims_another_seat_is_refused_on_its_own_computer(joined: Account) -> None:
     assert beatrix("enable", "--who", "ben").returncode == 2
     node = beatrix("hw", "--port", "virtual:", "--name", "bea1")
     assert node.returncode == 2

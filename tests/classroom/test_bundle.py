@@ -15,7 +15,7 @@ ISOLATED = ["unshare", "--map-root-user", "--net"]
 
 
 @pytest.mark.timeout(280)
-def test_it_installs_and_runs_without_network(tmp_path: Path) -> None:
+def test_a_bundle_installs_and_runs_without_network(tmp_path: Path) -> None:
     if subprocess.run([*ISOLATED, "true"], check=False).returncode:
         pytest.skip("this computer permits no network namespaces")
     python = f"{sys.version_info.major}.{sys.version_info.minor}"

@@ -81,7 +81,7 @@ def test_one_of_thirty_simultaneous_takes_wins_and_the_others_read_its_name(rout
 
 
 @pytest.mark.parametrize("fault", ["killed", "frozen", "unplugged"])
-def test_a_holder_that_is_gone_loses_the_robot_to_the_seat_that_waits(
+def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
     router: ClassRouter, tmp_path: Path, fault: str
 ) -> None:
     account = router.account("seat01")

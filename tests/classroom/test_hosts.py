@@ -69,7 +69,7 @@ def computer(lesson: Lesson, place: str) -> Host:
     return lesson.hosts[place]
 
 
-def test_seats_of_a_class_meet_its_robots_and_no_others(lesson: Lesson) -> None:
+def test_seats_of_a_class_reach_its_robots_and_no_others(lesson: Lesson) -> None:
     ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
     for seat in (ana, ben):
         assert seat.does("client().bus.robots(PATIENCE_S)") == [("bea1", "hw"), ("bea2", "hw")]
@@ -77,7 +77,7 @@ def test_seats_of_a_class_meet_its_robots_and_no_others(lesson: Lesson) -> None:
     ana.does("ready('bea1')")
     ana.does("begin('bea1', 20, 60)")
     ana.until("yaw('bea1') == 20", "arrived")
-    assert other.does("yaw('bea1')") == 0, "the robot of the same name in the other class"
+    assert other.does("yaw('bea1')") == 0, "the robot of the same name in the other class does not move"
     assert "ana drives this robot" in ben.refused("begin('bea1', 0)")
 
 
@@ -92,7 +92,7 @@ def test_stop_of_all_robots_stops_those_of_the_own_class(lesson: Lesson) -> None
     other.does("robot('bea1').stop().result")
 
 
-def test_nobody_hears_what_is_not_theirs(lesson: Lesson) -> None:
+def test_programs_receive_publications_of_their_own_class_only(lesson: Lesson) -> None:
     ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
     for seat in (ana, other):
         seat.does("listen('**', '@/**', '**/@alive', 'beatrix/**')")
@@ -103,11 +103,11 @@ def test_nobody_hears_what_is_not_theirs(lesson: Lesson) -> None:
         seat.until(f"{{key.split('/')[1] for key, _ in publications()}} == {robots}", "their own robots")
         keys = [key for key, _ in seat.does("publications()")]  # type: ignore[attr-defined]
         assert all(key.startswith("beatrix/") and "/hw/state/" in key for key in keys), keys
-        assert len(set(keys)) == len(keys), "each key is of the own class"
+        assert len(set(keys)) == len(keys), "each key belongs to the own class"
         assert seat.does("queries()") == []
 
 
-def test_an_account_is_of_one_class_only(lesson: Lesson) -> None:
+def test_an_account_is_valid_in_one_class_only(lesson: Lesson) -> None:
     for place, own, other in (("ana 8a", "8a", "8b"), ("ana 8b", "8b", "8a")):
         seat = lesson.seats[place]
         assert seat.does(f"can_connect({str(lesson.routers[own].path('ana'))!r})")
@@ -133,7 +133,7 @@ def test_no_computer_but_the_routers_listens_and_none_sends_datagrams(lesson: Le
 def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
     if not lesson.school.isolated:
         assert "refused" in lesson.seats["ana 8a"].refused(CONNECT.format("127.0.0.1", 7446))
-        return  # no namespaces here: the other tests have run on one computer
+        return  # without namespaces all computers of the other tests are this one
     for place, seat in lesson.seats.items():
         for other, host in lesson.hosts.items():
             if other != place:
@@ -141,7 +141,7 @@ def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
         assert "unreachable" in seat.refused(MULTICAST)
 
 
-def test_a_seat_that_is_unplugged_loses_its_robot_and_comes_back(lesson: Lesson) -> None:
+def test_a_disconnected_seat_loses_its_robot_and_reconnects(lesson: Lesson) -> None:
     ana, ben = lesson.seats["ana 8a"], lesson.seats["ben 8a"]
     ana.until("bool(begin('bea1', 150))", "a long motion")
     ben.until("yaw('bea1') > 25", "moving")
@@ -154,7 +154,7 @@ def test_a_seat_that_is_unplugged_loses_its_robot_and_comes_back(lesson: Lesson)
     ben.does("robot('bea1').stop().result")
 
 
-def test_a_router_restarted_in_mid_lesson_moves_nothing_and_all_come_back(lesson: Lesson) -> None:
+def test_after_a_restart_of_the_router_no_robot_moves_and_all_reconnect(lesson: Lesson) -> None:
     ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
     ana.until("bool(begin('bea1', 150))", "a motion")
     rest = ben.does("yaw('bea2')")

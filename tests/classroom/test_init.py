@@ -45,7 +45,7 @@ def test_each_account_has_a_file_and_a_card(file: Path) -> None:
     assert (own.password or own.key) not in done.stdout
 
 
-def test_a_second_time_secrets_stay_and_new_seats_come(file: Path) -> None:
+def test_a_second_init_keeps_secrets_and_adds_new_seats(file: Path) -> None:
     assert beatrix("classroom", "init", str(file)).returncode == 0
     folder = file.parent / "8b"
     before = files(folder)
@@ -92,7 +92,7 @@ def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
         ({"teacher =": "teacher"}, "cannot be read"),
     ],
 )
-def test_a_wrong_class_file_is_refused_by_its_field(
+def test_the_refusal_of_a_wrong_class_file_names_the_field(
     tmp_path: Path, change: dict[str, str], sentence: str
 ) -> None:
     text = class_text()

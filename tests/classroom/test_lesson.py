@@ -54,7 +54,7 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
 
 
 def test_pages_of_a_seat_drive_one_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
-    """The router lets their server use the seat of its account only."""
+    """The router allows the server of the pages only the seat of its account."""
     account = router.account("ben")
     robot = Robot("bea1", "hw", client=clients["teacher"])
     until(lambda: not robot.status().holder, "no seat drives")

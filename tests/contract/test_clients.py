@@ -18,7 +18,7 @@ from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.lease import QUIET_S
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # who may do what is decided by the node
+pytestmark = pytest.mark.bodies("sim", "in-process")  # the node alone decides about access
 FLOOD_S = 40.0
 """Time limit (s) of events that a flood delays on a busy machine."""
 

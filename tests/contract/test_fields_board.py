@@ -93,7 +93,9 @@ def test_connected_follows_the_board_and_is_published_at_once(cable: Cable) -> N
     cable.freeze(frozen=True)
     lost = statuses.next(lambda status: not status.board.connected)
     assert lost.t_mono_ns - frozen_ns < LOST_NS + AT_ONCE_NS
-    assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), "nothing is known"
+    assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), (
+        "the state of a lost board is unknown"
+    )
     assert lost.fault is Fault.BOARD_LOST
     assert any("silent" in warning for warning in lost.warnings)
     assert (lost.board.port, lost.board.boot) in {

@@ -13,12 +13,12 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.client import lease
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # leases are the node's
+pytestmark = pytest.mark.bodies("sim", "in-process")  # the node alone decides about leases
 
 
 @pytest.fixture(autouse=True)
 def left_free(body: Body) -> Iterator[None]:
-    """The robot is free for the next test: a seat that moved it holds it for a while."""
+    """Free the robot after the test: a seat that moved it would hold it for some time."""
     yield
     teacher = body.robot("teacher")
     lease.unfreeze(teacher)
@@ -46,7 +46,7 @@ def test_a_robot_that_is_taken_moves_for_its_holder_only(body: Body, robot: Robo
     ben.look(yaw=0, speed=60)
 
 
-def test_the_seat_that_waits_gets_it_when_the_holder_leaves(body: Body, robot: Robot) -> None:
+def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, robot: Robot) -> None:
     holder, dora = body.robot("cleo"), body.robot("dora")
     holder.lease()
     with pytest.raises(Refused):
@@ -60,7 +60,7 @@ def test_the_seat_that_waits_gets_it_when_the_holder_leaves(body: Body, robot: R
         dora.look(yaw=2, speed=60)
 
 
-def test_what_comes_under_an_earlier_lease_is_refused(body: Body, robot: Robot) -> None:
+def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     robot.lease()
     motion = robot.look(yaw=25, wait=False)
@@ -74,7 +74,7 @@ def test_what_comes_under_an_earlier_lease_is_refused(body: Body, robot: Robot) 
     assert reason_of(refused) is Reason.NOT_HOLDER
 
 
-def test_the_teacher_freezes_and_releases(body: Body, robot: Robot) -> None:
+def test_the_teacher_freezes_and_unfreezes(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     with pytest.raises(Refused) as refused:
         lease.freeze(robot)
@@ -107,7 +107,7 @@ def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
     robot.look(yaw=0, speed=60)
 
 
-def test_a_foreign_client_takes_it_in_words(body: Body, robot: Robot) -> None:
+def test_a_foreign_client_takes_the_robot_with_a_text_query(body: Body, robot: Robot) -> None:
     stranger = body.stage.client("zoe")
     key = keys.lease(robot.name, robot.twin, "zoe")
     (answer,) = ask_raw(stranger, key, b"take")

@@ -28,7 +28,7 @@ def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float)
 
 
 def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
-    """Commanded within a step at once; measured within 0.25 deg when the head has settled."""
+    """Assert that commanded angles are within a step at once, and measured ones within 0.25 deg when the head rests."""
     assert near(robot.positions().commanded, arms, STEP_DEG)
     until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}", 2.0)
 
@@ -116,7 +116,7 @@ def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
     assert not robot.status().moving
 
 
-def test_stop_at_rest_is_answered_with_nothing_moves(robot: Robot) -> None:
+def test_the_reply_to_stop_at_rest_says_that_nothing_moves(robot: Robot) -> None:
     assert "Nothing moves" in robot.stop().message
 
 

@@ -59,7 +59,9 @@ def test_stop_is_answered_within_a_second(robot: Robot) -> None:
     until(lambda: robot.positions().commanded.short > 3, "moving")
     began_s = time.monotonic()
     robot.stop()
-    assert time.monotonic() - began_s < 1.0, "0.2 s to decelerate, and a busy test machine"
+    assert time.monotonic() - began_s < 1.0, (
+        "decelerating takes 0.2 s; the rest is tolerance for a busy machine"
+    )
     with pytest.raises(Interrupted):
         motion.wait()
 

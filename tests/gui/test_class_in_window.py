@@ -57,7 +57,7 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     user.until_last("move", "under way")
 
 
-def test_a_turn_comes_and_the_teacher_takes_it(
+def test_a_waiting_seat_gets_the_robot_and_the_teacher_takes_it(
     user: Windowed, teacher: Windowed, stage: Stage, hw: Robot
 ) -> None:
     panels, page = user.window.panels, teacher.window.panels.class_page
@@ -70,7 +70,7 @@ def test_a_turn_comes_and_the_teacher_takes_it(
         user.until(lambda: "ben has taken this robot" in panels.refusal.text.text(), "it is refused")
         user.press(panels.refusal.alternative)
         user.until(lambda: "queue: 1 of 1" in pill.notes.text(), "the seat waits")
-    user.until(lambda: "It is your turn" in panels.banner.text.text(), "the turn is said")
+    user.until(lambda: "It is your turn" in panels.banner.text.text(), "the banner reports the lease")
     assert hw.status().lease
     assert pill.lease.text() == "Give back"
     rows = [page.list.topLevelItem(i) for i in range(page.list.topLevelItemCount())]

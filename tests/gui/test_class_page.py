@@ -49,7 +49,7 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     assert not page.isVisible()
 
 
-def test_students_have_no_button_for_it(window: Window, link: RecordingLink) -> None:
+def test_students_have_no_button_for_the_page(window: Window, link: RecordingLink) -> None:
     assert window.panels.header.page.isVisible()
     link.known = world()
     window.refresh()

@@ -1,4 +1,4 @@
-"""The window beside motions: poses, history, recordings, cameras, robots, themes, languages."""
+"""Parts of the window other than motions: poses, history, recordings, cameras, robots, themes, languages."""
 
 from __future__ import annotations
 

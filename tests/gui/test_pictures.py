@@ -102,7 +102,7 @@ def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_t
     assert threading.current_thread().name not in images_taken.threads
 
 
-def test_a_robot_that_dies_is_waited_for(stage: Stage, client: Client, images_taken: ImageLog) -> None:
+def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, images_taken: ImageLog) -> None:
     pictures = Pictures(client, "mortal", images_taken.add)
     pictures.watch(frozenset({LEFT}))
 

@@ -1,4 +1,4 @@
-"""The history: own requests, those of other seats, and the same as Python and as a command line."""
+"""The history: requests of the window and of other seats, and their copies as Python and as a command line."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def test_there_is_no_lease_of_a_robot_that_does_not_answer_or_needs_another_step
         ({"limit_deg": 20.0}, "ben", "ready", ("limit 20 °/s",)),
     ],
 )
-def test_a_pill_says_who_has_the_robot_and_what_the_teacher_has_set(
+def test_a_pill_shows_the_holder_and_the_settings_of_the_teacher(
     known: dict[str, Any], seat: str, text: str, notes: tuple[str, ...]
 ) -> None:
     found = pill(sim_with(seat, **known))
@@ -113,7 +113,7 @@ def banner_of(state: State, now: World) -> str:
     return "" if banner is None else banner.text
 
 
-def test_the_turn_of_a_waiting_seat_is_said_until_it_is_dismissed() -> None:
+def test_the_banner_of_a_new_lease_is_shown_until_it_is_dismissed() -> None:
     state = State()
     assert banner_of(state, sim_with(holder="ana", waiting=("ben",))) == ""
     mine = sim_with(holder="ben", lease=5)
@@ -127,7 +127,7 @@ def test_the_turn_of_a_waiting_seat_is_said_until_it_is_dismissed() -> None:
     assert banner_of(state, mine) == ""
 
 
-def test_a_lease_that_the_teacher_takes_is_said() -> None:
+def test_a_lease_that_the_teacher_takes_or_ends_has_a_banner() -> None:
     state = State()
     banner_of(state, sim_with(holder="ben", lease=5))
     lost = banner_of(state, sim_with(holder="teacher", lease=6))
@@ -137,7 +137,7 @@ def test_a_lease_that_the_teacher_takes_is_said() -> None:
     assert banner_of(state, sim_with()).startswith("Your lease of the simulation of bea1 has ended.")
 
 
-def test_a_lease_that_this_window_gives_back_is_not_said_to_be_lost() -> None:
+def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:
     state, mine = State(), sim_with(holder="ben", lease=5)
     banner_of(state, mine)
     state.handle(AskLease(GIVE_BACK, "sim"), mine)
@@ -152,7 +152,7 @@ def test_a_robot_that_is_silent_for_a_while_keeps_its_lease() -> None:
     assert banner_of(state, sim_with(holder="ben", lease=5)) == ""
 
 
-def test_another_robot_is_shown_after_what_was_taken_is_given_back() -> None:
+def test_a_taken_robot_is_given_back_before_another_is_shown() -> None:
     state, mine = State(), sim_with(holder="ben", lease=5)
     assert state.handle(AskLease(TAKE, "sim"), mine) == [SendLease(1, TAKE, "sim")]
     state.follow(mine)

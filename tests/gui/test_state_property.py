@@ -192,12 +192,12 @@ class AnyOrder(RuleBasedStateMachine):
         self.state, self.world, self.rows = State(), world(), 0
 
     @rule(now=WORLDS)
-    def become(self, now: World) -> None:
+    def change_world(self, now: World) -> None:
         self.world = now
         self.state.follow(now)
 
     @rule(intent=INTENTS)
-    def want(self, intent: Intent) -> None:
+    def handle_intent(self, intent: Intent) -> None:
         sending = self.state.view(self.world).sending
         actions = self.state.handle(intent, self.world)
         asked = ("sim",) * sending.sim + ("hw",) * sending.hw
@@ -230,7 +230,7 @@ class AnyOrder(RuleBasedStateMachine):
         detail=DETAILS,
         duration_s=st.floats(0, 9),
     )
-    def hear(
+    def report_outcome(
         self,
         row: int,
         twin: str,

@@ -13,7 +13,7 @@ from gui.state.saved import Saved, SavedPose
 from gui.state.state import State
 
 
-def test_choices_and_poses_are_those_of_the_window_before(tmp_path: Path) -> None:
+def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> None:
     file, now = tmp_path / "new" / "window.json", world(robot("sim", arms=(10, -5, 2.5)))
     state = State()
     for intent in (

@@ -198,7 +198,7 @@ def test_undecodable_pictures_are_skipped_and_reported_once(
             robot.client.media.put(key, b"<html>", "image/jpeg")
         until(
             lambda: bool(images.take()) and "it is no JPEG picture" in caplog.text,
-            "the foreigner is reported",
+            "the foreign publisher is reported",
         )
         assert all(image.jpeg == PICTURE for _ in range(5) for image in images.take(0.1))
     (message,) = [record.getMessage() for record in caplog.records if "no JPEG" in record.getMessage()]

@@ -54,7 +54,7 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     assert yaws == pytest.approx([8, 8], abs=0.5)
 
 
-def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_says_so(free: Shell) -> None:
+def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free: Shell) -> None:
     free.good("home", "--on", "both", "--who", "ben")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         before = steps(hardware)

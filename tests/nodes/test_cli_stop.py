@@ -12,7 +12,7 @@ from beatrix_zenoh import Refused
 from beatrix_zenoh._generated.messages import Reason
 
 
-def test_stop_ends_a_motion_and_the_command_that_asked_for_it_fails(free: Shell) -> None:
+def test_stop_ends_a_motion_and_the_command_that_sent_it_fails(free: Shell) -> None:
     with free.robot("hw") as robot:
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
         until(lambda: robot.status().moving, "the motion begins")

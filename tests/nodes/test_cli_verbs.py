@@ -274,7 +274,7 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
-        until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
+        until(lambda: yaw_deg(robot) > start + 2, "the robot moves, and the verb has its reply")
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=END_S)
         assert look.returncode == 130
@@ -287,7 +287,7 @@ def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
-        until(lambda: yaw_deg(robot) > start + 2, "it is under way, and its asker knows")
+        until(lambda: yaw_deg(robot) > start + 2, "the robot moves, and the verb has its reply")
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=END_S)
         document = json.loads(output.splitlines()[-1])
@@ -297,9 +297,9 @@ def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
 
 def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
-        start = yaw_deg(hardware)  # the last to begin
+        start = yaw_deg(hardware)  # the hardware begins last
         look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
-        until(lambda: yaw_deg(hardware) < start - 2, "both move, and their asker knows", 10.0)
+        until(lambda: yaw_deg(hardware) < start - 2, "both move, and the verb has its replies", 10.0)
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=END_S)
         assert look.returncode == 130

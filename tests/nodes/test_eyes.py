@@ -109,7 +109,7 @@ def test_the_picture_turns_with_the_head(robot: Robot) -> None:
     red, _, blue = aside[wall].reshape(-1, 3).mean(axis=0)
     assert blue > red + 20, "the left wall is blue"
     red, _, blue = ahead[wall].reshape(-1, 3).mean(axis=0)
-    assert abs(blue - red) < 20, "the front wall is not"
+    assert abs(blue - red) < 20, "the front wall is not blue"
 
 
 def test_the_picture_follows_the_person(robot: Robot) -> None:
@@ -327,7 +327,7 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def counted() -> Iterator[Stage]:
-    """Nothing else runs the code of the window."""
+    """A stage with coverage, because only these tests run the code of the window."""
     with Stage(traced=True) as stage:
         yield stage
 

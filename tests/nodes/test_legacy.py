@@ -63,7 +63,7 @@ def test_line_ends_and_invalid_lines(place: Place) -> None:
 
 
 @pytest.mark.bodies("hw")
-def test_an_old_program_obeys_and_takes_the_lease(place: Place) -> None:
+def test_an_old_program_is_refused_during_a_lease_and_then_takes_it(place: Place) -> None:
     with place.program() as program:
         program.begin()
         place.robot.look(yaw=2)
@@ -187,7 +187,7 @@ def test_stopall_acts_at_once(place: Place) -> None:
         assert program.read(2) == ["ACK\n", "ACK\n"]
         assert time.monotonic() - began_s < 1.0
         assert not place.robot.status().moving
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "its own STOP does not bind it"
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "its own STOP does not block it"
 
 
 def test_a_motion_of_another_seat_is_stopped_by_an_old_program(place: Place) -> None:
@@ -216,7 +216,7 @@ def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are
 
 @pytest.mark.bodies("hw")
 def test_motions_beyond_the_queue_are_refused_in_their_turn(place: Place) -> None:
-    """Firmware 1.0 lost control after thirty of these at this pace."""
+    """Firmware 1.0 lost control after thirty such motions at this rate."""
     count = 50
     with place.program() as program:
         program.begin()

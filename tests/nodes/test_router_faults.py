@@ -51,7 +51,7 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
     try:
         until(
             lambda: not node.context.snapshot.status().moving,
-            "a client cut off is a client lost: stopped",
+            "the motion of a disconnected client is stopped",
             3.0,
         )
         router = zbus.open_router(endpoint)
@@ -194,8 +194,11 @@ def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, traffi
         "noticed",
         10.0,
     )
-    until(lambda: bool(forgotten.is_closed()), "nothing is left of it")
-    until(lambda: not node.context.snapshot.status().moving, "its asker may wait in vain: stopped")
+    until(lambda: bool(forgotten.is_closed()), "the router has no declarations of the session")
+    until(
+        lambda: not node.context.snapshot.status().moving,
+        "the motion is stopped, because its reply may be lost",
+    )
     with pytest.raises((Interrupted, NoAnswer)):
         motion.wait()
     until(lambda: not robot.status().holder, "free")

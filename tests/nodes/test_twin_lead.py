@@ -40,7 +40,7 @@ def moves(robot: Robot) -> None:
 
 
 @pytest.mark.parametrize("act", [Robot.stop, Robot.emergency_stop, Robot.disable])
-def test_the_lead_ends_if_the_simulation_is_stopped_or_switched_off_though_it_has_arrived(
+def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     stage: Stage, twin: Twin, act: Callable[[Robot], object]
 ) -> None:
     before = steps(twin.hw)
@@ -136,7 +136,9 @@ def test_the_hardware_follows_after_the_lead_and_the_lag_is_measured(
         motion.add_done_callback(ended.append)
         replies = motion.result(10)
         published_s = (first_move_ns(of_hw) - first_move_ns(of_sim)) / 1e9
-    assert published_s == pytest.approx(1.0, abs=0.2), "a busy machine; tools/bench_twin.py has the figure"
+    assert published_s == pytest.approx(1.0, abs=0.2), (
+        "with tolerance for a busy machine; tools/bench_twin.py prints the exact figure"
+    )
     assert motion.lag_s == pytest.approx(published_s, abs=0.03)
     assert (replies.sim.result, replies.hw.result, motion.hardware_sent) == (True, True, True)
     assert twin.sim.positions().commanded == twin.hw.positions().commanded
@@ -198,7 +200,7 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     motion = twin.preview(yaw=10, speed=30).commit(lead_s=30, wait=False)
     assert motion.countdown_s > 29
     assert motion.send_now()
-    until(lambda: motion.hardware_sent, "the hardware is sent it", 1.0)
+    until(lambda: motion.hardware_sent, "the motion is sent to the hardware", 1.0)
     assert not motion.send_now(), "the motion was sent"
     assert motion.result(5).hw.result
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
@@ -298,7 +300,9 @@ def test_a_preview_and_a_commit_send_three_queries(twin: Twin, monkeypatch: pyte
         return [key.rpartition("/")[2] for key in sent] == ["preview", "pose", "pose"] * 2
 
     until(
-        three, "states are as new as they should be: on a busy machine some are not, and are asked for", 30.0
+        three,
+        "published states are new enough; on a busy machine some are too old, so the twin queries them",
+        30.0,
     )
 
 

@@ -138,12 +138,12 @@ def test_an_unplugged_camera_does_not_stop_the_robot_and_returns(left: FakeCamer
 
 def test_unplugging_an_idle_camera_is_reported(left: FakeCamera, robot: Robot) -> None:
     left.unplug()
-    wait_status(robot, lambda status: not status.cameras[0].connected, "the idle camera is missed")
+    wait_status(robot, lambda status: not status.cameras[0].connected, "the missing idle camera is reported")
     left.plug()
     wait_status(robot, lambda status: status.cameras[0].connected, "the idle camera is back")
 
 
-def test_a_camera_of_another_program_is_tried_again(left: FakeCamera, robot: Robot) -> None:
+def test_a_camera_in_use_by_another_program_is_tried_again(left: FakeCamera, robot: Robot) -> None:
     left.refuse(errno.EBUSY)
     with robot.camera("left") as images:
         wait_status(robot, lambda status: "another program" in status.cameras[0].trouble, "busy is reported")

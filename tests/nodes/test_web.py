@@ -99,7 +99,7 @@ def slowly_home(page: WebSocket) -> None:
 # -- driving -------------------------------------------------------------------------------------------
 
 
-def test_a_held_button_moves_and_letting_go_ends_it(driver: WebSocket, robot: Robot) -> None:
+def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, robot: Robot) -> None:
     jog(driver, "yaw", 5.0)
     driver.state(resting, "at rest")
     rests = robot.positions().head.yaw
@@ -204,7 +204,7 @@ def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
     assert state["robots"] == [{"robot": "bea2", "twin": "hw"}]
 
 
-def test_pages_are_told_of_robots_and_routers_that_go() -> None:
+def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
     with Stage() as stage:
         stage.node("bea1")
         with serving(stage.endpoint) as port, WebClient(port) as browser:

@@ -185,7 +185,7 @@ def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
         (("--connect", "tcp/127.0.0.1:{port}", "--port", "{free}"), 3, "router"),
     ],
 )
-def test_the_verb_says_why_it_cannot_serve(
+def test_the_error_of_the_verb_names_why_it_cannot_serve(
     stage: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
 ) -> None:
     given = [word.format(port=port, free=free_port()) for word in words]

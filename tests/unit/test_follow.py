@@ -209,7 +209,7 @@ def test_targets_are_repeated_during_a_long_rest() -> None:
     following = follow(path("0,0,0,0\n1,10,0,0\n6,10,0,0\n7,0,0,0\n"), ROBOT)
     times = [target.t for target in following.targets]
     assert max(np.diff(times)) < 1.1
-    assert sum(2 < t < 5.5 for t in times) <= 4, "and no more often than it must"
+    assert sum(2 < t < 5.5 for t in times) <= 4, "targets are not repeated more often than necessary"
 
 
 # -- sending ------------------------------------------------------------------------------------

@@ -89,5 +89,5 @@ def test_close_ends_every_wait() -> None:
         assert not reader.is_alive()
 
 
-def test_a_wait_for_what_does_not_come_ends_in_time() -> None:
+def test_a_wait_ends_at_its_timeout() -> None:
     assert not Wakeup().wait_for(lambda: False, 0.01)

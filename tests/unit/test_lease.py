@@ -31,7 +31,7 @@ def access() -> Access:
         (BOSS, Action.MOVE, Reason.OK),
     ],
 )
-def test_a_robot_that_is_taken_and_rests(
+def test_permissions_while_a_robot_is_taken_and_rests(
     access: Access, caller: Caller, action: Action, reason: Reason
 ) -> None:
     take(access, ANA, 0)
@@ -60,14 +60,14 @@ def test_the_same_session_keeps_its_number_and_another_gets_a_new_one(access: Ac
     assert refusal(access, ANA_AGAIN, 3, lease=2) is Reason.OK
 
 
-def test_the_teacher_takes_it_from_the_holder(access: Access) -> None:
+def test_the_teacher_takes_a_robot_from_its_holder(access: Access) -> None:
     take(access, ANA, 0)
     assert take(access, BOSS, 1) == 2
     assert refusal(access, ANA, 1, lease=1) is Reason.NOT_HOLDER
     assert standing(access, 1).holder == TEACHER
 
 
-def test_it_ends_with_its_session_and_goes_to_the_first_that_waits(access: Access) -> None:
+def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot(access: Access) -> None:
     take(access, ANA, 0)
     assert take(access, BEN, 1, wait=True) == take(access, CLEO, 2, wait=True) == 0
     assert standing(access, 3).waiting == ("ben", "cleo")
@@ -77,21 +77,21 @@ def test_it_ends_with_its_session_and_goes_to_the_first_that_waits(access: Acces
     assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
 
 
-def test_a_lease_that_has_ended_is_not_free_for_its_number(access: Access) -> None:
+def test_a_motion_with_the_number_of_an_ended_lease_is_refused(access: Access) -> None:
     take(access, ANA, 0)
     give_back(access, ANA)
     assert refusal(access, ANA, 1) is Reason.OK
     assert refusal(access, ANA, 1, lease=1) is Reason.NOT_HOLDER
 
 
-def test_an_idle_holder_loses_it_only_to_a_seat_that_waits(access: Access) -> None:
+def test_an_idle_holder_loses_the_robot_only_to_a_seat_that_waits(access: Access) -> None:
     take(access, ANA, 0)
     assert standing(access, 2 * IDLE_S).holder == "ana"
     take(access, BEN, 2 * IDLE_S, wait=True)
     assert standing(access, 2 * IDLE_S).holder == "ben"
 
 
-def test_a_holder_who_moves_is_not_idle(access: Access) -> None:
+def test_a_holder_that_moves_is_not_idle(access: Access) -> None:
     take(access, ANA, 0)
     take(access, BEN, 1, wait=True)
     access.take(ANA)
@@ -139,12 +139,14 @@ def test_the_queue_is_bounded(access: Access) -> None:
         (BOSS, Action.GOVERN, Reason.OK),
     ],
 )
-def test_a_frozen_robot(access: Access, caller: Caller, action: Action, reason: Reason) -> None:
+def test_permissions_while_a_robot_is_frozen(
+    access: Access, caller: Caller, action: Action, reason: Reason
+) -> None:
     access.freeze(on=True)
     assert refusal(access, caller, 0, action=action) is reason
 
 
-def test_freezing_between_authorize_and_take_holds(access: Access) -> None:
+def test_freezing_between_authorize_and_take_is_effective(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
     access.freeze(on=True)
     with pytest.raises(Refused) as refused:

@@ -235,9 +235,8 @@ def test_a_start_with_too_close_arms_may_be_left() -> None:
 
 
 def test_arms_that_have_separated_may_not_close_up_again() -> None:
-    start = pose(
-        0, 32.9, 0
-    )  # the arms are 59.2 deg apart; with this velocity they reach 60.04 deg before they return
+    # The arms are 59.2 deg apart; with this velocity they reach 60.04 deg before they return.
+    start = pose(0, 32.9, 0)
     assert math.radians(59) < NECK.gaps(start)[0] < CLOSE_ARMS.gap_min
     allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
     refusal = refused(start, start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)

@@ -26,7 +26,7 @@ from sim_node.rays import RayPainter
 from sim_node.visuals import VISUAL
 
 HOME: Arms = (0.0, 0.0, 0.0)
-LOOKING_AT_YOU = Neck().inverse(math.radians(-30), 0.0, 0.0)
+FACING_THE_CAMERA = Neck().inverse(math.radians(-30), 0.0, 0.0)
 WIDTH, HEIGHT = 160, 120
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -84,7 +84,7 @@ def test_both_painters_draw_the_same() -> None:
 
 @pytest.mark.usefixtures("without_gl")
 def test_the_head_turns_with_the_arms() -> None:
-    ahead, turned = picture(HOME, WIDTH, HEIGHT), picture(LOOKING_AT_YOU, WIDTH, HEIGHT)
+    ahead, turned = picture(HOME, WIDTH, HEIGHT), picture(FACING_THE_CAMERA, WIDTH, HEIGHT)
     upper, lower = slice(0, HEIGHT // 2), slice(7 * HEIGHT // 8, HEIGHT)
     assert (ahead[upper] != turned[upper]).mean() > 0.05
     assert (ahead[lower] == turned[lower]).all()

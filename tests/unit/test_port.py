@@ -35,13 +35,15 @@ def test_of_several_boards_one_must_be_chosen(monkeypatch: pytest.MonkeyPatch) -
         find()
 
 
-def test_no_board_says_which_ports_there_are_and_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_for_a_missing_board_lists_the_ports_and_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     plugged(monkeypatch, MODEM)
     with pytest.raises(NoAnswer, match=r"/dev/ttyS0.*--port, or else"):
         find(", or else")
 
 
-def test_a_port_that_is_not_there_is_none_or_is_used_says_so(tmp_path: Path) -> None:
+def test_the_error_names_a_missing_port_a_file_or_a_port_in_use(tmp_path: Path) -> None:
     master, slave = os.openpty()
     used = SerialPort(os.ttyname(slave))
     (tmp_path / "file").write_text("")
@@ -59,7 +61,7 @@ def test_a_port_that_is_not_there_is_none_or_is_used_says_so(tmp_path: Path) -> 
     os.close(slave)
 
 
-def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unplugging_during_a_reset_raises_os_error(monkeypatch: pytest.MonkeyPatch) -> None:
     master, slave = os.openpty()
     port = SerialPort(os.ttyname(slave))
 
@@ -80,10 +82,10 @@ def test_a_port_that_goes_while_it_is_reset_is_an_os_error(monkeypatch: pytest.M
     ("error", "message"),
     [
         (serial.SerialException(errno.EACCES, "could not open port"), "dialout"),
-        (termios.error(errno.EIO, "it goes just then"), "/dev/ttyACM0 cannot be opened"),
+        (termios.error(errno.EIO, "unplugged while it is opened"), "/dev/ttyACM0 cannot be opened"),
     ],
 )
-def test_a_port_that_cannot_be_opened_says_why(
+def test_the_error_for_a_port_that_cannot_be_opened_names_the_cause(
     monkeypatch: pytest.MonkeyPatch, error: Exception, message: str
 ) -> None:
     def fail(*_: object, **__: object) -> None:

@@ -90,7 +90,7 @@ def test_late_rows_are_sorted(tmp_path: Path) -> None:
     assert read(path).robots[SIM].arms[:, 0].tolist() == [2.0, 5.0]
 
 
-def test_a_measured_head_that_begins_later_is_not_a_number_before(tmp_path: Path) -> None:
+def test_a_measured_head_is_nan_before_its_first_sample(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     measured = Numbers(
         of_robot(SIM, "head_measured"), BEGAN_NS + STEP_NS, BEGAN_NS + STEP_NS - 7, (1.0, 2.0, 3.0)

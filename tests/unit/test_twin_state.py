@@ -39,7 +39,7 @@ def positions(t_mono_ns: int = 0, short: float = 0.0) -> Positions:
 
 
 class Published:
-    """A fake client, Monitor and robot: published state, and replies of queries."""
+    """A fake client, Monitor and robot, with published states and replies to queries."""
 
     def __init__(self, published: Status | None, queried: Status, age_s: float | None = 0.0) -> None:
         self.settings = Settings("bea", "tcp/127.0.0.1:1", "ana")
@@ -154,7 +154,7 @@ class FakeRobot(MotionBegin):
 
 
 @pytest.mark.parametrize("clock_s", [0.0, 7000.0, -12.0])
-def test_the_lag_is_found_whatever_the_clock_of_the_hardware(clock_s: float) -> None:
+def test_the_lag_does_not_depend_on_the_clock_of_the_hardware(clock_s: float) -> None:
     sim = FakeRobot().path(0.111, 0.0, 0.002)
     hw = FakeRobot().path(1.234, clock_s, 0.003)
     assert lag_s(sim, hw) == pytest.approx(1.123, abs=0.003)

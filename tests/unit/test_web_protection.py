@@ -88,7 +88,7 @@ def test_a_stop_counts_once() -> None:
     assert [visitor.is_new_stop(number) for number in ("1", "1", "2")] == [True, False, True]
 
 
-def test_a_jog_outlives_its_heartbeat_by_little_more_than_the_limit() -> None:
+def test_a_jog_ends_soon_after_its_last_heartbeat() -> None:
     assert BRAKE_S < DEAD_MAN_S < AHEAD_S <= 0.5
     hold = messages.Hold(press=1, part="long", sign=-1, speed=40.0)
     query = jog_query(hold, 0.25)

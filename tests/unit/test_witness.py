@@ -11,7 +11,7 @@ from stage import until
 from witness import STALL_S, Witness
 
 
-def test_a_process_that_was_kept_waiting_reports_for_how_long() -> None:
+def test_a_suspended_process_reports_its_delay() -> None:
     witness = Witness()
     try:
         until(lambda: witness.began, "it measures")

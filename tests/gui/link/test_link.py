@@ -166,7 +166,7 @@ def retried(linked: Linked) -> bool:
     return linked.end_of(row, "hw").accepted
 
 
-def test_the_only_name_on_line_is_selected_and_another_can_be(stage: Stage) -> None:
+def test_the_only_name_on_line_is_selected_and_another_can_be_selected(stage: Stage) -> None:
     with Linked(stage.endpoint, "not-there", name_given=False) as linked:
         world = linked.until(lambda world: world.robot == "bea", "the only one is taken")
         assert world.names == ("bea",)
@@ -238,7 +238,7 @@ def test_a_frozen_hardware_delays_neither_the_simulation_nor_stop(
         assert linked.end_of(rows[1], "hw", 0.5).reason is Reason.STOPPED
         hardware.send(signal.SIGCONT)
         linked.on_line("hw")
-        until(lambda: retried(linked), "it does as it is asked again")
+        until(lambda: retried(linked), "the robot carries out requests again")
         hardware.end(signal.SIGKILL)
         linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
 

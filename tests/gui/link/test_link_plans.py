@@ -126,7 +126,7 @@ def test_a_refused_preview_is_data_and_keeps_the_waiting_motion(linked: Linked) 
     end = linked.end_of(2)
     assert not end.accepted
     assert end.detail is not None
-    world = linked.until(lambda world: world.plan is not None, "the one before")
+    world = linked.until(lambda world: world.plan is not None, "the earlier motion")
     assert world.plan is not None
     assert world.plan.phase in (PlanPhase.LEADING, PlanPhase.SENT)
     assert linked.end_of(1).accepted
@@ -150,7 +150,10 @@ def test_selecting_another_robot_stops_motions_of_this_window(linked: Linked, st
     linked.until(lambda world: short(world, "hw") > 1, "the hardware moves")
     linked.do(Select("elsewhere"))
     with stage.robot("bea", "hw") as robot:
-        until(lambda: not robot.status().moving, "it stops, for STOP of this window goes elsewhere now")
+        until(
+            lambda: not robot.status().moving,
+            "the motion stops, because STOP of this window now goes to another robot",
+        )
         assert robot.positions().commanded.short < 60
     linked.do(Select("bea"))
     linked.on_line("sim", "hw")

@@ -107,4 +107,4 @@ def test_a_plan_that_waits_for_a_frozen_hardware_delays_no_motion_of_the_simulat
     end = frozen.end_of(5, timeout_s=12)
     assert end.reason in (Reason.NODE_FROZEN, Reason.NODE_LOST)
     assert "ice (hw)" in end.message
-    until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only what was sent was done")
+    until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only the sent motions were made")
