@@ -5,8 +5,8 @@ with Robot("bea1", twin="sim") as robot:
     robot.calibrate()
     robot.look(yaw=20, pitch=-10)
 
-Each name is imported at its first use, so that a program that needs only one module, like the command line before it
-handles Ctrl-C, does not load all of them.
+Each name is imported at its first use, so that a program loads only the modules that it needs. The command line, for
+example, must handle Ctrl-C before it loads the others.
 """
 
 from __future__ import annotations

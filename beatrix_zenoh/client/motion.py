@@ -29,7 +29,7 @@ class Replies(Protocol):
         """Call `notify` after every reply."""
 
     def close(self) -> None:
-        """Wait for no more replies."""
+        """Receive no more replies."""
 
 
 class Motion:
@@ -78,7 +78,7 @@ class Motion:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
         Args:
-            timeout: s; None: `duration` and 3 s.
+            timeout: longest wait, s; None: 3 s more than `duration`.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.

@@ -18,13 +18,13 @@ from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot, stop_together
 from beatrix_zenoh.client.stop_events import StopEvents
-from beatrix_zenoh.client.twin_state import Stand
+from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 POLL_S = 0.02
 LATE_S = 1.5
-"""A motion that is overdue by more was delayed with its program, and is not sent to the hardware."""
+"""A motion that is overdue by more than this is not sent to the hardware: its program was suspended."""
 CANCEL_S = 10.0
 """Longest wait for robots that do not answer STOP."""
 REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
@@ -51,8 +51,8 @@ class TwinMotion:
         self._sending: Robot | None = None
         self._due_s: float | None = None
         self._permit = threading.Lock()
-        """Acquired by the decision whether the motion is sent to the hardware: without waiting and never released, so
-        that a signal handler may acquire it at any point."""
+        """The thread that acquires it decides whether the motion is sent to the hardware. It is acquired without waiting
+        and never released, so that a signal handler may acquire it at any point."""
         self._sent = False
         self._end: BeatrixError | None = None
         """The error with which the motion is to end."""
@@ -70,7 +70,7 @@ class TwinMotion:
 
     def __repr__(self) -> str:
         if self.done():
-            return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both are there'}>"
+            return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both have arrived'}>"
         wait = "" if self._sent else f", the hardware in {self.countdown_s:.1f} s"
         return f"<motion of {self._sim} and {self._hw}{wait}>"
 
@@ -100,7 +100,7 @@ class TwinMotion:
         """Wait until both robots have arrived and return their final replies.
 
         Args:
-            timeout: s; None: until the end. Robots that do not report it are given up.
+            timeout: longest wait, s; None: until both have reported the end or count as lost.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -170,7 +170,7 @@ class TwinMotion:
 
     # -- used by Twin, Plan and window -----------------------------------------------------------
 
-    def measure(self, sim: Stand, hw: Stand) -> None:
+    def measure(self, sim: PlanPosition, hw: PlanPosition) -> None:
         """Measure the lag of a motion that begins with both robots at rest at these positions."""
         self._begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
 
@@ -203,7 +203,7 @@ class TwinMotion:
         Then wait until both have arrived, or continue in a thread.
 
         Raises:
-            BeatrixError: as `result`; without waiting only errors so far.
+            BeatrixError: as `result`; without `wait` only the errors until then.
         """
         self._thread = threading.get_ident()
         try:
@@ -262,7 +262,7 @@ class TwinMotion:
     def _check_stopped(self) -> None:
         """Raise Interrupted (STOPPED) if a client has stopped one of the robots, even at rest."""
         for stops in self._stops:
-            stops.check(" before the hardware was sent its motion")
+            stops.check(" before the motion was sent to the hardware")
 
     def _poll(self, limit_s: float) -> bool:
         """Wait a moment; True if all started motions have arrived. Raises the error that ends the motion."""
@@ -303,7 +303,9 @@ class TwinMotion:
         try:
             moving = [robot for robot, motion in self._begun.items() if runs(motion)]
             if isinstance(error, KeyboardInterrupt) and self._sending is not None:
-                moving.append(self._sending)  # the robot may have accepted it without its reply being read
+                moving.append(
+                    self._sending
+                )  # it may have accepted the motion, although its reply was not read
             kept = self.lead_s and not self._sent
             failure = stopped(error, moving, f"{self._hw}: not moved." if kept else "")
         except BaseException as again:
@@ -342,7 +344,7 @@ class TwinMotion:
 
 
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:
-    """Stop these robots because of an error, the last first; return the error with their positions in its message.
+    """Stop robots because of an error, in reverse order; return the error with their positions in its message.
 
     If one robot fails, the other must not finish the motion. A replaced motion is not stopped.
     """
@@ -379,7 +381,7 @@ def ended(robot: Robot, motion: Motion, timeout_s: float) -> bool:
 
 
 def runs(motion: Motion) -> bool:
-    """Return whether the motion has not reported its end; a lost robot may still move."""
+    """Return whether the robot may still move: the end of its motion was not reported, or it is lost."""
     try:
         return isinstance(motion.exception(0.0), NoAnswer)
     except TimeoutError:

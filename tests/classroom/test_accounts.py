@@ -197,9 +197,9 @@ def test_stop_needs_no_readable_account(
     (tmp_path / "beatrix" / "account.toml").write_text("password = 3\n")
     done = beatrix("ls")
     assert done.returncode == 2
-    assert "is no account file" in done.stderr
+    assert "is not an account file" in done.stderr
     done = beatrix("stop")
-    assert "is no account file" in done.stderr
+    assert "is not an account file" in done.stderr
     assert done.returncode == 3, "the program tried the default router, which does not run"
 
 

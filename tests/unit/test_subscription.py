@@ -113,7 +113,7 @@ def test_undecodable_publications_are_skipped(client: FakeClient) -> None:
     client.bus.publish(status("a"))
     client.bus.publish(status("b"), key="elsewhere")
     assert subscription.next() == "a"
-    with pytest.raises(NoAnswer, match=r"bea \(hw\): nothing for 0 s"):
+    with pytest.raises(NoAnswer, match=r"bea \(hw\): no message for 0 s"):
         subscription.next()
 
 
