@@ -112,6 +112,6 @@ def _stored() -> dict[str, str]:
     if unknown or not all(isinstance(value, str) for value in table.values()):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each with a text as value.",
+            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each a text value.",
         )
     return {field: str(value) for field, value in table.items()}

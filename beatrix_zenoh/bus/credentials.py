@@ -27,12 +27,14 @@ OURS = {
     64: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
 }
 """Causes by OpenSSL's error code for the router's own certificate."""
-STRANGER = "its certificate is not of this class: it is another class's router, or the class was made anew"
+STRANGER = (
+    "its certificate is not of this class: it is the router of another class, or all accounts were made again"
+)
 
 
 @dataclass(frozen=True, repr=False)
 class Identity:
-    """Certificate and private key (PEM), and the certificate of the authority that signs those of others."""
+    """Certificate and private key (PEM), and the certificate of the authority of the class."""
 
     authority: str
     certificate: str
@@ -75,18 +77,18 @@ def identity(account: Account) -> Identity:
 
 
 def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
-    """Return the error of a client that finds no router; in a class the teacher starts it."""
+    """Return the error of a client that finds no router; with an account it says that the teacher starts the router."""
     if account is None:
         return error
     return NoAnswer(
         error.reason,
         f"No router of class {account.class_name} at {account.connect}. The teacher starts it with `beatrix router --class "
-        "class.toml`. If it runs: is this computer in the same network, and does no firewall stand between?",
+        "class.toml`. If it runs, check that this computer is in the same network and no firewall blocks the port.",
     )
 
 
 def refusal(endpoint: str, account: Account | None) -> str:
-    """Return the sentence about a router that refuses this client: the causes, as far as Zenoh and TLS show them, and what to do."""
+    """Return the sentence about a router that refuses this client: causes that Zenoh and TLS show, and what to do."""
     if account is None:
         return (
             f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
@@ -96,8 +98,8 @@ def refusal(endpoint: str, account: Account | None) -> str:
         return _refused(
             endpoint,
             account,
-            "it does not know the account, or the password is wrong, because it is another class's router, it was "
-            "started before the account was made, or the class was made anew",
+            "it does not know the account, or the password is wrong: it is the router of another class, it was started "
+            "before the account was made, or all accounts were made again",
         )
     causes = [_certificate_trouble(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
@@ -111,7 +113,7 @@ def without_rights(endpoint: str, account: Account) -> str:
     return _refused(
         endpoint,
         account,
-        "it accepts the certificate and drops all messages, because the class has no seat or robot of this name any more, or "
+        "it accepts the certificate but drops all messages: the class has no seat or robot of this name any more, or "
         "the router was started before the account was made",
     )
 

@@ -1,4 +1,4 @@
-"""The router: all clients and nodes meet here."""
+"""The router, to which all clients and nodes connect."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Guard:
 
     grants: list[Grant]
     passwords: Mapping[str, str] = field(default_factory=dict, repr=False)
-    """of each account; empty: accounts have certificates"""
+    """password of each account; empty: accounts have certificates"""
     identity: Identity | None = None
-    """certificate of this router; needed for certificates and for a second router"""
+    """certificate and key of this router; None: accounts have passwords, and there is no second router"""
     link: str = ""
-    """endpoint at which this router waits for the second one"""
+    """endpoint at which this router accepts the second router; empty: none"""
     first: str = ""
-    """endpoint of the first router, if this is the second"""
+    """endpoint of the first router if this is the second; otherwise empty"""
     account: tuple[str, str] = field(default=("", ""), repr=False)
     """user name and password of this router at the first"""
     routers: list[str] = field(default_factory=list)

@@ -32,13 +32,15 @@ def classroom(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER", help="Where to; else a folder of the class's name beside the class file."
+            metavar="FOLDER",
+            help="Folder for the files; default: a folder with the name of the class, beside the class file.",
         ),
     ] = None,
 ) -> None:
     """Make the accounts of a class. Writes a file for the router, each seat and each robot, and cards to print.
 
-    All files are for the teacher only, who gives each seat its own. A second time it keeps accounts and makes those that are new.
+    All files are for the teacher only, who gives each seat its own file. If repeated, it keeps existing accounts and
+    makes the new ones.
     """
     from beatrix_zenoh.classroom import class_file, provision, router_file
 
@@ -52,7 +54,7 @@ def classroom(
         standby = folder / "standby.toml"
         say(f"  on {described.standby}    beatrix router --class {standby.name}   (copy {standby} there)")
     say(
-        f"  to each computer   its file from {folder / 'seats'} or {folder / 'robots'}; there: beatrix join FILE"
+        f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
     say(f"  cards to print     {folder / 'cards.html'}")
     for path in made.left:
@@ -92,7 +94,7 @@ def join(
 
 
 def _check(account: Account) -> None:
-    """Say whether the router accepts the account now; before a lesson it may not run yet."""
+    """Print whether the router accepts the account now; before a lesson the router may not run yet."""
     try:
         zbus.connect(account.connect, account=account).close()
     except BeatrixError as error:

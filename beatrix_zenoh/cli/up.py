@@ -78,7 +78,7 @@ def up(
         ),
     ] = None,
     gui: Annotated[
-        bool, typer.Option("--gui", help="Also open the window. When it is closed, the robots run on.")
+        bool, typer.Option("--gui", help="Also open the window. Closing it does not end the robots.")
     ] = False,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
@@ -89,9 +89,9 @@ def up(
 ) -> None:
     """Start router, simulation and robot at once.
 
-    Starts the router only if none answers yet, the robot only with --hw, the window only with --gui. With --legacy the
+    Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy
     programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log the simulation
-    writes day-sim.log, the robot day-hw.log. Ctrl-C ends all that it started.
+    writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that it started.
     """
     settings = resolve(name, connect)
     if no_sim and hw is None:
@@ -124,7 +124,7 @@ def report(supervisor: Supervisor, settings: Settings, plan: Plan, router: str, 
     """Print what runs, then the output of the children until Ctrl-C; raises Refused if a child ends."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
-        supervisor.new_lines()  # not shown: their status contains what they have printed so far
+        supervisor.new_lines()  # drops the output so far: the status of the robots contains it
     own = {twin: found.get((settings.robot, twin)) for twin in plan.served}
     with end_on_interrupt():
         if as_json:
@@ -134,7 +134,10 @@ def report(supervisor: Supervisor, settings: Settings, plan: Plan, router: str, 
             others = any(robot != settings.robot for robot, _ in found)
             by_name = f" --name {settings.robot}" if others else ""
             say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
-        watch(supervisor, f"The robots run on: `beatrix gui --name {settings.robot}` opens it again.")
+        watch(
+            supervisor,
+            f"The robots continue to run. To open the window again: beatrix gui --name {settings.robot}",
+        )
 
 
 def legacy_twin(twins: Container[str]) -> str:
@@ -196,7 +199,7 @@ def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
 
 
 def open_window(supervisor: Supervisor, settings: Settings) -> Child:
-    """Start a window that shows one robot; wait for it with `wait_ready`. The other children run on when it is closed."""
+    """Start a window that shows one robot; wait for it with `wait_ready`. Its end does not end the other children."""
     where = ("--name", settings.robot, "--connect", settings.connect)
     return supervisor.start(WINDOW, "gui", *where, may_end=True)
 
@@ -212,7 +215,7 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
     """Start a router if none answers; returns its state as text.
 
     Raises:
-        NoAnswer: NO_ROUTER, and the address is that of another computer, or the router is that of a class.
+        NoAnswer: NO_ROUTER, no router answers, and it is that of another computer or of a class.
     """
     if zbus.is_listening(endpoint):
         return "runs already"
@@ -241,7 +244,7 @@ def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
 
 @contextlib.contextmanager
 def end_on_interrupt() -> Iterator[None]:
-    """End the block without an error on Ctrl-C or SIGTERM: it has no other end."""
+    """End the block without an error on Ctrl-C or SIGTERM, which are its normal end."""
     try:
         yield
     except KeyboardInterrupt:
@@ -254,7 +257,7 @@ def watch(supervisor: Supervisor, after_window: str, last: Child | None = None) 
     Args:
         supervisor: of the children.
         after_window: a sentence to print when the window has ended.
-        last: a child whose end ends this function, too; None: only Ctrl-C does.
+        last: return when this child has ended; None: only Ctrl-C ends the function.
     """
     while last is None or last.code is None:
         supervisor.check()

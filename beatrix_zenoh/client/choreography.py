@@ -113,8 +113,8 @@ def choreography(read: MotionFile) -> Choreography:
     if speed is None:
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{read.source}, line {read.points[0].line}: {SPEED} is empty. Only a later line may leave it empty, and then "
-            f"keeps the speed of the line before: give a number of degrees/s. {FORM}",
+            f"{read.source}, line {read.points[0].line}: {SPEED} is empty. Only in a later line "
+            f"may it be empty, which keeps the speed: give a number of degrees/s. {FORM}",
         )
     for point in read.points:
         speed, title = point.speed or speed, point.figure or title

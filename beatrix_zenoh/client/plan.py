@@ -63,7 +63,7 @@ class Plan:
     def commit(self, lead_s: float = 0.0, *, wait: bool = True) -> TwinMotion:
         """Carry the motion out: the simulation at once, the hardware `lead_s` (s) later.
 
-        Returns when both have arrived; with wait=False, when the simulation (without lead: both) has accepted the motion.
+        Returns when both have arrived; with wait=False, when the simulation (without lead: both) has accepted it.
         During the lead, `abort`, STOP at either robot or Ctrl-C stops the simulation and leaves the hardware unmoved;
         another commit of this Twin replaces this one, and the hardware gets only the new motion. If one robot refuses
         or is stopped, the other is stopped too.

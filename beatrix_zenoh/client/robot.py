@@ -117,7 +117,7 @@ class Robot(RobotBase):
         return wait
 
     def emergency_stop(self) -> CommandReply:
-        """Switch the motors off at once; the head falls. Afterwards set it upright, and call `reset` and `make_ready`."""
+        """Switch the motors off at once; the head falls. Then set it upright, and call `reset` and `make_ready`."""
         return self.command(Command.EMERGENCY_STOP)
 
     def command(

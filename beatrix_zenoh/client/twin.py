@@ -75,7 +75,7 @@ class Twin:
         each((self.sim, self.hw), Robot.disable)
 
     def calibrate(self) -> None:
-        """Calibrate both robots at their present positions, or neither if one is not reachable or driven by another seat."""
+        """Calibrate both robots where they are, or neither if one is not reachable or driven by another seat."""
         switch_both(self, Robot.calibrate)
 
     def stop(self) -> None:

@@ -51,8 +51,8 @@ class TwinMotion:
         self._sending: Robot | None = None
         self._due_s: float | None = None
         self._permit = threading.Lock()
-        """The thread that acquires it decides whether the motion is sent to the hardware. It is acquired without waiting
-        and never released, so that a signal handler may acquire it at any point."""
+        """The thread that acquires it decides whether the motion is sent to the hardware. It is acquired without
+        waiting and never released, so that a signal handler may acquire it at any point."""
         self._sent = False
         self._end: BeatrixError | None = None
         """The error with which the motion is to end."""

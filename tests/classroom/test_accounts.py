@@ -113,7 +113,7 @@ def test_the_sentence_for_a_router_without_certificates_says_so(
 ) -> None:
     account = certificates.account("ana")
     endpoint = passwords.account("ana").connect.replace("tcp/", "tls/")
-    assert "runs without certificates" in refused(endpoint, account)
+    assert "does not use certificates" in refused(endpoint, account)
 
 
 def test_an_expired_account_is_refused_before_anything_is_sent(certificates: ClassRouter) -> None:

@@ -216,7 +216,7 @@ def test_a_stopped_robot_ends_the_play() -> None:
     with pytest.raises(Interrupted, match=r"bea \(sim\): Ended by STOP"):
         play(robot, TWO_POSES)
     assert robot.begun == [1]
-    with pytest.raises(WrongUsage, match="needs both robots"):
+    with pytest.raises(WrongUsage, match="only for both robots"):
         play(robot, TWO_POSES, lead_s=1.0)
 
 
