@@ -19,7 +19,7 @@ from beatrix_zenoh.files import private_file
 
 
 @dataclass(frozen=True)
-class Guard:
+class RouterAccess:
     """Accounts of a router, and the messages that each may send."""
 
     grants: list[Grant]
@@ -39,10 +39,10 @@ class Guard:
     """largest rate (Hz) at which a session receives these keys"""
 
 
-def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
+def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:
     """Open a router, to which nodes and clients connect. Close the session to end it.
 
-    Without a guard every program that reaches the router may send everything.
+    Without `access` every program that reaches the router may send everything.
 
     Raises:
         WrongUsage: BAD_VALUE, `listen` is not an endpoint of this computer.
@@ -66,37 +66,37 @@ def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
         "transport/unicast/accept_timeout": LEASE_MS,
     }
     trouble = f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
-    if guard is None:
+    if access is None:
         return opened(settings, lambda: trouble)
-    settings |= _guarded(guard)
-    if guard.link:
-        settings["listen/endpoints"] = [*endpoints(listen), guard.link]
+    settings |= _access_settings(access)
+    if access.link:
+        settings["listen/endpoints"] = [*endpoints(listen), access.link]
     with contextlib.ExitStack() as stack:
-        if guard.passwords:  # Zenoh reads the file once, while the router opens
-            lines = (f"{account}:{password}\n" for account, password in guard.passwords.items())
+        if access.passwords:  # Zenoh reads the file once, while the router opens
+            lines = (f"{account}:{password}\n" for account, password in access.passwords.items())
             path = stack.enter_context(private_file("".join(lines)))
             settings["transport/auth/usrpwd/dictionary_file"] = str(path)
         return opened(settings, lambda: trouble)
 
 
-def _guarded(guard: Guard) -> dict[str, object]:
+def _access_settings(access: RouterAccess) -> dict[str, object]:
     settings: dict[str, object] = {
         "access_control": access_control(
-            guard.grants, by_certificate=not guard.passwords, routers=guard.routers
+            access.grants, by_certificate=not access.passwords, routers=access.routers
         ),
-        "downsampling": downsampling(guard.rates),
+        "downsampling": downsampling(access.rates),
         "low_pass_filter": low_pass_filter(),
     }
-    if guard.identity is not None:
-        settings["transport/link/tls"] = tls(guard.identity, listens=True)
-    if guard.first:
+    if access.identity is not None:
+        settings["transport/link/tls"] = tls(access.identity, listens=True)
+    if access.first:
         settings |= {
-            "connect/endpoints": [guard.first],
+            "connect/endpoints": [access.first],
             "connect/timeout_ms": 0,
             "connect/exit_on_failure": False,
             "connect/retry": {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2},
         }
-        user, password = guard.account
+        user, password = access.account
         if password:
             settings |= {"transport/auth/usrpwd/user": user, "transport/auth/usrpwd/password": password}
     return settings

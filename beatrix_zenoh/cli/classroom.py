@@ -59,7 +59,7 @@ def classroom(
     say(f"  cards to print     {folder / 'cards.html'}")
     for path in made.left:
         note(
-            f"{path} is of no seat or robot of the class: the router does not accept it, and you can delete it."
+            f"{path}: the class has no seat or robot of this name, so the router refuses it. You can delete the file."
         )
 
 

@@ -1,4 +1,4 @@
-"""One line of a program of 2023, what it does to the robot, and its answer."""
+"""One line of a program of 2023, its effect on the robot, and its answer."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Line:
     text: bytes
     effect: Effect = field(init=False)
     sent_s: float | None = None
-    """when it was sent to the board [s, monotonic]; None: it was not"""
+    """when it was sent to the board (s, monotonic clock); None: not sent"""
     refusal: tuple[bytes, ...] = ()
     """the answer in place of the board's; empty: not refused"""
     cause: Cause | None = None
@@ -107,7 +107,7 @@ class Line:
 
 
 def effect_of(text: bytes) -> Effect:
-    """Effect of a line; unknown words that begin as those of motions count as motions."""
+    """Return the effect of a line; unknown words that begin with @MOV count as motions."""
     words = text.split(b" ")
     if text == b"@STOPALL":
         return Effect.STOP

@@ -17,7 +17,7 @@ class Language(NamedTuple):
     decimal: str
     """decimal sign"""
     conjunction: str
-    """before the last entry of a list"""
+    """word before the last entry of a list"""
     arms: Mapping[str, str]
     """names of the arms"""
     commands: Mapping[str, str]

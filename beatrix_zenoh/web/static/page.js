@@ -1,4 +1,4 @@
-// The control page: shows the state that its server sends, and sends what is pressed.
+// The control page: shows the state that its server sends, and sends a request for each button.
 import { connectEyes, showEyes } from "./eyes.js";
 import { text } from "./texts.js";
 
@@ -97,7 +97,7 @@ function stop() {
   const message = { do: "stop", robot, stop: crypto.getRandomValues(new Uint32Array(2)).join("-") };
   const sent = send(message) && condition()[0] !== "server";
   showStop(sent, text(sent ? "stop.sent" : "stop.failed", { robot }));
-  // Also on a connection of its own, in case the web socket is broken; the server counts it once.
+  // STOP is also sent by a request, in case the web socket is broken; the server carries it out once.
   fetch("/stop", {
     method: "POST", keepalive: true, headers: { "X-XSRFToken": token }, body: JSON.stringify(message),
   }).then((response) => { if (response.ok && !sent) showStop(true, text("stop.sent", { robot })); }, () => {});
@@ -249,7 +249,7 @@ function jogButton(part, sign) {
   button.setAttribute("aria-label", text(`jog.${way}`));
   button.onpointerdown = (event) => {
     if (event.button) return;
-    button.setPointerCapture(event.pointerId); // so that letting go elsewhere counts, too
+    button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
     take(button);
   };
   button.onpointerup = button.onpointercancel = button.onlostpointercapture = letGo;
@@ -296,7 +296,7 @@ function command(button) {
 }
 
 function confirm(button) {
-  // The head sinks without power: a second press within a while, and no dialog, which would hide STOP.
+  // The head sinks without power, so a second press must confirm. A dialog would hide STOP.
   button.dataset.armed = "yes";
   button.textContent = text("command.disable.again");
   report("disable", false, text("command.disable.note"));
@@ -336,7 +336,7 @@ function keys(event) {
 
 build();
 byId("stop").onpointerdown = stop;
-byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // of assistive programs
+byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // assistive programs
 byId("drive").onclick = drive;
 byId("robots").onchange = (event) => {
   const [robot, twin] = event.target.value.split(" ");
