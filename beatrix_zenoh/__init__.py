@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.errors import NoAnswer as NoAnswer
     from beatrix_zenoh.errors import Refused as Refused
 else:
-    HOMES = {
+    MODULES = {
         "BeatrixError": "errors",
         "CameraImage": "client.camera",
         "Interrupted": "errors",
@@ -57,11 +57,11 @@ else:
     }
 
     def __getattr__(name):
-        if name not in HOMES:
+        if name not in MODULES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         import importlib  # noqa: PLC0415 - not before it is needed
 
-        return getattr(importlib.import_module(f"{__name__}.{HOMES[name]}"), name)
+        return getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
 
     def __dir__():
-        return sorted({*globals(), *HOMES})
+        return sorted({*globals(), *MODULES})

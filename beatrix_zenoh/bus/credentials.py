@@ -14,20 +14,27 @@ from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.files import private_file
 
 PROBE_S = 2.0
+_UNKNOWN = (
+    "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`"
+)
+_WRONG_ADDRESS = (
+    "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
+    "classroom init`"
+)
 ALERTS = {
-    "UNKNOWN_CA": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
-    "DECRYPT_ERROR": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
+    "UNKNOWN_CA": _UNKNOWN,
+    "DECRYPT_ERROR": _UNKNOWN,
     "CERTIFICATE_EXPIRED": "this computer's certificate has expired, or a clock is wrong",
     "CERTIFICATE_REQUIRED": "it accepts only computers with a certificate",
 }
 """Causes by a part of OpenSSL's name for the alert that the router sends."""
-OURS = {
-    10: "its certificate has expired, or this computer's clock is wrong; `beatrix classroom init` there makes a new one",
-    62: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
-    64: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
+ROUTER_ERRORS = {
+    10: "its certificate has expired (the teacher runs `beatrix classroom init`), or this computer's clock is wrong",
+    62: _WRONG_ADDRESS,
+    64: _WRONG_ADDRESS,
 }
 """Causes by OpenSSL's error code for the router's own certificate."""
-STRANGER = (
+FOREIGN_ROUTER = (
     "its certificate is not of this class: it is the router of another class, or all accounts were made again"
 )
 
@@ -101,7 +108,7 @@ def refusal(endpoint: str, account: Account | None) -> str:
             "it does not know the account, or the password is wrong: it is the router of another class, it was started "
             "before the account was made, or all accounts were made again",
         )
-    causes = [_certificate_trouble(one, identity(account)) for one in endpoints(endpoint)]
+    causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
         filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
     )
@@ -125,7 +132,7 @@ def _refused(endpoint: str, account: Account, cause: str) -> str:
     )
 
 
-def _certificate_trouble(endpoint: str, own: Identity) -> str:
+def _certificate_error(endpoint: str, own: Identity) -> str:
     """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
     _, host, port = parse_endpoint(endpoint)
     context = ssl.create_default_context(cadata=own.authority)
@@ -138,7 +145,7 @@ def _certificate_trouble(endpoint: str, own: Identity) -> str:
         ):
             wrapped.recv(1)  # TLS 1.3 refuses a client's certificate after the handshake
     except ssl.SSLCertVerificationError as error:
-        return OURS.get(error.verify_code, STRANGER)
+        return ROUTER_ERRORS.get(error.verify_code, FOREIGN_ROUTER)
     except ssl.SSLError as error:
         reason = error.reason or ""
         return next(

@@ -42,7 +42,7 @@ def _probe(endpoint: str) -> None:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
         listen = "" if endpoint == DEFAULT_ENDPOINT else f" --listen {endpoint}"
-        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
+        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` on that computer"
         start = f"`beatrix router{listen}`" if is_local(endpoint) else remote
         raise NoAnswer(
             Reason.NO_ROUTER,

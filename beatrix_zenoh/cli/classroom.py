@@ -74,7 +74,8 @@ def join(
 ) -> None:
     """Join a class. From then on all verbs and programs use its router, and this seat's account.
 
-    The account is for your user on this computer. BEATRIX_ACCOUNT=FILE uses another one, BEATRIX_ACCOUNT= none.
+    The account is for your user on this computer. BEATRIX_ACCOUNT=FILE uses another account,
+    and BEATRIX_ACCOUNT= (empty) uses none.
     """
     place = accounts.joined()
     if leave == (file is not None):

@@ -33,11 +33,11 @@ BOTH = " --on both"
 
 
 @dataclass(frozen=True)
-class Plan:
-    """The processes to start, and the options of each."""
+class UpOptions:
+    """Options of `beatrix up`: the processes to start, and the arguments of each."""
 
     served: Mapping[str, str]
-    """twins, each with its body: MuJoCo, or the port of the board"""
+    """the twins to serve, each with its place: MuJoCo, or the port of the board"""
     ready: bool
     legacy: Path | None
     robot_file: Path | None
@@ -45,8 +45,8 @@ class Plan:
     target: str | None
     window: bool
 
-    def options(self, twin: str) -> list[str]:
-        """The options of the process of one twin."""
+    def arguments(self, twin: str) -> list[str]:
+        """Return the arguments of the process of one twin."""
         words = ["--port", self.served[twin]] if twin == "hw" else ["--ready"] * self.ready
         if twin == "sim" and self.target is not None:
             words += ["--target", self.target]
@@ -101,36 +101,38 @@ def up(
             "--ready is for the simulation. On a robot use enable and calibrate, within sight of it."
         )
     load(robot_file)  # raises before any process starts
-    bodies = {"sim": None if no_sim else "MuJoCo", "hw": hw}
-    served = {twin: body for twin, body in bodies.items() if body is not None}
-    plan = Plan(served, ready, legacy, robot_file, log_file, target, gui)
+    places = {"sim": None if no_sim else "MuJoCo", "hw": hw}
+    served = {twin: place for twin, place in places.items() if place is not None}
+    options = UpOptions(served, ready, legacy, robot_file, log_file, target, gui)
     with signals_interrupt(), Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
-        start_robots(supervisor, settings, plan)
-        report(supervisor, settings, plan, router, as_json=as_json)
+        start_robots(supervisor, settings, options)
+        report(supervisor, settings, options, router, as_json=as_json)
 
 
-def start_robots(supervisor: Supervisor, settings: Settings, plan: Plan) -> None:
+def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions) -> None:
     """Start simulation, robot and window, and wait until they are ready."""
     where = ("--name", settings.robot, "--connect", settings.connect)
-    for twin in plan.served:
-        supervisor.start(TITLES[twin], twin, *where, *plan.options(twin))
-    if plan.window:
+    for twin in options.served:
+        supervisor.start(TITLES[twin], twin, *where, *options.arguments(twin))
+    if options.window:
         open_window(supervisor, settings)
     supervisor.wait_ready()
 
 
-def report(supervisor: Supervisor, settings: Settings, plan: Plan, router: str, *, as_json: bool) -> None:
+def report(
+    supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
+) -> None:
     """Print what runs, then the output of the children until Ctrl-C; raises Refused if a child ends."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
         supervisor.new_lines()  # drops the output so far: the status of the robots contains it
-    own = {twin: found.get((settings.robot, twin)) for twin in plan.served}
+    own = {twin: found.get((settings.robot, twin)) for twin in options.served}
     with end_on_interrupt():
         if as_json:
-            show_json(supervisor, settings, plan, own)
+            show_json(supervisor, settings, options, own)
         else:
-            show(settings, plan, router, own)
+            show(settings, options, router, own)
             others = any(robot != settings.robot for robot, _ in found)
             by_name = f" --name {settings.robot}" if others else ""
             say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
@@ -151,10 +153,10 @@ def log_of(log_file: Path, twin: str) -> Path:
 
 
 def show_json(
-    supervisor: Supervisor, settings: Settings, plan: Plan, own: Mapping[str, Status | None]
+    supervisor: Supervisor, settings: Settings, options: UpOptions, own: Mapping[str, Status | None]
 ) -> None:
     """Print what runs, as JSON."""
-    legacy = None if plan.legacy is None else str(plan.legacy.absolute())
+    legacy = None if options.legacy is None else str(options.legacy.absolute())
     print_json({
         "result": True,
         "endpoint": settings.connect,
@@ -166,20 +168,20 @@ def show_json(
     })  # fmt: skip
 
 
-def show(settings: Settings, plan: Plan, router: str, own: Mapping[str, Status | None]) -> None:
+def show(settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None]) -> None:
     """Print what runs, as a table, and the warnings below it."""
     rows = [("router", "", settings.connect, router)]
-    for twin, body in plan.served.items():
+    for twin, place in options.served.items():
         status = own[twin]
         text = "does not answer" if status is None else state(status)
-        rows.append((TITLES[twin], settings.robot, body, text))
-    if plan.window:
+        rows.append((TITLES[twin], settings.robot, place, text))
+    if options.window:
         rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
     for line in warnings(own):
         say(line)
-    if plan.legacy is not None:
-        say(f"Programs of 2023 open {plan.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
+    if options.legacy is not None:
+        say(f"Programs of 2023 open {options.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Leases of the SDK: a program takes a robot for longer than a motion; the teacher governs the robots."""
+"""Leases of the SDK: a program takes a robot for longer than a motion; the teacher freezes robots and limits speeds."""
 
 from __future__ import annotations
 

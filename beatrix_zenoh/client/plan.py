@@ -88,7 +88,7 @@ class Plan:
         if self._during is None:
             motion.measure(*now)
         if lead_s:
-            motion.watch(self._check_both, self._twin.state.check_there, now[0].t, now[1].t)
+            motion.watch(self._check_both, self._twin.state.check_present, now[0].t, now[1].t)
         self._twin.start(motion, wait=waits)
         return motion
 

@@ -56,12 +56,12 @@ class TwinMotion:
         self._sent = False
         self._end: BeatrixError | None = None
         """The error with which the motion is to end."""
-        self._news: queue.SimpleQueue[None] = queue.SimpleQueue()
+        self._wakeups: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._future: Future[TwinReplies] = Future()
         self._thread = 0
         self._begins: tuple[MotionBegin, MotionBegin] | None = None
         self._check_both: Callable[[], None] = lambda: None
-        self._check_there: Callable[[], None] = lambda: None
+        self._check_present: Callable[[], None] = lambda: None
         self._stops: list[StopEvents] = []
         """STOP events of both robots, during the lead."""
         self.lag_s: float | None = None
@@ -165,7 +165,7 @@ class TwinMotion:
         if self._due_s is None or self._permit.locked() or self.done():
             return False
         self._due_s = min(self._due_s, time.monotonic())
-        self._news.put(None)
+        self._wakeups.put(None)
         return True
 
     # -- used by Twin, Plan and window -----------------------------------------------------------
@@ -175,17 +175,17 @@ class TwinMotion:
         self._begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
 
     def watch(
-        self, check: Callable[[], None], check_there: Callable[[], None], sim_t: float, hw_t: float
+        self, check: Callable[[], None], check_present: Callable[[], None], sim_t: float, hw_t: float
     ) -> None:
         """Check both robots until the motion is sent to the hardware; an exception of a check ends the motion.
 
         Args:
             check: called just before the motion is sent to the hardware.
-            check_there: called continuously, because a robot that was away may have been replaced.
+            check_present: called continuously, because a robot that was away may have been replaced.
             sim_t: time at which the simulation was at rest (s, its own clock); a STOP since then ends the motion.
             hw_t: as `sim_t`, for the hardware.
         """
-        self._check_both, self._check_there = check, check_there
+        self._check_both, self._check_present = check, check_present
         self._stops = [StopEvents(self._sim, sim_t), StopEvents(self._hw, hw_t)]
 
     def hold(self) -> bool:
@@ -195,7 +195,7 @@ class TwinMotion:
     def end(self, why: BeatrixError) -> None:
         """Request that the motion ends with this error; only the first call has an effect."""
         self._end = self._end or why
-        self._news.put(None)
+        self._wakeups.put(None)
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
         """Send the motion to the simulation, call `begun`, and without lead send it to the hardware, too.
@@ -249,7 +249,7 @@ class TwinMotion:
             left_s = (self._due_s or 0.0) - time.monotonic()
             self._poll(max(0.001, min(left_s, POLL_S)))
             self._check_stopped()
-            self._check_there()
+            self._check_present()
             if left_s < -LATE_S:
                 raise Interrupted(
                     Reason.STOPPED,
@@ -273,13 +273,13 @@ class TwinMotion:
             )
         for begin in self._begins or ():
             begin.read()
-        there = [
+        arrived = [
             ended(robot, motion, limit_s if self._sent else 0.0) for robot, motion in self._begun.items()
         ]
         if not self._sent:
             with contextlib.suppress(queue.Empty):
-                self._news.get(timeout=limit_s)
-        return all(there)
+                self._wakeups.get(timeout=limit_s)
+        return all(arrived)
 
     def _raise_end(self) -> None:
         if self._end is not None:

@@ -94,7 +94,7 @@ class TwinState:
             except (Refused, NoAnswer):
                 may(robot.status(), seat)
 
-    def check_there(self) -> None:
+    def check_present(self) -> None:
         """Raise NoAnswer if a robot has no liveliness token; sends no query."""
         monitor = self._monitor
         if monitor is None:

@@ -24,7 +24,7 @@ GONE_S: Final = 5.0
 """Longest time without a heartbeat of a page that drives; then the robot is given back."""
 CLOSE_S: Final = 3.0
 """Time for sessions and subscriptions to close."""
-SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to go on."
+SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to continue."
 GONE: Final = "This page was silent for too long, so the robot was given back. Press Drive to take it again."
 TAKEN: Final = "The robot was handed over to {holder}. Press Drive to take it again."
 ENDED: Final = (
@@ -34,7 +34,7 @@ NAME_IN_USE: Final = (
     "Another page drives {robot} as {seat}, or waits for it. Type another name, then press Drive."
 )
 SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
-NOT_DRIVING: Final = "Press Drive first: you watch this robot."
+NOT_DRIVING: Final = "You only watch this robot: press Drive first."
 NO_ROBOT: Final = "There is no robot {name} at the router. Choose one of the list."
 
 

@@ -34,17 +34,17 @@ function send(message) {
 function connect() {
   socket = new WebSocket(`ws://${location.host}/live`);
   const opened = socket;
-  let greeted = false;
+  let answered = false;
   socket.onmessage = (event) => {
     if (opened !== socket) return;
-    greeted = true;
+    answered = true;
     receive(JSON.parse(event.data));
   };
   socket.onclose = (event) => {
-    letGo();
+    releaseButton();
     if (event.code === FULL) closedFor = text("trouble.full");
     else if (event.code > 4000) closedFor = text("trouble.closed");
-    else setTimeout(greeted ? connect : checkLogin, RETRY_MS);
+    else setTimeout(answered ? connect : checkLogin, RETRY_MS);
     show();
   };
 }
@@ -80,7 +80,7 @@ function report(control, ok, sentence) {
     place.hidden = ok;
     place.textContent = sentence;
   }
-  if (!ok && held?.dataset.part === control) letGo();
+  if (!ok && held?.dataset.part === control) releaseButton();
 }
 
 function beat() {
@@ -91,7 +91,7 @@ function beat() {
 // -- STOP ------------------------------------------------------------------------------------------
 
 function stop() {
-  letGo();
+  releaseButton();
   const robot = state?.robot?.robot;
   if (!robot) return;
   const message = { do: "stop", robot, stop: crypto.getRandomValues(new Uint32Array(2)).join("-") };
@@ -110,8 +110,8 @@ function showStop(ok, sentence) {
 
 // -- holding buttons -------------------------------------------------------------------------------
 
-function take(button) {
-  letGo();
+function pressButton(button) {
+  releaseButton();
   if (!state?.you.drives) {
     report(button.dataset.part, false, text("drive.first"));
     return;
@@ -124,7 +124,7 @@ function take(button) {
   beat();
 }
 
-function letGo() {
+function releaseButton() {
   if (!held) return;
   held.classList.remove("held");
   held = null;
@@ -132,7 +132,7 @@ function letGo() {
 }
 
 function hide() {
-  letGo();
+  releaseButton();
   send({ do: "hidden" });
 }
 
@@ -250,9 +250,9 @@ function jogButton(part, sign) {
   button.onpointerdown = (event) => {
     if (event.button) return;
     button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
-    take(button);
+    pressButton(button);
   };
-  button.onpointerup = button.onpointercancel = button.onlostpointercapture = letGo;
+  button.onpointerup = button.onpointercancel = button.onlostpointercapture = releaseButton;
   button.oncontextmenu = (event) => event.preventDefault();
   return button;
 }
@@ -311,7 +311,7 @@ function drive() {
   const { you } = state ?? { you: {} };
   report("drive", true, "");
   if (you.drives || you.waits) {
-    letGo();
+    releaseButton();
     send({ do: "leave" });
     return;
   }
@@ -331,7 +331,7 @@ function keys(event) {
   const button = named ?? (event.key === "Enter" && event.target.dataset?.part ? event.target : null);
   if (!button) return;
   event.preventDefault();
-  if (event.type === "keyup") { if (held === button) letGo(); } else if (!event.repeat) take(button);
+  if (event.type === "keyup") { if (held === button) releaseButton(); } else if (!event.repeat) pressButton(button);
 }
 
 build();
@@ -345,7 +345,7 @@ byId("robots").onchange = (event) => {
 };
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);
-addEventListener("blur", letGo);
+addEventListener("blur", releaseButton);
 addEventListener("pagehide", hide);
 document.addEventListener("visibilitychange", () => { if (document.hidden) hide(); });
 setInterval(beat, BEAT_MS);

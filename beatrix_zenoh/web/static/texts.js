@@ -37,7 +37,7 @@ export const TEXTS = {
   "drive.wait": "Wait for it",
   "drive.leave": "Give back",
   "drive.cancel": "Do not wait",
-  "drive.first": "Press Drive first: you watch this robot.",
+  "drive.first": "You only watch this robot: press Drive first.",
 
   "command.ready": "Make ready",
   "command.ready.tip": "Set the head upright and straight ahead first. Then switch the motors on and declare home.",
