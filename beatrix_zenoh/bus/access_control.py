@@ -46,7 +46,7 @@ class Grant:
     tokens: tuple[str, ...] = ()
     watches: tuple[str, ...] = ()
     admin: bool = False
-    """Whether it may read the admin space."""
+    """Whether the account may read the admin space."""
 
 
 def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:

@@ -32,11 +32,11 @@ class RouterAccess:
     first: str = ""
     """endpoint of the first router if this is the second; otherwise empty"""
     account: tuple[str, str] = field(default=("", ""), repr=False)
-    """user name and password of this router at the first"""
+    """user name and password with which this router connects to the first router"""
     routers: list[str] = field(default_factory=list)
     """common names of certificates of routers"""
     rates: Mapping[str, float] = field(default_factory=dict)
-    """largest rate (Hz) at which a session receives these keys"""
+    """largest rate (Hz) at which a session receives publications of each of these keys"""
 
 
 def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:

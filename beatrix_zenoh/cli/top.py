@@ -39,7 +39,7 @@ class Row(NamedTuple):
     silent_s: float | None
     driver: str
     lease: dict[str, object]
-    """as JSON"""
+    """holder, waiting seats, freeze and speed limit, as JSON"""
     problems: list[str]
 
 

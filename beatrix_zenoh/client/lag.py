@@ -8,9 +8,9 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
 
 MOVED_DEG = 0.5
-"""A robot has begun to move when an arm is this far from its start; both robots accelerate alike up to here."""
+"""Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
 SAME_CLOCK_NS = 50_000_000
-"""Monotonic clocks closer than this are the same clock: those of two computers differ by their times since boot."""
+"""Largest difference of readings of one monotonic clock; clocks of two computers differ by their times since boot."""
 
 
 class MotionBegin:

@@ -40,9 +40,9 @@ class Answer:
     """The board's answer: the program gets its first line at once, the others together with the last."""
 
     begun: bool = False
-    """the first line was written"""
+    """whether the first line was written"""
     damaged: bool = False
-    """the serial link has lost one of its lines"""
+    """whether the serial link has lost a line of the answer"""
     held: list[bytes] = field(default_factory=list)
 
     def add(self, text: bytes) -> list[bytes]:
@@ -78,7 +78,7 @@ class Line:
     sent_s: float | None = None
     """when it was sent to the board (s, monotonic clock); None: not sent"""
     refusal: tuple[bytes, ...] = ()
-    """the answer in place of the board's; empty: not refused"""
+    """the answer of this port instead of the board's; empty: the line was not refused"""
     cause: Cause | None = None
     answer: Answer = field(default_factory=Answer)
 

@@ -33,7 +33,7 @@ class LineQueue:
     # -- the program ----------------------------------------------------------------------------------
 
     def program_opened(self) -> None:
-        """Begin with another program, as if the board had just been reset."""
+        """Drop all lines of the program before, and begin as if the board had just been reset."""
         off = next((line for line in self._lines if switches_off(line)), None)
         if off is not None:
             self._lines.remove(off)

@@ -29,7 +29,7 @@ class TextLink:
     def __init__(self, board: Board) -> None:
         self._board = board
         self.openings = 0
-        """Number of times that the firmware has forgotten a program; earlier answers belong to no line."""
+        """Number of programs that the firmware has forgotten; answers from before the last one belong to no line."""
         self.zero_forgotten = False
         """The firmware has forgotten the program's zero without a request of the program."""
         self._lines_lost = False

@@ -33,4 +33,4 @@ class Language(NamedTuple):
     speed: str
     """speeds that would be accepted"""
     nothing: str
-    """no alternative was found"""
+    """sentence if no alternative was found"""

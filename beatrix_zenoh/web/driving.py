@@ -45,7 +45,7 @@ class Task:
 
     control: str
     work: Callable[[], str]
-    """sends it and returns a sentence; empty: nothing to report"""
+    """sends the request and returns a sentence; empty: nothing to report"""
 
 
 class Driver:

@@ -133,7 +133,7 @@ class Visitor:
     """A browser that is logged in; its pages share the cookie."""
 
     name: str
-    """proposed name of its seat"""
+    """name that the page proposes for the seat"""
     _stops: deque[str] = field(default_factory=lambda: deque(maxlen=STOPS_KEPT))
 
     def is_new_stop(self, stop: str) -> bool:

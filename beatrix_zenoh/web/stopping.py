@@ -29,7 +29,7 @@ class Press(NamedTuple):
     """A STOP to send; presses for one robot that wait are sent as one."""
 
     clients: Sequence[Client]
-    """sessions to send it through: the first that is connected, else the last"""
+    """sessions for sending: the first one that is connected is used, else the last"""
     robot: str
     reports: list[Report]
 

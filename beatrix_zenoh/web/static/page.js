@@ -23,7 +23,7 @@ let held = null; // the button that is held
 let press = 0;
 let closedFor = "";
 
-// -- to the server ---------------------------------------------------------------------------------
+// -- requests to the server ---------------------------------------------------------------------------------
 
 function send(message) {
   if (socket?.readyState !== WebSocket.OPEN) return false;
