@@ -5,8 +5,8 @@ with Robot("bea1", twin="sim") as robot:
     robot.calibrate()
     robot.look(yaw=20, pitch=-10)
 
-Each name is imported at its first use, so that a program that needs only one module, like the command line before it
-handles Ctrl-C, does not load all of them.
+Each name is imported at its first use, so that a program loads only the modules that it needs. The command line, for
+example, must handle Ctrl-C before it loads the others.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.errors import NoAnswer as NoAnswer
     from beatrix_zenoh.errors import Refused as Refused
 else:
-    HOMES = {
+    MODULES = {
         "BeatrixError": "errors",
         "CameraImage": "client.camera",
         "Interrupted": "errors",
@@ -57,11 +57,11 @@ else:
     }
 
     def __getattr__(name):
-        if name not in HOMES:
+        if name not in MODULES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         import importlib  # noqa: PLC0415 - not before it is needed
 
-        return getattr(importlib.import_module(f"{__name__}.{HOMES[name]}"), name)
+        return getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
 
     def __dir__():
-        return sorted({*globals(), *HOMES})
+        return sorted({*globals(), *MODULES})

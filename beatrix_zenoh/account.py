@@ -26,12 +26,12 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     """the seat, and the name of its own robot"""
     role: Role
     connect: str
-    """endpoints of the router and of the second one"""
+    """endpoints of the router and, if there is one, of the second router; separated by commas"""
     password: str = ""
     expires: dt.date | None = None
     """last day of the certificate"""
     authority: str = ""
-    """certificate (PEM) that the router's is checked with"""
+    """certificate (PEM) of the authority that has signed the certificate of the router"""
     certificate: str = ""
     key: str = ""
 
@@ -41,7 +41,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
 
     @property
     def robot(self) -> str:
-        """Default robot of its programs; empty: none."""
+        """Default robot of programs with this account; empty for the teacher, who has none."""
         return "" if self.role == "teacher" else self.name
 
     def text(self) -> str:
@@ -87,9 +87,7 @@ def joined() -> Path:
 def load(path: Path) -> Account:
     """Read an account file; raises WrongUsage (BAD_VALUE)."""
     try:
-        read = files.content(
-            path, LONGEST, called=str(path), form="an account file", nothing="no account is that long"
-        )
+        read = files.content(path, LONGEST, called=str(path), form="TOML", nothing="no account is that long")
         return parse(read.decode(), str(path))
     except (OSError, UnicodeDecodeError) as error:
         raise _wrong(str(path), str(error)) from error
@@ -110,5 +108,5 @@ def parse(text: str, called: str) -> Account:
 def _wrong(called: str, text: str) -> WrongUsage:
     return WrongUsage(
         Reason.BAD_VALUE,
-        f"{called} is no account file: {text}. `beatrix classroom init` writes one for each seat and robot.",
+        f"{called} is not an account file: {text}. `beatrix classroom init` writes one for each seat and robot.",
     )

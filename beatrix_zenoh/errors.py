@@ -1,4 +1,4 @@
-"""Errors of this package: a reason from the contract's table, a sentence for the user, and the same as data."""
+"""Errors of this package: a reason from the contract's table, a sentence for the user, and the data of the sentence."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Interrupted(BeatrixError):
 
 
 class NoAnswer(BeatrixError):
-    """No answer; `reason` says why: see docs/how-to/no-answer.md."""
+    """A request without an answer; `reason` is the cause: see docs/how-to/no-answer.md."""
 
 
 @contextmanager

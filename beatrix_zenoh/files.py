@@ -21,7 +21,7 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -> bytes:
     """Return the bytes of a file of at most `longest` bytes.
 
-    `called`: the file in an error message; `form`: its format; `nothing`: a sentence about files of that format.
+    `called`: name of the file in error messages; `form`: its format; `nothing`: end of the error about a longer file.
 
     Raises:
         OSError: the file cannot be read.
@@ -72,7 +72,7 @@ def private_file(text: str) -> Iterator[Path]:
 
 
 def toml_text(table: Mapping[str, object]) -> str:
-    """The table as TOML: texts, numbers, booleans and lists of texts on a line each, then the tables of these."""
+    """Return a table as TOML: first a line for each text, number, boolean and list of texts, then the inner tables."""
     lines, tables = [], []
     for key, value in table.items():
         name = key if BARE.fullmatch(key) else json.dumps(key)

@@ -13,7 +13,7 @@ PATTERN = re.compile(r"[a-z0-9-]{1,32}")
 TWINS = ("sim", "hw")
 EYES = ("left", "right")
 OUTSIDE = "outside"
-"""View of the simulated head from outside; of simulations only."""
+"""The camera that sees the simulated head from outside; only simulations have it."""
 VIEWS = (*EYES, OUTSIDE)
 """Names of all cameras."""
 TEACHER = "teacher"

@@ -29,7 +29,7 @@ class Settings:
     cameras: tuple[str, ...] = ()
     """`EYE=SOURCE`, as `beatrix hw --camera` takes them"""
     account: Account | None = None
-    """what proves to the router of a class whose program this is"""
+    """name and credentials for the router of a class; None: no account"""
 
 
 def resolve(robot: str | None = None, connect: str | None = None, who: str | None = None) -> Settings:
@@ -112,6 +112,6 @@ def _stored() -> dict[str, str]:
     if unknown or not all(isinstance(value, str) for value in table.values()):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each a text.",
+            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each a text value.",
         )
     return {field: str(value) for field, value in table.items()}

@@ -16,7 +16,7 @@ EVERYTHING = (
 )
 """All keys of BEATRIX: `**` matches no chunk that begins with @."""
 ADMIN_SPACE = "@/**"
-"""The router's own keys: its sessions and what each declares."""
+"""The router's own keys: its sessions and their declarations."""
 MESSAGES = {
     "puts": ("put",),
     "queries": ("query",),
@@ -46,14 +46,14 @@ class Grant:
     tokens: tuple[str, ...] = ()
     watches: tuple[str, ...] = ()
     admin: bool = False
-    """Whether it may read the admin space."""
+    """Whether the account may read the admin space."""
 
 
 def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:
     """Return Zenoh's section `access_control`: default deny, a subject and a policy for each account.
 
-    An account is a user name or the common name of a certificate; `routers` are common names of other routers, which
-    have checked their clients and may pass on everything.
+    An account is a user name or the common name of a certificate; `routers` are the common names of other
+    routers, which check their own clients and may pass on all messages.
     """
     subject = "cert_common_names" if by_certificate else "usernames"
     rules = [_rule("receive", ALL_MESSAGES, EVERYTHING, "egress"), _rule("admin", ("query",), (ADMIN_SPACE,))]
@@ -98,13 +98,13 @@ def _rule(name: str, kinds: tuple[str, ...], expressions: tuple[str, ...], *flow
 
 def downsampling(rates: Mapping[str, float]) -> list[dict[str, object]]:
     """Return Zenoh's section `downsampling`: at most this many publications a second of each key to each session."""
-    # The rate of one rule is shared by all keys that it matches: so one rule a key.
+    # All keys that match one rule share its rate, so each key needs its own rule.
     rules = [{"key_expr": key, "freq": rate} for key, rate in rates.items()]
     return [{"id": "rates", "messages": ["put"], "flows": ["egress"], "rules": rules}] if rules else []
 
 
 def low_pass_filter() -> list[dict[str, object]]:
-    """Return Zenoh's section `low_pass_filter`: limits of size for what a session sends."""
+    """Return Zenoh's section `low_pass_filter`: the largest messages that a session may send."""
     requests = {"messages": ["query"], "size_limit": LARGEST_REQUEST}
     messages = {"messages": ["put", "delete", "reply"], "size_limit": LARGEST_MESSAGE}
     return [

@@ -14,25 +14,34 @@ from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.files import private_file
 
 PROBE_S = 2.0
+_UNKNOWN = (
+    "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`"
+)
+_WRONG_ADDRESS = (
+    "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
+    "classroom init`"
+)
 ALERTS = {
-    "UNKNOWN_CA": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
-    "DECRYPT_ERROR": "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`",
+    "UNKNOWN_CA": _UNKNOWN,
+    "DECRYPT_ERROR": _UNKNOWN,
     "CERTIFICATE_EXPIRED": "this computer's certificate has expired, or a clock is wrong",
     "CERTIFICATE_REQUIRED": "it accepts only computers with a certificate",
 }
 """Causes by a part of OpenSSL's name for the alert that the router sends."""
-OURS = {
-    10: "its certificate has expired, or this computer's clock is wrong; `beatrix classroom init` there makes a new one",
-    62: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
-    64: "its certificate is for another address: correct `addresses` in class.toml and run `beatrix classroom init` there",
+ROUTER_ERRORS = {
+    10: "its certificate has expired (the teacher runs `beatrix classroom init`), or this computer's clock is wrong",
+    62: _WRONG_ADDRESS,
+    64: _WRONG_ADDRESS,
 }
 """Causes by OpenSSL's error code for the router's own certificate."""
-STRANGER = "its certificate is not of this class: it is another class's router, or the class was made anew"
+FOREIGN_ROUTER = (
+    "its certificate is not of this class: it is the router of another class, or all accounts were made again"
+)
 
 
 @dataclass(frozen=True, repr=False)
 class Identity:
-    """Certificate and private key (PEM), and the certificate of the authority that signs those of others."""
+    """Certificate and private key (PEM), and the certificate of the authority of the class."""
 
     authority: str
     certificate: str
@@ -75,18 +84,18 @@ def identity(account: Account) -> Identity:
 
 
 def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
-    """Return the error of a client that finds no router; in a class the teacher starts it."""
+    """Return the error of a client that finds no router; with an account it says that the teacher starts the router."""
     if account is None:
         return error
     return NoAnswer(
         error.reason,
         f"No router of class {account.class_name} at {account.connect}. The teacher starts it with `beatrix router --class "
-        "class.toml`. If it runs: is this computer in the same network, and does no firewall stand between?",
+        "class.toml`. If it runs, check that this computer is in the same network and no firewall blocks the port.",
     )
 
 
 def refusal(endpoint: str, account: Account | None) -> str:
-    """Return the sentence about a router that refuses this client: the causes, as far as Zenoh and TLS show them, and what to do."""
+    """Return the sentence about a router that refuses this client: causes that Zenoh and TLS show, and what to do."""
     if account is None:
         return (
             f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
@@ -96,10 +105,10 @@ def refusal(endpoint: str, account: Account | None) -> str:
         return _refused(
             endpoint,
             account,
-            "it does not know the account, or the password is wrong, because it is another class's router, it was "
-            "started before the account was made, or the class was made anew",
+            "it does not know the account, or the password is wrong: it is the router of another class, it was started "
+            "before the account was made, or all accounts were made again",
         )
-    causes = [_certificate_trouble(one, identity(account)) for one in endpoints(endpoint)]
+    causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
         filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
     )
@@ -111,7 +120,7 @@ def without_rights(endpoint: str, account: Account) -> str:
     return _refused(
         endpoint,
         account,
-        "it accepts the certificate and drops all messages, because the class has no seat or robot of this name any more, or "
+        "it accepts the certificate but drops all messages: the class has no seat or robot of this name any more, or "
         "the router was started before the account was made",
     )
 
@@ -123,7 +132,7 @@ def _refused(endpoint: str, account: Account, cause: str) -> str:
     )
 
 
-def _certificate_trouble(endpoint: str, own: Identity) -> str:
+def _certificate_error(endpoint: str, own: Identity) -> str:
     """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
     _, host, port = parse_endpoint(endpoint)
     context = ssl.create_default_context(cadata=own.authority)
@@ -136,7 +145,7 @@ def _certificate_trouble(endpoint: str, own: Identity) -> str:
         ):
             wrapped.recv(1)  # TLS 1.3 refuses a client's certificate after the handshake
     except ssl.SSLCertVerificationError as error:
-        return OURS.get(error.verify_code, STRANGER)
+        return ROUTER_ERRORS.get(error.verify_code, FOREIGN_ROUTER)
     except ssl.SSLError as error:
         reason = error.reason or ""
         return next(

@@ -15,12 +15,12 @@ PROTOCOLS = ("tcp", "tls")
 
 
 def endpoints(text: str) -> list[str]:
-    """The endpoints in a list such as `tcp/192.168.1.20:7447,tcp/192.168.1.21:7447`: router and second router."""
+    """Split a list of endpoints, those of the router and the second router: `tcp/10.0.0.2:7447,tcp/10.0.0.3:7447`."""
     return [endpoint.strip() for endpoint in text.split(",")]
 
 
 def probe(endpoint: str) -> None:
-    """Try to connect to an endpoint, or to the first of several that accepts; unlike Zenoh's error, this one explains the failure.
+    """Try to connect to one endpoint or one of several; unlike an error of Zenoh, the error explains the failure.
 
     Raises:
         NoAnswer: NO_ROUTER.
@@ -42,7 +42,7 @@ def _probe(endpoint: str) -> None:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
         listen = "" if endpoint == DEFAULT_ENDPOINT else f" --listen {endpoint}"
-        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` there"
+        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` on that computer"
         start = f"`beatrix router{listen}`" if is_local(endpoint) else remote
         raise NoAnswer(
             Reason.NO_ROUTER,
@@ -79,7 +79,7 @@ def parse_endpoint(endpoint: str) -> tuple[str, str, int]:
 
 
 def _resolvable(host: str) -> bool:
-    """Return whether a host name or address may be looked up: for `lab..local` the resolver would raise UnicodeError."""
+    """Return whether the resolver accepts a host name or address; for `lab..local` it would raise UnicodeError."""
     try:
         host.encode("idna")
     except UnicodeError:  # an empty label, a label of more than 63 letters, or bytes that are not text

@@ -33,7 +33,7 @@ def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
 
 
 def intersects(one: str, other: str) -> bool:
-    """Return whether a key matches both key expressions, which may contain `*` and `**`."""
+    """Return whether any key matches both key expressions, which may contain `*` and `**`."""
     return zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
 
 

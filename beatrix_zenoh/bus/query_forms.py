@@ -47,7 +47,7 @@ class RawQuery:
 
     @property
     def binary(self) -> bool:
-        """Whether the query is msgpack, and so is its reply; the reply to any other query is JSON text."""
+        """Whether the query is msgpack; the reply is then msgpack, too, otherwise JSON text."""
         return self.encoding.startswith(codec.MSGPACK)
 
     def answer(self, message: msgspec.Struct) -> tuple[bytes, str]:
@@ -90,7 +90,7 @@ def read(raw: RawQuery, kind: type[M]) -> M:
 
 
 def read_motion_or_pose(raw: RawQuery) -> MotionQuery | PoseQuery:
-    """Decode a query that may be either, which its field names show; raises the errors of `read`."""
+    """Decode a motion or a pose, depending on the names of its fields; raises the errors of `read`."""
     _check_length(raw)
     if raw.payload and not raw.binary and not raw.payload.lstrip().startswith(b"{"):
         raise Refused(
@@ -110,7 +110,7 @@ def _check_length(raw: RawQuery) -> None:
 
 
 def usage(kind: type[msgspec.Struct]) -> str:
-    """Return how to write a request of this kind at a command line."""
+    """Return a sentence that explains the forms of a request of this kind."""
     if kind is MotionQuery:
         return (
             "Send words `x y z [speed | sx sy sz] [relative]`, parameters `?x=0.1;y=0;z=0;speed=0.5;absolute=true` (or "
@@ -227,7 +227,7 @@ def _nested(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
 
 
 def _number(text: str) -> float | str:
-    """Convert a text to its number; return other text as it is, which the decoder refuses with the field's name."""
+    """Convert a number; return any other text unchanged: the decoder refuses it with the name of the field."""
     return float(text) if _NUMBER.fullmatch(text) else text
 
 

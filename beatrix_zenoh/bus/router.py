@@ -1,4 +1,4 @@
-"""The router: all clients and nodes meet here."""
+"""The router, to which all clients and nodes connect."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from beatrix_zenoh.files import private_file
 
 
 @dataclass(frozen=True)
-class Guard:
+class RouterAccess:
     """Accounts of a router, and the messages that each may send."""
 
     grants: list[Grant]
     passwords: Mapping[str, str] = field(default_factory=dict, repr=False)
-    """of each account; empty: accounts have certificates"""
+    """password of each account; empty: accounts have certificates"""
     identity: Identity | None = None
-    """certificate of this router; needed for certificates and for a second router"""
+    """certificate and key of this router; None: accounts have passwords, and there is no second router"""
     link: str = ""
-    """endpoint at which this router waits for the second one"""
+    """endpoint at which this router accepts the second router; empty: none"""
     first: str = ""
-    """endpoint of the first router, if this is the second"""
+    """endpoint of the first router if this is the second; otherwise empty"""
     account: tuple[str, str] = field(default=("", ""), repr=False)
-    """user name and password of this router at the first"""
+    """user name and password with which this router connects to the first router"""
     routers: list[str] = field(default_factory=list)
     """common names of certificates of routers"""
     rates: Mapping[str, float] = field(default_factory=dict)
-    """largest rate (Hz) at which a session receives these keys"""
+    """largest rate (Hz) at which a session receives publications of each of these keys"""
 
 
-def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
+def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:
     """Open a router, to which nodes and clients connect. Close the session to end it.
 
-    Without a guard every program that reaches the router may send everything.
+    Without `access` every program that reaches the router may send everything.
 
     Raises:
         WrongUsage: BAD_VALUE, `listen` is not an endpoint of this computer.
@@ -51,8 +51,8 @@ def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
     if not is_local(listen):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"Cannot listen at {listen}: that is another computer. A router can listen at 127.0.0.1 (for this computer "
-            "only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
+            f"Cannot listen at {listen}: this is the address of another computer. A router can listen at 127.0.0.1 "
+            "(for this computer only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
         )
     os.environ.setdefault(*RUNTIME)
     settings: dict[str, object] = {
@@ -66,37 +66,37 @@ def open_router(listen: str, guard: Guard | None = None) -> zenoh.Session:
         "transport/unicast/accept_timeout": LEASE_MS,
     }
     trouble = f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
-    if guard is None:
+    if access is None:
         return opened(settings, lambda: trouble)
-    settings |= _guarded(guard)
-    if guard.link:
-        settings["listen/endpoints"] = [*endpoints(listen), guard.link]
+    settings |= _access_settings(access)
+    if access.link:
+        settings["listen/endpoints"] = [*endpoints(listen), access.link]
     with contextlib.ExitStack() as stack:
-        if guard.passwords:  # Zenoh reads the file once, while the router opens
-            lines = (f"{account}:{password}\n" for account, password in guard.passwords.items())
+        if access.passwords:  # Zenoh reads the file once, while the router opens
+            lines = (f"{account}:{password}\n" for account, password in access.passwords.items())
             path = stack.enter_context(private_file("".join(lines)))
             settings["transport/auth/usrpwd/dictionary_file"] = str(path)
         return opened(settings, lambda: trouble)
 
 
-def _guarded(guard: Guard) -> dict[str, object]:
+def _access_settings(access: RouterAccess) -> dict[str, object]:
     settings: dict[str, object] = {
         "access_control": access_control(
-            guard.grants, by_certificate=not guard.passwords, routers=guard.routers
+            access.grants, by_certificate=not access.passwords, routers=access.routers
         ),
-        "downsampling": downsampling(guard.rates),
+        "downsampling": downsampling(access.rates),
         "low_pass_filter": low_pass_filter(),
     }
-    if guard.identity is not None:
-        settings["transport/link/tls"] = tls(guard.identity, listens=True)
-    if guard.first:
+    if access.identity is not None:
+        settings["transport/link/tls"] = tls(access.identity, listens=True)
+    if access.first:
         settings |= {
-            "connect/endpoints": [guard.first],
+            "connect/endpoints": [access.first],
             "connect/timeout_ms": 0,
             "connect/exit_on_failure": False,
             "connect/retry": {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2},
         }
-        user, password = guard.account
+        user, password = access.account
         if password:
             settings |= {"transport/auth/usrpwd/user": user, "transport/auth/usrpwd/password": password}
     return settings

@@ -1,6 +1,6 @@
 """A session: queries, queryables, publications, subscriptions, liveliness tokens.
 
-Callbacks run on Zenoh's thread and must return at once; a slow one would stop the whole session.
+Callbacks run on Zenoh's thread and must return at once; a slow callback would stop the whole session.
 Congestion control is DROP everywhere, so that a frozen subscriber does not delay the others.
 """
 
@@ -37,16 +37,16 @@ CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionCon
 
 
 class Incoming:
-    """A query to answer; call `finish` in the end, otherwise the client waits until its timeout."""
+    """A query to answer; call `finish` at the end, otherwise the client waits until its timeout."""
 
     def __init__(self, query: zenoh.Query) -> None:
-        # Read only the key: in a flood of queries most are replaced before they are decoded.
+        # Only the key is read here: in a flood of queries, newer ones replace most of them before they are decoded.
         self._query = query
         self.key = str(query.key_expr)
 
     @cached_property
     def raw(self) -> RawQuery:
-        """Payload, encoding and parameters; first read them before `finish`."""
+        """Payload, encoding and parameters; the first access must come before `finish`."""
         payload, encoding = self._query.payload, self._query.encoding
         return RawQuery(
             payload=b"" if payload is None else payload.to_bytes(),
@@ -111,7 +111,7 @@ class Publication:
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
 
     def put(self, payload: bytes, attachment: bytes | None = None) -> None:
-        """Publish; dropped for a subscriber that cannot keep up."""
+        """Publish; Zenoh drops the message for a subscriber that cannot keep up."""
         with contextlib.suppress(zenoh.ZError):  # the session may be closing
             self._publisher.put(payload, attachment=attachment)
 
@@ -138,7 +138,7 @@ class Bus:
 
         def undeclare() -> None:
             if declaration not in self._declarations:
-                return  # called before, or after close
+                return  # it was called before, or the session is closed
             index = self._declarations.index(declaration)
             del self._declarations[index]
             with contextlib.suppress(zenoh.ZError):  # the session may be closing
@@ -149,8 +149,8 @@ class Bus:
     def renew(self) -> None:
         """Open a new session in place of this one and repeat all declarations.
 
-        Queries that were sent through the old session and are not answered yet stay without reply. If this raises
-        NoAnswer, as `connect`, the old session remains.
+        Queries of the old session that are not answered yet get no reply. If this raises NoAnswer, as `connect` does,
+        the old session remains.
         """
         old, self._session = self._session, self._open_session()
         self._declared = [declaration(self._session) for declaration in self._declarations]
@@ -284,7 +284,7 @@ class Bus:
         )
 
     def router_passes(self, token: str) -> bool:
-        """Return whether the router has accepted a token of this session, and reports tokens to it.
+        """Return whether the router has accepted a token of this session and reports tokens to this session.
 
         Zenoh returns a session's own tokens from the session itself, and once more from the router.
         """
@@ -327,7 +327,7 @@ class Bus:
         return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
-        """Return name and twin of every node that serves or starts; the same twice after two networks were joined."""
+        """Return name and twin of every node that serves or starts; joined networks may have two nodes of one robot."""
         return _places(self.tokens(keys.claim(robot="*", twin="*", session="*")))
 
     def close(self) -> None:
@@ -359,11 +359,11 @@ def _places(tokens: list[str]) -> list[tuple[str, str]]:
 
 
 def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:
-    """Open a session as client of the router at `endpoint`, for example `tcp/127.0.0.1:7447`, or at one of several.
+    """Open a session as client of the router at an endpoint such as `tcp/127.0.0.1:7447`, or at one of several.
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
-        WrongUsage: BAD_VALUE, no endpoint, or the certificate of the account has expired.
+        WrongUsage: BAD_VALUE, `endpoint` is not an endpoint, or the certificate of the account has expired.
     """
     for one in endpoints(endpoint):
         parse_endpoint(one)
@@ -391,11 +391,15 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         try:
             return opened(settings, lambda: credentials.refusal(endpoint, account), Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
-            check_listening()  # a router that ends closes the connections that it has accepted
+            check_listening()  # a router that shuts down closes its connections: then it is lost, and not refusing
             if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
                 raise
             plain = account is not None and not account.password
-            other = " Or it runs without certificates: with passwords, or without a class." if plain else ""
+            other = (
+                " Or it does not use certificates: it has no class, or a class with passwords."
+                if plain
+                else ""
+            )
             raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
 
     return Bus(open_session, endpoint)

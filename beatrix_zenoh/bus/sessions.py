@@ -26,7 +26,7 @@ class Sessions:
 
     @property
     def control(self) -> Bus:
-        """The session of tokens and STOP."""
+        """The control session."""
         return self._open[CONTROL]
 
     def session(self, traffic: str) -> Bus:
@@ -56,7 +56,7 @@ class Sessions:
         return self.session(_row(key).publish).publication(key, encoding, on_subscribed)
 
     def close(self) -> None:
-        """Close all sessions, that of the tokens last. May be called twice."""
+        """Close all sessions, the control session last. May be called twice."""
         for traffic, bus in sorted(self.opened().items(), key=lambda entry: entry[0] == CONTROL):
             bus.close()
             if traffic != CONTROL:

@@ -20,13 +20,13 @@ WAIT_DROP_US = 20_000
 """Time after which a droppable message that cannot be sent is dropped; at the default of 1 ms a busy machine loses
 positions."""
 WAIT_CLOSE_US = 500_000
-"""Time after which the router disconnects a client that does not read its replies; at the default of 5 s one flooding
-client that ends delays the whole class for seconds."""
+"""Time after which the router disconnects a client that does not read its replies; at the default of 5 s, one
+flooding client that ends would delay the whole class for seconds."""
 RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 16), acc: (worker_threads: 16))")
-"""Numbers of the router's threads. A receiving thread (rx) that waits for a client that does not read delays all clients
-of that thread: with the default of three threads one flooding client cut robots off for seconds (measured). With the
-default of one accepting thread (acc) STOP waited up to 0.6 s while 150 half-open connections timed out; with 16 threads
-it waited 0.03 s (measured). Zenoh reads this variable once, at the first session."""
+"""Environment variable with the numbers of the router's threads. A receiving thread (rx) that waits for a client that
+does not read delays all clients of the same thread: with the default of three threads, one client disconnected robots for
+seconds (measured). With the default of one accepting thread (acc), STOP waited up to 0.6 s while 150 half-open connections
+timed out; with 16 threads it waited 0.03 s (measured). Zenoh reads the variable once, at the first session."""
 _FIELD = r"(?:worker_threads|max_blocking_threads)\s*:\s*0*[1-9]\d{0,3}|handover\s*:\s*(?:app|acc|tx|rx|net)"
 _POOL = rf"(?:app|acc|tx|rx|net)\s*:\s*\(\s*(?:(?:{_FIELD})\s*(?:,\s*|(?=\))))*\)"
 RUNTIME_FORM = re.compile(

@@ -57,7 +57,7 @@ class SessionWatchdog:
 
 
 def reached(checked: Bus, through: Bus) -> bool:
-    """Return False if the router reports that no session serves the key of `checked`, True also if nothing is known."""
+    """Return False if the router reports that no session serves the key of `checked`; True otherwise, or if unknown."""
     if not (through.connected and checked.connected):
         return True
     query = through.query(f"{checked.served}?{HEALTH}")

@@ -21,7 +21,8 @@ h1 {{ font-size: 18pt; margin: 0; }} p {{ margin: 0.15cm 0; }} svg {{ width: 7.4
 """
 CARD = """<article><h1>{name}</h1><p>{role} in class {class_name}{teacher}</p>
 <p>Router {router}</p>{code}
-<p>Copy {name}.toml to this computer, or save the text of the code under this name. Then: <code>beatrix join {name}.toml</code></p>
+<p>Copy {name}.toml to this computer, or save the text of the code under this name.
+Then run: <code>beatrix join {name}.toml</code></p>
 </article>
 """
 

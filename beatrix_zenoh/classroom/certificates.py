@@ -13,9 +13,9 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from beatrix_zenoh.bus.credentials import Identity
 
 BEGIN = dt.datetime(2020, 1, 1, tzinfo=dt.UTC)
-"""Certificates are valid from here on, so that a robot without a clock's battery is accepted, too."""
+"""First day of all certificates: long ago, so that they are also valid for a computer whose clock has no battery."""
 AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
-"""Validity: of the authority ten years, of an account a school year and its holidays."""
+"""Validity of the authority (ten years), and of an account (a school year and its holidays)."""
 RENEW_DAYS = 60
 """`init` replaces certificates that expire within this time."""
 LOOPBACK = ("127.0.0.1", "localhost")
@@ -73,7 +73,7 @@ class Authority:
         try:
             read = x509.load_pem_x509_certificate(certificate.encode())
             read.verify_directly_issued_by(self._certificate)
-        except Exception:  # noqa: BLE001  # cryptography raises its own, and TypeError, for others' certificates
+        except Exception:  # noqa: BLE001  # cryptography raises many errors for foreign certificates
             return False
         return read.not_valid_after_utc > _in_days(RENEW_DAYS)
 
@@ -99,7 +99,7 @@ def _name(text: str) -> x509.Name:
 
 
 def _alternative(address: str) -> x509.GeneralName:
-    """The address as clients compare it: IP addresses as such, all else as a name."""
+    """Return an address in the form that clients compare: an IP address, or a name."""
     host = address.strip("[]")
     try:
         return x509.IPAddress(ipaddress.ip_address(host))

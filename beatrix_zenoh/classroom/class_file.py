@@ -42,7 +42,7 @@ class Classroom:
 
     name: str
     addresses: tuple[str, ...]
-    """of the router, as seats and robots reach it"""
+    """addresses at which seats and robots reach the router"""
     seats: tuple[str, ...]
     robots: tuple[str, ...]
     certificates: bool
@@ -92,7 +92,7 @@ def read(path: Path) -> Classroom:
     """Read a class file and check it.
 
     Raises:
-        WrongUsage: BAD_VALUE, with the field and what it may hold.
+        WrongUsage: BAD_VALUE, with the field and its allowed values.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -103,7 +103,7 @@ def read(path: Path) -> Classroom:
     if not 1 <= count <= SEATS_MAX:
         raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
     if not file.addresses:
-        raise wrong(path, 'addresses is empty: name the router\'s, for example ["192.168.1.20"]')
+        raise wrong(path, 'addresses is empty: give the address of the router, for example ["192.168.1.20"]')
     if not 0.1 <= file.router.pictures_hz <= 60:
         raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
     seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else file.seats
@@ -121,9 +121,7 @@ def read(path: Path) -> Classroom:
     )
     for endpoint in zbus.endpoints(f"{made.connect},{made.link or made.listen}"):
         zbus.parse_endpoint(endpoint)
-        if endpoint.startswith(
-            "tls/["
-        ):  # Zenoh 1.10 takes the brackets for a part of the name in the certificate
+        if endpoint.startswith("tls/["):  # Zenoh 1.10 compares the brackets, too, with the certificate
             raise wrong(path, f"{endpoint} cannot have a certificate: give an IPv4 address or a name instead")
     return made
 
@@ -138,15 +136,15 @@ def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
     if twice := [name for name, times in used.items() if times > 1]:
         raise wrong(
             path,
-            f"{', '.join(twice)} is used twice: give each seat and robot a different name, and none the name `{names.TEACHER}`",
+            f"{', '.join(twice)} is used twice: give each seat and robot a name of its own, not `{names.TEACHER}`",
         )
 
 
 def wrong(path: Path, text: str) -> WrongUsage:
-    """The refusal of a file."""
+    """Return the error of a wrong class file."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
 
 
 def _host(address: str) -> str:
-    """The address as it stands in an endpoint: IPv6 in brackets."""
+    """Return an address as part of an endpoint: an IPv6 address in brackets."""
     return f"[{address}]" if ":" in address and not address.startswith("[") else address

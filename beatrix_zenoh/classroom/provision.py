@@ -17,9 +17,9 @@ from beatrix_zenoh.classroom.router_file import ROUTERS, RouterFile, load
 from beatrix_zenoh.errors import Refused, WrongUsage
 
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
-"""Letters of passwords: none that looks like another."""
+"""Characters of passwords, without those that look alike."""
 GROUPS, GROUP = 4, 4
-"""79 bits: too many to find a password from a recorded login."""
+"""Number of groups in a password, and characters in each: 79 bits, too many to find it from a recorded login."""
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
@@ -46,7 +46,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
         Refused: BAD_VALUE, a package is missing, or a file cannot be read or written.
     """
     try:
-        from beatrix_zenoh.classroom.cards import cards  # noqa: PLC0415  # of an extra
+        from beatrix_zenoh.classroom.cards import cards  # noqa: PLC0415  # segno is in an extra
     except ModuleNotFoundError as error:
         raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
     try:
@@ -66,11 +66,11 @@ def init(classroom: Classroom, folder: Path) -> Made:
 
 
 class _Signer:
-    """Signs certificates with the class's authority; its file is needed on the teacher's computer only."""
+    """Signs certificates with the authority of the class, whose file is needed on the teacher's computer only."""
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
         try:
-            from beatrix_zenoh.classroom.certificates import Authority, expiry  # noqa: PLC0415  # an extra
+            from beatrix_zenoh.classroom.certificates import Authority, expiry  # noqa: PLC0415  # in an extra
         except ModuleNotFoundError as error:
             raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
         path = folder / "authority.pem"
@@ -147,7 +147,7 @@ def _routers(
 
 
 def _link_password(folder: Path) -> str:
-    """Return the password of the second router at the first; an existing one stays, so that its file stays valid."""
+    """Return the password of the second router; an existing password is kept, so that the router's file stays valid."""
     path = folder / "router.toml"
     before = load(path).passwords if path.is_file() else {}
     return before.get(ROUTERS["standby"]) or _password()

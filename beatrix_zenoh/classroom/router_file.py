@@ -1,4 +1,4 @@
-"""File of a class's router, or of its second router: all that the router needs."""
+"""The file of a router, or second router, of a class, with all data that the router needs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.credentials import Identity
-from beatrix_zenoh.bus.router import Guard
+from beatrix_zenoh.bus.router import RouterAccess
 from beatrix_zenoh.classroom import rules
 from beatrix_zenoh.classroom.class_file import Classroom, read
 from beatrix_zenoh.errors import WrongUsage
@@ -32,7 +32,7 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
     robots: tuple[str, ...]
     pictures_hz: float
     link: str = ""
-    """where the router waits for the second one, and where that connects"""
+    """endpoint at which the first router accepts the second; empty: there is no second router"""
     authority: str = ""
     certificate: str = ""
     key: str = ""
@@ -47,11 +47,11 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
         head = f"# BEATRIX {self.role} of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
         return head + files.toml_text(msgspec.to_builtins(self))
 
-    def guard(self) -> Guard:
+    def access(self) -> RouterAccess:
         """Accounts and access rules."""
         first = self.link if self.role == "standby" else ""
         account = ROUTERS[self.role]
-        return Guard(
+        return RouterAccess(
             rules.grants(self.seats, self.robots),
             passwords=self.passwords,
             identity=Identity(self.authority, self.certificate, self.key) if self.key else None,
@@ -69,7 +69,7 @@ def folder(path: Path, classroom: Classroom) -> Path:
 
 
 def load(path: Path) -> RouterFile:
-    """Read a router's file, or that of the class whose class file `path` is.
+    """Read a router file or, if `path` is a class file, the router file of that class.
 
     Raises:
         WrongUsage: BAD_VALUE, it cannot be read, or the class file has changed since `beatrix classroom init`.
@@ -86,7 +86,7 @@ def load(path: Path) -> RouterFile:
         try:
             return msgspec.convert(table, RouterFile)
         except msgspec.ValidationError as error:
-            raise _wrong(f"{path} is no file of a router: {error}.") from error
+            raise _wrong(f"{path} is not a router file: {error}.") from error
     classroom = read(path)
     made = folder(path, classroom) / "router.toml"
     init = f"`beatrix classroom init {path}`"
@@ -96,7 +96,7 @@ def load(path: Path) -> RouterFile:
     known = (file.listen, file.link, file.seats, file.robots, file.pictures_hz)
     if known != (classroom.listen, classroom.link, classroom.seats, classroom.robots, classroom.pictures_hz):
         raise _wrong(
-            f"{path} has changed since the accounts were made. Run {init} again; it keeps what is there."
+            f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )
     return file
 

@@ -10,7 +10,7 @@ ANY = "*"
 STOPS = (keys.stop(ANY, ANY), keys.stop(ANY, ANY).replace(f"{ANY}/{ANY}", "**"))
 """STOP of one robot and of all; no other key ends with this chunk."""
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
-LOOKS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
+READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
 """Queries that change nothing."""
 TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
 
@@ -25,12 +25,12 @@ def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
 
 
 def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
-    """Grant to look at everything, stop every robot, serve the robot of this name, and query the keys `drives`."""
+    """Return the grant to read everything, stop every robot, serve the robot `name`, and query the keys `drives`."""
     own = f"{ROOT}/{name}/**"
     return Grant(
         name,
         puts=(own, *STOPS),
-        queries=(own, *LOOKS, *STOPS, *drives),
+        queries=(own, *READS, *STOPS, *drives),
         serves=(own,),
         subscribes=EVERYTHING[:1],
         tokens=tuple(_own_token(key, name) for key in TOKENS),
@@ -39,13 +39,13 @@ def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
 
 
 def student(seat: str, robots: tuple[str, ...]) -> Grant:
-    """Grant the rights of `account`, and to drive the robots of the class as this seat."""
+    """Return the grant of a student: that of `account`, and to drive the robots of the class under this seat."""
     scenes = tuple(keys.target(robot) for robot in robots)
     return account(seat, (*(_commands(robot, seat) for robot in robots), *scenes))
 
 
 def teacher() -> Grant:
-    """Grant everything, and the admin space."""
+    """Return the grant of the teacher: all keys, and the admin space."""
     return Grant(names.TEACHER, *(EVERYTHING,) * 6, admin=True)
 
 

@@ -12,7 +12,7 @@ def main() -> None:
 
 
 def process(work: Callable[[], int]) -> None:
-    """Run `work`, which is all that this process does and returns its exit code; ends with SystemExit."""
+    """Run `work`, the whole task of this process, which returns the exit code; ends with SystemExit."""
     try:
         code = work()
         from beatrix_zenoh.shutdown import ignore_signals

@@ -21,7 +21,7 @@ DISTRIBUTION = "beatrix-zenoh"
 OUR_PACKAGES = ("sim_node", "hw_node", "gui")
 REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)")
 ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
-"""Part of the marker of a requirement that only Linux has, or only the other systems."""
+"""Part of the marker of a requirement for Linux only, or for all other systems only."""
 EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
 VIDEO_DEVICES = Path("/dev/v4l/by-path")
 SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
@@ -33,7 +33,7 @@ PROBE_S = 45.0
 
 
 class Finding(NamedTuple):
-    """A result of one check: `todo` must be done, `advice` may be done; empty: nothing."""
+    """A result of one check; the user must do `todo` and may do `advice`, if they are not empty."""
 
     what: str
     found: str
@@ -51,7 +51,7 @@ class Finding(NamedTuple):
 
 
 def this_computer() -> Iterator[Finding]:
-    """Run all checks that need no network, but for `graphics_probe`."""
+    """Run all checks that need no network, except `graphics_probe`."""
     yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
     hidden = list(hidden_packages())
@@ -153,11 +153,11 @@ def graphics(child: subprocess.Popen[str]) -> Finding:
             "graphics", "not checked: the package sim_node does not start", advice='pip install ".[sim]"'
         )
     if name:
-        return Finding("graphics", f"OpenGL draws ({name})")
+        return Finding("graphics", f"OpenGL works ({name})")
     missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return Finding(
         "graphics",
-        "OpenGL does not draw: simulated eyes are drawn by ray casting, at a lower resolution",
+        "OpenGL does not work: simulated eyes are drawn by ray casting, at a lower resolution",
         advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
         if missing
         else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
@@ -167,7 +167,7 @@ def graphics(child: subprocess.Popen[str]) -> Finding:
 def serial_ports() -> Iterator[Finding]:
     """Findings about serial devices, and whether this user may open them."""
     if os.name == "nt":
-        return  # every user may open ports there, and their names do not show which is a board
+        return  # on Windows every user may open ports, and their names do not show which one is a board
     devices = sorted(device for pattern in SERIAL_DEVICES for device in Path("/dev").glob(pattern))
     if not devices:
         yield Finding("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")

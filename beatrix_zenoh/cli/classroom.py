@@ -32,13 +32,15 @@ def classroom(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER", help="Where to; else a folder of the class's name beside the class file."
+            metavar="FOLDER",
+            help="Folder for the files; default: a folder with the name of the class, beside the class file.",
         ),
     ] = None,
 ) -> None:
     """Make the accounts of a class. Writes a file for the router, each seat and each robot, and cards to print.
 
-    All files are for the teacher only, who gives each seat its own. A second time it keeps accounts and makes those that are new.
+    All files are for the teacher only, who gives each seat its own file. If repeated, it keeps existing accounts and
+    makes the new ones.
     """
     from beatrix_zenoh.classroom import class_file, provision, router_file
 
@@ -52,12 +54,12 @@ def classroom(
         standby = folder / "standby.toml"
         say(f"  on {described.standby}    beatrix router --class {standby.name}   (copy {standby} there)")
     say(
-        f"  to each computer   its file from {folder / 'seats'} or {folder / 'robots'}; there: beatrix join FILE"
+        f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
     say(f"  cards to print     {folder / 'cards.html'}")
     for path in made.left:
         note(
-            f"{path} is of no seat or robot of the class: the router does not accept it, and you can delete it."
+            f"{path}: the class has no seat or robot of this name, so the router refuses it. You can delete the file."
         )
 
 
@@ -72,7 +74,8 @@ def join(
 ) -> None:
     """Join a class. From then on all verbs and programs use its router, and this seat's account.
 
-    The account is for your user on this computer. BEATRIX_ACCOUNT=FILE uses another one, BEATRIX_ACCOUNT= none.
+    The account is for your user on this computer. BEATRIX_ACCOUNT=FILE uses another account,
+    and BEATRIX_ACCOUNT= (empty) uses none.
     """
     place = accounts.joined()
     if leave == (file is not None):
@@ -92,7 +95,7 @@ def join(
 
 
 def _check(account: Account) -> None:
-    """Say whether the router accepts the account now; before a lesson it may not run yet."""
+    """Print whether the router accepts the account now; before a lesson the router may not run yet."""
     try:
         zbus.connect(account.connect, account=account).close()
     except BeatrixError as error:

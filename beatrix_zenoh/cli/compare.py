@@ -150,7 +150,7 @@ def only_robot(path: Path, names: list[str], found: Recorded) -> str:
 
 
 def draw(path: Path, found: Comparison, title: str) -> None:
-    """Write the plot, completely or not at all; raises Refused if it cannot be drawn or written."""
+    """Write the plot, never a part of it; raises Refused if it cannot be drawn or written."""
     from beatrix_zenoh.cli.demo_files import replace_when_complete
 
     try:

@@ -121,13 +121,15 @@ def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
     bound_s = sim.clock_s + hw.clock_s
     if bound_s < UNCERTAIN_S:
         return []
-    return [f"The offset of the two clocks is known to ±{bound_s * 1e3:.1f} ms, and so is the lag."]
+    return [
+        f"The offset of the two clocks is known to ±{bound_s * 1e3:.1f} ms, so the lag has the same uncertainty."
+    ]
 
 
 def as_document(
     found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]
 ) -> Mapping[str, object]:
-    """The same for JSON: s, ms and deg as the names say; null if not measured."""
+    """Return a comparison for JSON; the names end with the unit (s, ms or deg). NaN (null in JSON): not measured."""
     return {
         "result": not exceeded,
         "message": lag_sentence(found),

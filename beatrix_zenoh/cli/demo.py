@@ -44,8 +44,8 @@ def demo(
 
     Starts a simulation and a second robot, which is the same firmware on a virtual board. Both nod, shake and look around.
     The demo records both, prints their differences, and opens the recording if there is a display (not with --gui,
-    which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements differ,
-    or if a file could not be written.
+    which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements differ
+    or a file could not be written.
     """
     from beatrix_zenoh.cli.demo_files import begin_recording
 
@@ -58,7 +58,7 @@ def demo(
             recording = begin_recording(supervisor, settings)
             good = present(twin, out, recording, as_json=as_json, show=not gui)
         if keep or window is not None:
-            supervisor.new_lines()  # not shown: the report contains what matters
+            supervisor.new_lines()  # drops the output so far: the report contains its results
             with end_on_interrupt():
                 note(advice(settings.connect, NEXT, supervisor.folder))
                 last = None if keep else window
@@ -126,7 +126,7 @@ def conclude(
 
 @contextmanager
 def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]]:
-    """A function that shows a step of the choreography: in a bar, or if stderr is not a terminal a line for each figure."""
+    """Yield a function that shows a step: in a bar or, if stderr is not a terminal, as a line for each figure."""
     with progress_bar("Calibrating", len(choreography.steps)) as bar:
         titles: list[str] = []
 

@@ -1,4 +1,4 @@
-"""The files of `beatrix demo`: table, plot, pictures and recording, each written completely or not at all."""
+"""The files of `beatrix demo`: table, plot, pictures and recording. A failure leaves no incomplete file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from beatrix_zenoh.settings import Settings
 
 RECORDING = "demo.rrd"
 SIDE_BY_SIDE = 1
-"""Tab of the recording that the picture shows."""
+"""Number of the viewer's tab that the picture shows."""
 PICTURE_S = 30.0
 HEAD_POSE = (-35.0, 4.0, 10.0)
 """Yaw, pitch and roll of the head in the picture, deg: it faces the camera."""

@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.compare import AxisDifference, Comparison, compare
 from beatrix_zenoh.recording.series import recording
 
 SETTLE_S = 0.5
-"""Time at rest that is measured before and after the movement."""
+"""Time at rest before and after the movement, s."""
 BUSY_FACTOR = 0.98
 """Simulated seconds per second; below this the computer was too busy for the simulation."""
 REST_DEG = 0.5
@@ -123,9 +123,9 @@ class Report(msgspec.Struct, frozen=True):
     result: bool
     message: str
     lag_ms: float
-    """hardware's set points behind the simulation's"""
+    """lag of the hardware's set points behind those of the simulation"""
     lag: str
-    """the same in a sentence, and motion by motion"""
+    """a sentence with the lag of the recording and of each motion"""
     axes: tuple[AxisDifference, ...]
     """hardware - simulation, deg; "after": each motion of the hardware is shifted by its own lag"""
     real_time_factor: float

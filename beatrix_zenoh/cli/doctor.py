@@ -32,7 +32,7 @@ def doctor(
         jog(Selection(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
-    with graphics_probe() as graphics:  # which runs meanwhile
+    with graphics_probe() as graphics:  # it runs in a process of its own during the checks
         found = list(network(settings))
         sections = [(settings.connect, found), ("this computer", [*this_computer(), graphics()])]
     findings = [finding for _, section in sections for finding in section]

@@ -53,9 +53,9 @@ def echo(
 ) -> None:
     """Print positions, status, events or pictures as they arrive. Degrees; ends with Ctrl-C or --count.
 
-    Events are requests, refusals, STOPs, changes of driver and board, and warnings; without --on those of both
-    simulation and robot. The last ten events, or --count of them, are printed first. For a picture the number, size and
-    age are printed.
+    Events are requests, refusals, STOPs, changes of driver and board, and warnings. Without --on, events of both
+    simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
+    size and source are printed.
     """
     with open_targets(Selection(name, connect, who), on, both=stream is Stream.EVENTS) as targets:
         robots = {robot.place: robot for robot in targets.robots()}

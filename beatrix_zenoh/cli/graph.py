@@ -81,7 +81,7 @@ def text(programs: Sequence[Program], endpoint: str) -> str:
 
 
 def drawing(programs: Sequence[Program], endpoint: str) -> str:
-    """Nodes to the left, clients to the right, an arrow for what a client subscribes to."""
+    """Return an SVG: nodes to the left, clients to the right, an arrow from each node to its subscribers."""
     nodes = [program for program in programs if program.robot is not None]
     clients = [program for program in programs if program.robot is None]
     left, left_end = _column(nodes, nodes, PAD_PX)
@@ -114,7 +114,7 @@ def drawing(programs: Sequence[Program], endpoint: str) -> str:
 def _column(
     programs: Sequence[Program], nodes: Sequence[Program], x: int
 ) -> tuple[dict[str, tuple[int, int]], int]:
-    """Place (px) of each program's box, and where the column ends."""
+    """Return the position of each program's box, and the lower end of the column, px."""
     places, y = {}, LINE_PX + PAD_PX
     for program in programs:
         places[program.title] = x, y

@@ -51,16 +51,16 @@ class Observation(NamedTuple):
 
 
 def jog(selection: Selection, *, as_json: bool) -> None:
-    """Turn one arm after the other, ask the user about each, and print what to do; exit code 1 unless it is nothing.
+    """Turn one arm after the other, ask the user about each, and print what to do; exit with code 1 if a plug is wrong.
 
     Raises:
-        Refused: the robot cannot move yet; the message says why.
+        Refused: the robot cannot move yet; the message gives the reason.
         WrongUsage: standard input has ended.
     """
     with open_targets(selection, Which.HW) as targets:
         (robot,) = targets.robots()
         try:
-            robot.move(0, 0, 0, relative=True)  # no arm turns: a robot that cannot move refuses this
+            robot.move(0, 0, 0, relative=True)  # turns no arm, but a robot that cannot move refuses it
         except Refused as error:
             if error.reason in (Reason.NOT_ENABLED, Reason.NOT_CALIBRATED):
                 raise Refused(error.reason, f"{error.message} Type: {PREPARE}.") from error
@@ -114,7 +114,7 @@ def ask_azimuth(known_deg: float) -> float:
     low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
     while True:
         words = read_answer(
-            "Where does the short arm point now, at home? Degrees from straight ahead, to the robot's left "
+            "Where does the short arm point now, at home? Degrees from straight ahead, positive to the robot's left "
             f"(the robot's own value is {known_deg:.6g}; a difference of less than {JOG_DEG:g} does not matter):"
         )
         try:
@@ -134,7 +134,7 @@ def read_answer(question: str) -> str:
         note("")
         raise WrongUsage(
             Reason.BAD_VALUE,
-            "The input ended before all questions were answered. Repeat it at a terminal within sight of the robot.",
+            "The input ended before all questions were answered. Repeat the command within sight of the robot.",
         )
     return line.strip().lower()
 
@@ -151,7 +151,7 @@ def replug(seen: list[Observation]) -> list[str]:
     if len(set(turned)) < len(turned):
         raise Refused(
             Reason.BAD_VALUE,
-            f"You saw {', '.join(turned)}: each arm turns once. Repeat it, and type none if no arm turns.",
+            f"You saw {', '.join(turned)}: each arm turns once. Repeat the command, and type none if no arm turns.",
         )
     unseen = [arm for arm in ARMS if arm not in turned]
     misplaced = [arm for arm in unseen if seen[ARMS.index(arm)].arm is not None]
@@ -188,5 +188,5 @@ def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[
         difference = "differently from the shipped robot. Write this into a file, and start"
     else:
         file = f"your robot file ({known_deg:.6g}°)"
-        difference = f"differently from {file}. Write this into it, and restart"
+        difference = f"differently from {file}. Write this into that file, and restart"
     return [f"Your arms are mounted {difference} hardware and simulation with --robot-file FILE:", line]

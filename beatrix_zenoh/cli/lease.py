@@ -24,7 +24,7 @@ from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 CHECK_S = 0.5
-"""Period of the check whether a lease goes on."""
+"""Period of the check whether a lease still exists, s."""
 
 
 class What(StrEnum):
@@ -69,7 +69,7 @@ def lease(
 
 
 def _hold(robots: Sequence[Robot]) -> None:
-    """Return never; raise Refused when the lease of a robot has ended, and NoAnswer when a robot is lost."""
+    """Wait until an error: Refused when the lease of a robot has ended, NoAnswer when a robot is lost."""
     pause = threading.Event()
     while not pause.wait(CHECK_S):
         for robot in robots:
@@ -110,7 +110,7 @@ def _number(text: str) -> float:
         return number("speed", float(text), "deg/s")
     except ValueError:
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is no speed: give deg/s, for example 20, or off."
+            Reason.BAD_VALUE, f"{text!r} is not a speed: give a number of deg/s, for example 20, or off."
         ) from None
 
 
@@ -123,7 +123,7 @@ def _govern(
     *,
     as_json: bool,
 ) -> None:
-    """Send a lease query (`speed` in rad/s) to all robots on line, or to those of the names; exit with the first failure's code."""
+    """Send a query (`speed` in rad/s) to all robots on line, or those `wanted`; exit with the first failure's code."""
     with Client(resolve(None, connect, who)) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]

@@ -107,7 +107,7 @@ def state(status: Status) -> str:
 def problems(status: Status | None) -> list[str]:
     """The fault and the warnings of a robot, in sentences."""
     if status is None:
-        return ["is on line but does not answer: it is frozen, or its connection is."]
+        return ["is on line but does not answer: its node or its connection is frozen."]
     if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
         return [*status.warnings, *lease_notes(status)]
     fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which this version does not know.")
@@ -115,7 +115,7 @@ def problems(status: Status | None) -> list[str]:
 
 
 def lease_notes(status: Status) -> list[str]:
-    """Return a sentence each: the teacher has frozen the robot, a seat has taken it, seats wait for it, its speed limit."""
+    """Return sentences about freeze, lease, waiting seats and speed limit."""
     notes = ["The teacher has frozen it."] if status.frozen else []
     if status.lease:
         notes.append(f"{status.holder} has taken it.")
@@ -155,7 +155,7 @@ def state_row(status: Status) -> dict[str, object]:
 
 
 def lease_row(status: Status) -> dict[str, object]:
-    """The seats that hold the robot or wait for it, and what the teacher has set, as JSON."""
+    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, as JSON."""
     return {
         "driver": status.holder,
         "lease": status.lease,
@@ -168,7 +168,7 @@ def lease_row(status: Status) -> dict[str, object]:
 def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Show versions, limits, commands and keys. A program in another language needs nothing else. Degrees."""
+    """Show versions, limits, commands and keys. Programs in other languages need only this. Angles are in degrees."""
     with open_targets(Selection(name, connect, who), on) as targets:
         infos = [robot.info() for robot in targets.robots()]
     if as_json:
@@ -224,7 +224,7 @@ def show_info(info: Info) -> None:
         f"{info.robot} ({info.twin}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
     )
     say(
-        f"limits: head tilts up to {limits['tilt_max']:g}°, turns up to {limits['yaw_max']:g}° either way; "
+        f"limits: head tilts up to {limits['tilt_max']:g}°, turns up to {limits['yaw_max']:g}° to each side; "
         f"arms stay {limits['gap_min']:g}° apart"
     )
     say(

@@ -21,7 +21,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 
-Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles instead of to them.")]
+Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles from the present position.")]
 Speed = Annotated[
     float | None, typer.Option(help="Top speed of the fastest arm, degrees/s; default: the robot's.")
 ]
@@ -63,7 +63,7 @@ def look(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Turn the head to yaw, pitch and roll. Degrees; angles not given are 0. Ctrl-C stops it."""
+    """Turn the head to yaw, pitch and roll. Angles are in degrees; those not given are 0. Ctrl-C stops the head."""
     query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
     check_lead(lead, on)
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
@@ -84,7 +84,7 @@ def move(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Turn the three arms. Degrees from home, counter-clockwise from above positive. Ctrl-C stops them."""
+    """Turn the three arms. Angles are in degrees from home, positive counter-clockwise. Ctrl-C stops the arms."""
     query = motion_query(short, middle, long, relative=relative, speed=arm_speed(speed))
     check_lead(lead, on)
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
@@ -126,7 +126,7 @@ def check_lead(lead: float, on: Which | None) -> None:
 def carry_out(
     targets: Targets, query: MotionQuery | PoseQuery, lead_s: float, *, no_wait: bool, as_json: bool
 ) -> None:
-    """Carry out a motion on the robots selected and print where they are; a motion of both is previewed first."""
+    """Carry out a motion on the robots selected and print their positions; a motion of both is previewed first."""
     robots = targets.robots()
     if len(robots) > 1 and no_wait:
         raise typer.BadParameter("--no-wait needs one robot: use --on sim or --on hw.")
@@ -173,7 +173,7 @@ def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> N
 
 
 def count_down(plan: Plan, lead_s: float) -> None:
-    """Carry out a plan with a lead, and print once a second how long the hardware still waits; Ctrl-C cancels as `Plan.abort`."""
+    """Carry out a plan with a lead, and print the remaining lead each second; Ctrl-C cancels like `Plan.abort`."""
     motion = plan.commit(lead_s, wait=False)
     try:
         while not (motion.hardware_sent or motion.done()):
@@ -193,7 +193,7 @@ def count_down(plan: Plan, lead_s: float) -> None:
 
 
 def cancelled(motion: TwinMotion) -> str:
-    """Cancel a motion and return where both robots are; empty if it had ended."""
+    """Cancel a motion and return a sentence with the positions of both robots; empty if the motion had ended."""
     if not motion.cancel():
         return ""
     with contextlib.suppress(TimeoutError):
@@ -203,7 +203,7 @@ def cancelled(motion: TwinMotion) -> str:
 
 @contextlib.contextmanager
 def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
-    """On Ctrl-C in this block stop the robots and print where they are at rest."""
+    """On Ctrl-C in this block, stop the robots and print their positions at rest."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

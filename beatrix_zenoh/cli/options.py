@@ -19,10 +19,10 @@ class Which(StrEnum):
 
 
 def finite(value: float) -> float:
-    """The value of an option; raises BadParameter for NaN and infinity, which typer's bounds accept."""
+    """Return the value of an option; raises BadParameter for NaN and infinity, because typer's bounds accept both."""
     if math.isfinite(value):
         return value
-    raise typer.BadParameter(f"{value:g} is not a finite number: give one, for example 5.")
+    raise typer.BadParameter(f"{value:g} is not a finite number: give a number such as 5.")
 
 
 Name = Annotated[

@@ -21,7 +21,7 @@ CODES = {
     Reason.NODE_LOST: 9,
     Reason.NODE_FROZEN: 10,
 }
-"""Exit codes of requests without an answer, a code for each cause; docs/reference/exit-codes.md explains them."""
+"""Exit codes of requests without an answer, one for each cause; docs/reference/exit-codes.md explains the codes."""
 STDOUT = 1
 GAP = "  "
 

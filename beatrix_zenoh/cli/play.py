@@ -20,7 +20,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 
 MANY = 1000
-"""A note is printed before more poses are checked, because that takes seconds."""
+"""Number of poses above which a note is printed before the check, which then takes seconds."""
 
 
 def play(
@@ -83,7 +83,7 @@ def check(found: Choreography, robots: list[Robot]) -> None:
 
 
 def play_both(targets: Targets, found: Choreography, lead: float, *, lockstep: bool) -> None:
-    """Play the choreography on both robots; each pose is previewed before."""
+    """Play the choreography on both robots; each pose is previewed first."""
     settings = targets.client.settings
     with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
         perform(twin, found, progress(found), lead_s=lead, lockstep=lockstep)

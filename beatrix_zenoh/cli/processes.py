@@ -19,14 +19,14 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.shutdown import SIGNALS
 
 READY_S = 20.0
-"""Time to start: a busy computer that imports MuJoCo for the first time may need it."""
+"""Time to start, s; a busy computer that imports MuJoCo for the first time may need all of it."""
 END_S = 4.0
-"""Time to end: a node stops its robot first. Then it is killed."""
+"""Time to end, s, because a node stops its robot first; after this time the child is killed."""
 POLL_S = 0.02
 LAST_LINES = 5
-"""Lines of output that are shown of a child that has failed."""
+"""Number of lines that are shown of the output of a failed child."""
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-"""Flag of Windows for what is `process_group` on other systems."""
+"""Flag of Windows that corresponds to `process_group` on other systems."""
 
 
 class Child:
@@ -103,7 +103,7 @@ class Supervisor:
         self.children: list[Child] = []
 
     def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`. `may_end`: after it was ready, its end is not a failure."""
+        """Start `beatrix …`; wait for it with `wait_ready`. With `may_end` it may end after it was ready."""
         child = Child(title, arguments, self.folder / f"{title}.log", may_end=may_end)
         self.children.append(child)
         return child
@@ -174,7 +174,7 @@ class Supervisor:
         with signals_ignored():
             try:
                 if isinstance(error, BeatrixError):
-                    self.check()  # the end of a child is the cause of the client's error
+                    self.check()  # if a child has ended, that is the cause of the error
             finally:
                 self.end()
 

@@ -38,7 +38,7 @@ File = Annotated[
 
 
 def rotation(minutes: float) -> float:
-    """The value of --rotate; raises BadParameter unless it is 0 or long enough for a file."""
+    """Return the value of --rotate; raises BadParameter unless it is 0 or at least SHORTEST_MIN."""
     if finite(minutes) == 0 or minutes >= SHORTEST_MIN:
         return minutes
     raise typer.BadParameter(
@@ -80,7 +80,7 @@ class RecordingOptions:
     seconds: float
     """0: until Ctrl-C"""
     rotate_s: float
-    """length of each file; 0: one file"""
+    """length of each file, s; 0: one file"""
     cameras_hz: float
     """pictures of each eye a second; 0: none"""
     viewer_port: int | None
@@ -105,7 +105,7 @@ def record(
     """Record robots for the Rerun viewer.
 
     The recording contains arms and heads of simulation and robot on one time line, their difference, states, requests,
-    refusals and pictures. Robots may start and end meanwhile. `beatrix view FILE.rrd` shows it.
+    refusals and pictures. Robots may start and end during the recording. `beatrix view FILE.rrd` shows it.
     """
     if motion:
         selection = Selection(name[0] if name else None, connect, who)
@@ -161,7 +161,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
 
 
 def viewer_if_possible(port: int) -> Viewer | None:
-    """Start a viewer unless one is open; if that fails print a note and return None."""
+    """Start a viewer and return it; return None if one is open already, or, after a note, if none can be started."""
     try:
         return open_viewer(port)
     except BeatrixError as error:

@@ -30,7 +30,7 @@ def read_recording(path: Path) -> Recorded:
 
 
 def note_if_incomplete(path: Path) -> None:
-    """Print a note if the end of a recording is missing: the file may not contain all that happened."""
+    """Print a note if the end of a recording is missing, because the last data may be missing, too."""
     if not complete(path):
         note(
             f"The end of {path} is missing: its recorder is still running, or was killed. "
@@ -65,7 +65,12 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
         unfinished.replace(path)
     finally:
         unfinished.unlink(missing_ok=True)
-    show_repaired(path, f"{path} is repaired. The damaged file is {kept}: delete it.", kept, as_json=as_json)
+    show_repaired(
+        path,
+        f"{path} is repaired. The damaged file is kept as {kept}; you can delete it.",
+        kept,
+        as_json=as_json,
+    )
 
 
 def show_repaired(path: Path, text: str, kept: Path | None, *, as_json: bool) -> None:

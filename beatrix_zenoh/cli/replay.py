@@ -29,7 +29,7 @@ RECORDING = ".rrd"
 PROGRESS_S = 5.0
 """Period of the progress notes if stderr is not a terminal."""
 LONG_S = 60.0
-"""A note is printed before a longer path is checked, because that takes seconds."""
+"""Length of a path, s, above which a note is printed before the check, which then takes seconds."""
 
 
 def replay(
@@ -94,10 +94,10 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
 
 
 def recorded_path(file: Path, name: str) -> ArmPath:
-    """The path of the robot of this name in a recording, else of the only robot; the simulation if it was recorded.
+    """Return the path of a robot in a recording: the one of this name, else the only one; the simulation if recorded.
 
     Raises:
-        Refused: it contains several robots, and none of this name.
+        Refused: the recording contains several robots, and none of this name.
     """
     from beatrix_zenoh.cli.recording_files import read_recording
     from beatrix_zenoh.recording.path import path_of_recording
@@ -141,7 +141,7 @@ def replay_both(targets: Targets, following: Following, passed: Callable[[float]
 
 @contextmanager
 def progress(duration_s: float) -> Iterator[Callable[[float], None]]:
-    """A function that shows the time passed: in a bar, or if stderr is not a terminal in a note every few seconds."""
+    """Yield a function that shows the time passed: in a bar or, if stderr is not a terminal, in notes."""
     next_s = 0.0
 
     def show_line(passed_s: float) -> None:

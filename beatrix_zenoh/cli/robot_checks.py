@@ -21,7 +21,7 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.settings import Settings
 
 OFFSET_S = 0.05
-"""A larger clock offset makes the times of two robots hard to compare."""
+"""Largest clock offset without advice, s; with a larger offset the times of two robots are hard to compare."""
 RATE_S = 0.6
 """Time over which the rate of positions is measured."""
 SLOW = 0.9
@@ -29,7 +29,7 @@ SLOW = 0.9
 
 
 def network(settings: Settings) -> Iterator[Finding]:
-    """Findings about router, account and robots; the first step that fails is the last."""
+    """Findings about router, account and robots; the checks end at the first step that fails."""
     try:
         client = Client(settings)
     except NoAnswer as error:
@@ -123,7 +123,7 @@ def contract(title: str, info: Info) -> Finding:
 
 
 def devices(name: str, status: Status) -> Iterator[Finding]:
-    """Findings about the board, if it is connected, otherwise the state says why it is not, and about the cameras."""
+    """Findings about cameras and a connected board; the finding about the state explains why no board is connected."""
     board = status.board
     if board.connected:
         yield Finding(name, f"board {board.name or 'without a name'} at {board.port}")

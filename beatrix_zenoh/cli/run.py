@@ -26,17 +26,17 @@ from beatrix_zenoh.cli.output import (
 from beatrix_zenoh.errors import BeatrixError, WrongUsage
 
 EXTRA_ARGUMENT = "Got unexpected extra argument"
-"""The beginning of typer's message about a word that belongs to no option."""
+"""The beginning of typer's message about a word without an option."""
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 USAGE_ERROR = cast("type[typer.BadParameter]", typer.BadParameter.__base__)
-"""The class that typer raises for all wrong usage; only this subclass of it is public."""
+"""Base class of all errors of typer about wrong usage; only its subclass BadParameter is public."""
 
 
 def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
     """Run the verb and return the exit code. Expected errors are printed; other exceptions propagate."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a terminal without a degree sign must not make a verb fail
+            stream.reconfigure(errors="replace")  # so that a verb works at a terminal without a degree sign
     try:
         return _invoke(app, words, program)
     except OSError as error:
@@ -91,7 +91,7 @@ def _check_repeated_options(command: object, words: Sequence[str]) -> None:
 
 
 def _with_options(error: typer.BadParameter) -> str:
-    """The message; for a value without an option (`beatrix hw /dev/ttyACM0`) with the options that take one."""
+    """Return the message; after a value without its option (`beatrix hw /dev/ttyACM0`) add the options with values."""
     if error.ctx is None or not error.message.startswith(EXTRA_ARGUMENT):
         return error.message
     named = [
@@ -112,5 +112,7 @@ def unwritten(error: OSError) -> int:
     if isinstance(error, BrokenPipeError):
         return UNREAD
     with contextlib.suppress(OSError):
-        note(f"Cannot write the result: {error.strerror}. Free some space, or write it elsewhere.")
+        note(
+            f"Cannot write the result: {error.strerror}. Free some space, or write the result to another disk."
+        )
     return FAILED

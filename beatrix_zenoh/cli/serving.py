@@ -26,7 +26,7 @@ def router(
         str | None,
         typer.Option(
             metavar="ENDPOINT",
-            help=f"Address that robots and programs connect to; else those of the class, or {DEFAULT_ENDPOINT}.",
+            help=f"Address that robots and programs connect to; default: those of the class, or {DEFAULT_ENDPOINT}.",
         ),
     ] = None,
     of_class: Annotated[
@@ -38,19 +38,19 @@ def router(
 ) -> None:
     """Run the router. Robots, simulations and programs connect to it.
 
-    Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program there may do
-    everything: in a network with others use --class, after `beatrix classroom init`.
+    Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program in the
+    network may do everything: in a network with other people use --class, after `beatrix classroom init`.
     """
-    guard = None
+    access = None
     if of_class is not None:
         from beatrix_zenoh.classroom import router_file
 
         file = router_file.load(of_class)
-        guard, listen = file.guard(), listen or file.listen
+        access, listen = file.access(), listen or file.listen
     listen = listen or DEFAULT_ENDPOINT
     shutdown = Shutdown()
     shutdown.handle_signals()
-    session = zbus.open_router(listen, guard)
+    session = zbus.open_router(listen, access)
     try:
         say(f"ready {listen}")
         shutdown.wait()

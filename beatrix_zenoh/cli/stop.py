@@ -22,9 +22,10 @@ from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve_valid
 
 SILENT = {
-    Reason.NODE_FROZEN: "did not answer and publishes no positions: it is frozen, or its connection is. Switch its power off "
-    "if it moves.",
-    Reason.TIMED_OUT: "did not answer, but publishes positions: it is very busy. Press again; switch its power off if it moves.",
+    Reason.NODE_FROZEN: "did not answer and publishes no positions: its node or its connection is frozen. Switch its "
+    "power off if it moves.",
+    Reason.TIMED_OUT: "did not answer, but publishes positions: it is very busy. Send STOP again; switch its power "
+    "off if it moves.",
 }
 ALL = "*"
 
@@ -67,9 +68,9 @@ def stop(
     on: Annotated[list[Which] | None, typer.Option("--on", help="sim or hw; default: both.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Stop robots at once, whichever seat drives. Stops robot and simulation of a name; without a name every robot.
+    """Stop robots at once, even if another seat drives. Stops robot and simulation of a name, by default all robots.
 
-    If a name is wrong or not on line, the others are stopped nevertheless.
+    If one name is wrong or not on line, the other robots are stopped nevertheless.
     """
     settings, wrong_settings = resolve_valid(connect=connect, who=who)
     asked, wrong_names = check_names(name or ())
@@ -83,7 +84,7 @@ def stop(
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings) as client:
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
-        present = client.robots()  # after sending STOP, and before a frozen robot loses its token
+        present = client.robots()  # STOP goes first; later a frozen robot would have lost its token
         found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
         deadline = time.monotonic() + STOP_S
         replies = dict(
@@ -99,7 +100,7 @@ def stop(
 
 @contextlib.contextmanager
 def noting(errors: Sequence[WrongUsage]) -> Iterator[None]:
-    """Print the errors at the end of the block: STOP goes first."""
+    """Print the errors at the end of the block, so that STOP is sent first."""
     try:
         yield
     finally:
@@ -133,7 +134,7 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
 def outcomes_of(
     replies: dict[Place, CommandReply], found: Sequence[Place], busy: set[Place]
 ) -> list[Outcome]:
-    """Outcomes of the robots that replied, then of those on line that did not; `busy` are those that publish."""
+    """Outcomes of the robots that replied, then of the silent ones on line; `busy` are silent robots that publish."""
     ended = [
         Outcome(
             *place, reply.reason, reply.message, 0 if reply.reason is Reason.OK else exit_code(reply.reason)

@@ -23,7 +23,7 @@ Present = Sequence[tuple[str, str]]
 
 @dataclass(frozen=True)
 class Selection:
-    """Robot name, router endpoint and seat from the command line; None for each that was not given."""
+    """Robot name, router endpoint and seat from the command line; None: not given."""
 
     name: str | None
     connect: str | None
@@ -64,7 +64,7 @@ def open_targets(
         present = client.robots()
         name = settings.robot
         own = settings.account is not None and settings.account.robot
-        # A seat of a class that forgot to start its simulation must not move the class's robot instead.
+        # A student who has not started the simulation must not move the robot of the class by mistake.
         free = not is_named(selection, settings) and not (acts and own)
         if free and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)
@@ -105,7 +105,7 @@ def select_twins(name: str, which: Which | None, present: Present, endpoint: str
     """The twins of --on; without it the simulation if it is on line, otherwise the hardware.
 
     Raises:
-        NoAnswer: --on both, and one is not on line: then neither may move.
+        NoAnswer: --on both was given, and one robot is not on line: neither may move.
     """
     if which is Which.BOTH:
         missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]

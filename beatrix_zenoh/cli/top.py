@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
-"""Time that `--once` collects data before it prints; also the period of tables into a pipe."""
+"""Time for which `--once` collects data before it prints; also the period of the tables in a pipe, s."""
 REFRESH_S = 0.2
 
 
@@ -39,7 +39,7 @@ class Row(NamedTuple):
     silent_s: float | None
     driver: str
     lease: dict[str, object]
-    """as JSON"""
+    """holder, waiting seats, freeze and speed limit, as JSON"""
     problems: list[str]
 
 
@@ -158,12 +158,15 @@ def screen_table(rows: list[Row], seats: Seats, endpoint: str) -> RenderableType
     for row in rows:
         table.add_row(*cells(row), style=colour(row))
     lines = notes(rows) if rows else [NO_ROBOT]
-    foot = Text(f"\n{seats_line(seats)}\nsilent: time since its last positions. Ctrl-C ends.", style="dim")
+    foot = Text(
+        f"\n{seats_line(seats)}\nsilent: time since the last positions of the robot. Ctrl-C ends.",
+        style="dim",
+    )
     return Group(table, *(Text(line, style="yellow") for line in lines), foot)
 
 
 def colour(row: Row) -> str:
-    """Green: may move. Red: does not answer, or reports a fault. Yellow: must be enabled or calibrated first."""
+    """Return the colour of a row: green if the robot may move, red if it is lost or has a fault, otherwise yellow."""
     if row.state in ("ready", "moving"):
         return "green"
     return "red" if row.state == "lost" or row.state.startswith("fault") else "yellow"

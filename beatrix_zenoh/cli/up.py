@@ -33,11 +33,11 @@ BOTH = " --on both"
 
 
 @dataclass(frozen=True)
-class Plan:
-    """The processes to start, and the options of each."""
+class UpOptions:
+    """Options of `beatrix up`: the processes to start, and the arguments of each."""
 
     served: Mapping[str, str]
-    """twins, each with its body: MuJoCo, or the port of the board"""
+    """the twins to serve, each with its place: MuJoCo, or the port of the board"""
     ready: bool
     legacy: Path | None
     robot_file: Path | None
@@ -45,8 +45,8 @@ class Plan:
     target: str | None
     window: bool
 
-    def options(self, twin: str) -> list[str]:
-        """The options of the process of one twin."""
+    def arguments(self, twin: str) -> list[str]:
+        """Return the arguments of the process of one twin."""
         words = ["--port", self.served[twin]] if twin == "hw" else ["--ready"] * self.ready
         if twin == "sim" and self.target is not None:
             words += ["--target", self.target]
@@ -78,7 +78,7 @@ def up(
         ),
     ] = None,
     gui: Annotated[
-        bool, typer.Option("--gui", help="Also open the window. When it is closed, the robots run on.")
+        bool, typer.Option("--gui", help="Also open the window. Closing it does not end the robots.")
     ] = False,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
@@ -89,9 +89,9 @@ def up(
 ) -> None:
     """Start router, simulation and robot at once.
 
-    Starts the router only if none answers yet, the robot only with --hw, the window only with --gui. With --legacy the
+    Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy
     programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log the simulation
-    writes day-sim.log, the robot day-hw.log. Ctrl-C ends all that it started.
+    writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that it started.
     """
     settings = resolve(name, connect)
     if no_sim and hw is None:
@@ -101,40 +101,45 @@ def up(
             "--ready is for the simulation. On a robot use enable and calibrate, within sight of it."
         )
     load(robot_file)  # raises before any process starts
-    bodies = {"sim": None if no_sim else "MuJoCo", "hw": hw}
-    served = {twin: body for twin, body in bodies.items() if body is not None}
-    plan = Plan(served, ready, legacy, robot_file, log_file, target, gui)
+    places = {"sim": None if no_sim else "MuJoCo", "hw": hw}
+    served = {twin: place for twin, place in places.items() if place is not None}
+    options = UpOptions(served, ready, legacy, robot_file, log_file, target, gui)
     with signals_interrupt(), Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
-        start_robots(supervisor, settings, plan)
-        report(supervisor, settings, plan, router, as_json=as_json)
+        start_robots(supervisor, settings, options)
+        report(supervisor, settings, options, router, as_json=as_json)
 
 
-def start_robots(supervisor: Supervisor, settings: Settings, plan: Plan) -> None:
+def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions) -> None:
     """Start simulation, robot and window, and wait until they are ready."""
     where = ("--name", settings.robot, "--connect", settings.connect)
-    for twin in plan.served:
-        supervisor.start(TITLES[twin], twin, *where, *plan.options(twin))
-    if plan.window:
+    for twin in options.served:
+        supervisor.start(TITLES[twin], twin, *where, *options.arguments(twin))
+    if options.window:
         open_window(supervisor, settings)
     supervisor.wait_ready()
 
 
-def report(supervisor: Supervisor, settings: Settings, plan: Plan, router: str, *, as_json: bool) -> None:
+def report(
+    supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
+) -> None:
     """Print what runs, then the output of the children until Ctrl-C; raises Refused if a child ends."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
-        supervisor.new_lines()  # not shown: their status contains what they have printed so far
-    own = {twin: found.get((settings.robot, twin)) for twin in plan.served}
+        supervisor.new_lines()  # drops the output so far: the status of the robots contains it
+    own = {twin: found.get((settings.robot, twin)) for twin in options.served}
     with end_on_interrupt():
         if as_json:
-            show_json(supervisor, settings, plan, own)
+            show_json(supervisor, settings, options, own)
         else:
-            show(settings, plan, router, own)
+            show(settings, options, router, own)
             others = any(robot != settings.robot for robot, _ in found)
             by_name = f" --name {settings.robot}" if others else ""
             say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
-        watch(supervisor, f"The robots run on: `beatrix gui --name {settings.robot}` opens it again.")
+        watch(
+            supervisor,
+            f"The robots continue to run. To open the window again: beatrix gui --name {settings.robot}",
+        )
 
 
 def legacy_twin(twins: Container[str]) -> str:
@@ -148,10 +153,10 @@ def log_of(log_file: Path, twin: str) -> Path:
 
 
 def show_json(
-    supervisor: Supervisor, settings: Settings, plan: Plan, own: Mapping[str, Status | None]
+    supervisor: Supervisor, settings: Settings, options: UpOptions, own: Mapping[str, Status | None]
 ) -> None:
     """Print what runs, as JSON."""
-    legacy = None if plan.legacy is None else str(plan.legacy.absolute())
+    legacy = None if options.legacy is None else str(options.legacy.absolute())
     print_json({
         "result": True,
         "endpoint": settings.connect,
@@ -163,20 +168,20 @@ def show_json(
     })  # fmt: skip
 
 
-def show(settings: Settings, plan: Plan, router: str, own: Mapping[str, Status | None]) -> None:
+def show(settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None]) -> None:
     """Print what runs, as a table, and the warnings below it."""
     rows = [("router", "", settings.connect, router)]
-    for twin, body in plan.served.items():
+    for twin, place in options.served.items():
         status = own[twin]
         text = "does not answer" if status is None else state(status)
-        rows.append((TITLES[twin], settings.robot, body, text))
-    if plan.window:
+        rows.append((TITLES[twin], settings.robot, place, text))
+    if options.window:
         rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
     for line in warnings(own):
         say(line)
-    if plan.legacy is not None:
-        say(f"Programs of 2023 open {plan.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
+    if options.legacy is not None:
+        say(f"Programs of 2023 open {options.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:
@@ -196,7 +201,7 @@ def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
 
 
 def open_window(supervisor: Supervisor, settings: Settings) -> Child:
-    """Start a window that shows one robot; wait for it with `wait_ready`. The other children run on when it is closed."""
+    """Start a window that shows one robot; wait for it with `wait_ready`. Its end does not end the other children."""
     where = ("--name", settings.robot, "--connect", settings.connect)
     return supervisor.start(WINDOW, "gui", *where, may_end=True)
 
@@ -212,7 +217,7 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
     """Start a router if none answers; returns its state as text.
 
     Raises:
-        NoAnswer: NO_ROUTER, and the address is that of another computer, or the router is that of a class.
+        NoAnswer: NO_ROUTER, no router answers, and it is that of another computer or of a class.
     """
     if zbus.is_listening(endpoint):
         return "runs already"
@@ -241,7 +246,7 @@ def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
 
 @contextlib.contextmanager
 def end_on_interrupt() -> Iterator[None]:
-    """End the block without an error on Ctrl-C or SIGTERM: it has no other end."""
+    """End the block without an error on Ctrl-C or SIGTERM, which are its normal end."""
     try:
         yield
     except KeyboardInterrupt:
@@ -254,7 +259,7 @@ def watch(supervisor: Supervisor, after_window: str, last: Child | None = None) 
     Args:
         supervisor: of the children.
         after_window: a sentence to print when the window has ended.
-        last: a child whose end ends this function, too; None: only Ctrl-C does.
+        last: return when this child has ended; None: only Ctrl-C ends the function.
     """
     while last is None or last.code is None:
         supervisor.check()

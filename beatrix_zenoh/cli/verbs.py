@@ -58,7 +58,7 @@ HELP = """Control BEATRIX, the humanoid head: the simulation, the robot, or both
 
 `beatrix VERB --help` explains a verb. Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 no router, 4 timed out,
 5 robot not on line, 6 no such robot, 7 account refused, 8 request denied by the router, 9 robot lost, 10 robot frozen,
-130 ended by Ctrl-C, 141 the reader of the output has closed the pipe.
+130 ended by Ctrl-C, 141 pipe closed by the reader of the output.
 """
 
 
@@ -72,7 +72,7 @@ def print_version(given: bool) -> None:
 
 
 def application(words: Sequence[str]) -> typer.Typer:
-    """The application with the verb that is the first of `words`, or with all verbs if the first word is no verb.
+    """Return the application with the verb that is the first of `words`, or with all verbs if that is not a verb.
 
     It imports the modules of these verbs only.
     """

@@ -80,12 +80,12 @@ def announce(port: int, web_port: int | None, what: str) -> None:
 
 
 def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer | None:
-    """Start a viewer; None if one is open already that accepts live data.
+    """Start a viewer and return it; None if a viewer that accepts live data is open already.
 
     Args:
-        port: on which it accepts data.
+        port: port on which the viewer accepts data.
         words: files to show.
-        web_port: of the web page; None: show a window instead.
+        web_port: port of the web page; None: show a window instead.
 
     Raises:
         Refused: BAD_VALUE, Rerun is not installed, the port is taken, or no window can be opened here.
@@ -115,7 +115,7 @@ def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer |
 def show_live(
     settings: Settings, shutdown: Shutdown, robots: list[str], cameras: float, port: int, web_port: int | None
 ) -> None:
-    """Send what robots publish to a viewer until it is closed; arguments as those of `view`."""
+    """Send the publications of robots to a viewer until it is closed; see `view` for the arguments."""
     with Client(settings, announce=False) as client:
         viewer = open_viewer(port, web_port=web_port)
         from beatrix_zenoh.recording.live_output import LiveOutput
@@ -127,13 +127,13 @@ def show_live(
             wait_for(viewer, shutdown, recorder)
         finally:
             if viewer is not None:
-                viewer.end()  # first: the recorder would wait for a viewer that reads nothing
+                viewer.end()  # before the recorder, which would wait for a viewer that does not read
             closed = recorder.close()
     leave(0, closed=closed)
 
 
 def leave(code: int, *, closed: bool) -> None:
-    """End the verb with this exit code; not `closed`: end the process at once, because Rerun would wait for its viewer."""
+    """End the verb with this exit code; unless `closed`, end the process at once: Rerun would wait for a viewer."""
     if not closed:
         sys.stdout.flush()
         sys.stderr.flush()

@@ -18,7 +18,7 @@ from beatrix_zenoh.shutdown import Shutdown
 
 PORT = 8088
 ELSEWHERE = ("192.0.2.1", 9)
-"""An address outside of every local network (RFC 5737). A datagram socket that is connected to it sends nothing."""
+"""An address outside of every local network (RFC 5737). Connecting a datagram socket to it sends nothing."""
 
 
 def web(
@@ -33,7 +33,7 @@ def web(
     """Serve a page that drives robots from a browser. Ends with Ctrl-C.
 
     Without --lan only this computer can open the page. With --lan each browser needs the PIN that is printed here, or
-    that of BEATRIX_WEB_PIN. --name offers one robot only.
+    the one in BEATRIX_WEB_PIN. With --name the page offers only this robot.
     """
     try:
         from beatrix_zenoh.web.protection import PIN_VARIABLE, chosen_pin, new_pin
@@ -42,13 +42,13 @@ def web(
         raise missing("web", error) from error
     settings = resolve(name, connect, who)
     if settings.who == TEACHER:
-        text = "Pages would outrank the class under the seat `teacher`: start the page under another one, with --who or BEATRIX_WHO."
+        text = "Pages with the seat `teacher` would outrank the class: choose another seat with --who or BEATRIX_WHO."
         raise Refused(Reason.BAD_VALUE, text)
     pin = (chosen_pin() or new_pin()) if lan else None
 
     def ready(port: int) -> None:
         if pin is not None:
-            note(f"PIN: that of {PIN_VARIABLE}" if chosen_pin() else f"PIN: {pin}")
+            note(f"PIN: the one in {PIN_VARIABLE}" if chosen_pin() else f"PIN: {pin}")
             note("Everybody in this network who knows the PIN can drive the robots. Ctrl-C ends the page.")
         say(f"ready http://{own_address() if lan else '127.0.0.1'}:{port}/")
 
@@ -58,7 +58,7 @@ def web(
 
 
 def own_address() -> str:
-    """The address of this computer in its network; the loopback address if it is in none."""
+    """Return the address of this computer in its network; the loopback address if it has no network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(ELSEWHERE)

@@ -84,7 +84,7 @@ def image(client: Client, sample: Sample) -> CameraImage | None:
     )
     if not received.payload.startswith(JPEG_BEGIN):
         client.report(
-            answer, "ignored: it is no JPEG picture. Another program publishes on this key: end it."
+            answer, "ignored: it is not a JPEG picture. Another program publishes on this key: end it."
         )
         return None
     header = client.read(answer, FrameHeader)

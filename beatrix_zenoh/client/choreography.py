@@ -113,8 +113,8 @@ def choreography(read: MotionFile) -> Choreography:
     if speed is None:
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{read.source}, line {read.points[0].line}: {SPEED} is empty, which means as in the line before, and there "
-            f"is none: give a number of degrees/s. {FORM}",
+            f"{read.source}, line {read.points[0].line}: {SPEED} is empty. Only in a later line "
+            f"may it be empty, which keeps the speed: give a number of degrees/s. {FORM}",
         )
     for point in read.points:
         speed, title = point.speed or speed, point.figure or title

@@ -20,7 +20,7 @@ class Offset(NamedTuple):
 
     @property
     def certain(self) -> float:
-        """The offset, or 0 if 0 is within its error: on one computer both read the same clock."""
+        """The offset, or 0 if 0 is within its error, as for two programs on one computer, which share a clock."""
         return 0.0 if abs(self.offset) <= self.bound else self.offset
 
     @property
@@ -44,7 +44,7 @@ class Offsets(NamedTuple):
 def clock_offset(
     client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
 ) -> Offset:
-    """Offset of the wall clock; arguments as of `clock_offsets`."""
+    """Measure the offset of the wall clock; see `clock_offsets` for arguments and errors."""
     return clock_offsets(client, robot, twin, timeout_s=timeout_s, tries=tries).wall
 
 
@@ -72,7 +72,7 @@ def clock_offsets(
 
 
 def _round_trip(client: Client, robot: str, twin: str, timeout_s: float) -> Offsets:
-    """Offsets from one query, on the assumption that the robot has read its clocks half-way."""
+    """Return the offsets from one query, on the assumption that the robot read its clocks half-way through it."""
     key = keys.clock(robot, twin)
     asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
     clock = client.ask(robot, twin, key, None, Clock, timeout_s)

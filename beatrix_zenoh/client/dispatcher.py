@@ -58,11 +58,11 @@ class Dispatcher:
     def _do(do: Callable[[], object]) -> None:
         try:
             do()
-        except Exception:  # the user's code; concurrent.futures logs its exceptions, too
+        except Exception:  # the user's code may raise anything; concurrent.futures logs it, too
             LOG.exception("A callback failed.")
 
     def close(self) -> None:
-        """Run what is due, then end; calls for later are dropped."""
+        """Run the calls that are due and end the thread; later calls are dropped."""
         with self._lock:
             self._closed = True
             thread = self._thread

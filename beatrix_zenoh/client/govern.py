@@ -1,4 +1,4 @@
-"""Lease queries to many robots at once: a robot that does not answer delays no other robot."""
+"""Lease queries to many robots at once, so that a robot that does not answer does not delay the others."""
 
 from __future__ import annotations
 

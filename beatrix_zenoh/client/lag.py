@@ -8,9 +8,9 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
 
 MOVED_DEG = 0.5
-"""A robot has begun to move when an arm is this far from its start; both robots accelerate alike up to here."""
+"""Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
 SAME_CLOCK_NS = 50_000_000
-"""Monotonic clocks closer than this are the same clock: those of two computers differ by their times since boot."""
+"""Largest difference of readings of one monotonic clock; clocks of two computers differ by their times since boot."""
 
 
 class MotionBegin:
@@ -22,7 +22,7 @@ class MotionBegin:
         self._positions = robot.positions_stream()
         self._before: tuple[int, float] | None = None
         self.begin_ns: int | None = None
-        """by the source's clock; None: not moved yet"""
+        """when the robot began to move, by the clock of the source; None: not yet"""
         self.delay_ns: int | None = None
         """the smallest difference between arrival and time stamp: transmission time plus clock offset"""
 
@@ -51,9 +51,9 @@ class MotionBegin:
 
 
 def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
-    """Seconds from the begin of the simulation's motion to the hardware's; None if one of them has not moved.
+    """Return the time from the start of the simulation's motion to that of the hardware, s; None if one has not moved.
 
-    The error is a few milliseconds on one computer. Between two it is the difference of their shortest delays.
+    The error is a few milliseconds on one computer; between two computers, the difference of their shortest delays.
     """
     if sim.begin_ns is None or hw.begin_ns is None or sim.delay_ns is None or hw.delay_ns is None:
         return None

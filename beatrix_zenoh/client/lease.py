@@ -1,4 +1,4 @@
-"""Leases of the SDK: a program takes a robot for longer than a motion; the teacher governs the robots."""
+"""Leases of the SDK: a program takes a robot for longer than a motion; the teacher freezes robots and limits speeds."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Lease:
     """A robot that this program has taken: `with robot.lease(): …`. `Robot.lease` makes it.
 
-    The robot's motions carry its number, so that none is carried out under a lease that has ended.
+    Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
     """
 
     def __init__(self, robot: Robot, wait_s: float) -> None:
@@ -29,7 +29,7 @@ class Lease:
         robot.lease_number = self.number
 
     def close(self) -> None:
-        """Give the robot back; raises NoAnswer if it does not answer: the lease ends with this program's session then."""
+        """Give the robot back. If this raises NoAnswer, the lease ends with the session of this program."""
         if self._robot.lease_number == self.number:
             self._robot.lease_number = 0
             ask(self._robot, LeaseAction.GIVE_BACK)
@@ -61,7 +61,7 @@ def take(robot: Robot, wait_s: float) -> int:
 
 
 def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
-    """Wait until the robot is handed over; the seat that still holds it at `deadline_s` (monotonic clock, s), or empty."""
+    """Wait for the lease; return empty, or the seat that still holds the robot at `deadline_s` (monotonic clock, s)."""
     with robot.status_stream() as statuses:
         while (left_s := deadline_s - time.monotonic()) > 0:
             try:

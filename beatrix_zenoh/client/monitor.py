@@ -52,7 +52,7 @@ class Monitor:
         self._records: dict[Place, Record] = {}
         self._puts: dict[str, Callable[[bytes], None]] = {}
         bus = client.bus
-        # Queried before the subscription to tokens, because just after it Zenoh answers such a query with nothing.
+        # This query must precede the subscription to tokens: just after that, Zenoh would answer with an empty list.
         for token in bus.tokens(keys.alive(robot, twin), ASK_S):
             self._on_token(token, alive=True)
         self._undeclare = [

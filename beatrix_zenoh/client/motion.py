@@ -29,7 +29,7 @@ class Replies(Protocol):
         """Call `notify` after every reply."""
 
     def close(self) -> None:
-        """Wait for no more replies."""
+        """Receive no more replies."""
 
 
 class Motion:
@@ -58,7 +58,7 @@ class Motion:
         self._state = threading.Lock()
         self._end: MotionReply | BeatrixError | None = None
         self._callbacks: list[Callable[[Motion], object]] = []
-        self._look_again = False
+        self._read_again = False
 
     def __repr__(self) -> str:
         end = self._end
@@ -78,7 +78,7 @@ class Motion:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
         Args:
-            timeout: s; None: `duration` and 3 s.
+            timeout: longest wait, s; None: 3 s more than `duration`.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -133,12 +133,12 @@ class Motion:
         if ended:
             call(self)
         else:
-            self._replies.notify(lambda: self._dispatcher.call(self._look))
-            self._dispatcher.call(self._look, self._lost_s)
+            self._replies.notify(lambda: self._dispatcher.call(self._read_now))
+            self._dispatcher.call(self._read_now, self._lost_s)
 
-    def _look(self) -> None:
-        """Read replies for the callbacks; a thread that is already reading calls this afterwards."""
-        self._look_again = True
+    def _read_now(self) -> None:
+        """Read replies for the callbacks; if another thread is reading, it calls this afterwards."""
+        self._read_again = True
         self._read(0.0)
 
     def _left(self) -> float:
@@ -152,13 +152,13 @@ class Motion:
         if not self._reading.acquire(timeout=timeout_s):
             return
         try:
-            self._look_again = False
+            self._read_again = False
             if self._end is None:
                 self._settle(self._next(max(0.0, deadline - time.monotonic())))
         finally:
             self._reading.release()
-        if self._look_again:
-            self._dispatcher.call(self._look)
+        if self._read_again:
+            self._dispatcher.call(self._read_now)
 
     def _next(self, timeout_s: float) -> MotionReply | BeatrixError | None:
         try:

@@ -29,8 +29,8 @@ COMMENT: Final = ("#", '"#')
 LINE_END: Final = re.compile("\r\n|\r|\n")
 NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 FORM: Final = (
-    f"A motion file has a line of columns, {','.join((TIME, *HEAD))} or {','.join((TIME, *ARMS))}, and then one line a "
-    f"point, as 0.5,10,-5,0; a choreography has the column {SPEED} too."
+    f"A motion file begins with the names of its columns, {','.join((TIME, *HEAD))} or {','.join((TIME, *ARMS))}. Each "
+    f"further line is one point, for example 0.5,10,-5,0. A choreography also has the column {SPEED}."
 )
 Place = HeadAngles | ArmAngles
 
@@ -41,11 +41,11 @@ class Point(NamedTuple):
     line: int
     """line number, from 1"""
     t: float
-    """s from the begin"""
+    """time from the start, s"""
     place: Place
-    """deg"""
+    """angles, deg"""
     speed: float | None = None
-    """deg/s of a choreography's pose; None: as the pose before, or a path, which has no speeds"""
+    """deg/s; None: the speed of the pose before, or the file is a path, which has no speeds"""
     figure: str = ""
     """name of the gesture that begins here; empty: unchanged"""
 
@@ -58,7 +58,7 @@ class MotionFile:
     """the name in error messages"""
     points: tuple[Point, ...]
     with_speed: bool
-    """the file has a column of speeds: a choreography, not a path"""
+    """whether the file has a column of speeds; a choreography has one, a path does not"""
 
 
 def read(path: Path) -> MotionFile:
@@ -73,13 +73,13 @@ def read(path: Path) -> MotionFile:
         LONGEST_FILE,
         called=str(path),
         form="CSV",
-        nothing="no motion is",
+        nothing="no motion file is that long",
     )
     try:
         return parse(content.decode("utf-8-sig"), str(path))
     except UnicodeDecodeError as error:
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} is no text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
+            Reason.BAD_VALUE, f"{path} is not a text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
         ) from error
 
 
@@ -91,7 +91,7 @@ def parse(text: str, source: str) -> MotionFile:
     """
     lines = [(number, line) for number, line in enumerate(LINE_END.split(text), 1) if counts(line)]
     if not lines:
-        raise WrongUsage(Reason.BAD_VALUE, f"{source}: there is no line of columns. {FORM}")
+        raise WrongUsage(Reason.BAD_VALUE, f"{source}: the names of the columns are missing. {FORM}")
     (number, first), *rest = lines
     separator = next((each for each in SEPARATORS if each in first), ",")
     with refusing(source, number):
@@ -138,7 +138,7 @@ def header(names: list[str]) -> list[str]:
         names.pop()
     for name in names:
         if name not in COLUMNS:
-            raise ValueError(f"{quoted(name)} is no column; choose from {', '.join(COLUMNS)}")
+            raise ValueError(f"{quoted(name)} is not a column; choose from {', '.join(COLUMNS)}")
         if names.count(name) > 1:
             raise ValueError(f"the column {name} occurs {names.count(name)} times")
     triples = [triple for triple in (HEAD, ARMS) if any(name in names for name in triple)]

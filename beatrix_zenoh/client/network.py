@@ -32,7 +32,7 @@ class Sources(msgspec.Struct):
 
 @dataclass
 class Program:
-    """A program at the router: a node, a seat, or one that is known by its session only."""
+    """A program at the router: a node, a seat, or a program of which only the session is known."""
 
     title: str
     robot: tuple[str, str] | None = None
@@ -99,7 +99,7 @@ def _declarations(client: Client) -> dict[str, list[tuple[str, str]]]:
 
 
 def _seats(client: Client) -> dict[str, str]:
-    """Title of the seat of each session that has announced one, but for this client's own session."""
+    """Title of the seat of each session that has announced one, except the session of this client."""
     found = map(keys.parse, client.bus.tokens(keys.seat("*", "*")))
     return {
         parts.session: f"seat {parts.who}"

@@ -10,7 +10,7 @@ from beatrix_zenoh.client.queries import true_or_false, wait_s
 from beatrix_zenoh.client.readings import Path, arm_angles, head_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion
-from beatrix_zenoh.client.twin_state import Stand, asked_stand
+from beatrix_zenoh.client.twin_state import PlanPosition, query_plan_position
 from beatrix_zenoh.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.twin import Twin
 
 SAME_DEG = 0.1
-"""A microstep is 0.086 deg."""
+"""Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
 UNLIKE = (
-    " Simulation and hardware run with different values: the hardware may move otherwise, or refuse. "
+    " Simulation and hardware run with different values: the hardware may move differently, or refuse. "
     "Start both with the same --robot-file."
 )
-Start = tuple[Stand, Stand | None]
+Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was on line."""
 
 
@@ -41,7 +41,7 @@ class Plan:
         alike: bool,
         during: TwinMotion | None = None,
     ) -> None:
-        """Keep a preview from `start`, made `during` a motion of the same Twin or at rest."""
+        """Store a preview from `start`; `during` is the motion of the same Twin at that time, None at rest."""
         self._twin, self._query = twin, query
         self._start, self._during = start, during
         self.duration = preview.duration
@@ -63,7 +63,7 @@ class Plan:
     def commit(self, lead_s: float = 0.0, *, wait: bool = True) -> TwinMotion:
         """Carry the motion out: the simulation at once, the hardware `lead_s` (s) later.
 
-        Returns when both have arrived or, with wait=False, when the simulation has accepted it (without lead, both).
+        Returns when both have arrived; with wait=False, when the simulation (without lead: both) has accepted it.
         During the lead, `abort`, STOP at either robot or Ctrl-C stops the simulation and leaves the hardware unmoved;
         another commit of this Twin replaces this one, and the hardware gets only the new motion. If one robot refuses
         or is stopped, the other is stopped too.
@@ -88,13 +88,13 @@ class Plan:
         if self._during is None:
             motion.measure(*now)
         if lead_s:
-            motion.watch(self._check_both, self._twin.state.check_there, now[0].t, now[1].t)
+            motion.watch(self._check_both, self._twin.state.check_present, now[0].t, now[1].t)
         self._twin.start(motion, wait=waits)
         return motion
 
     @property
     def motion(self) -> TwinMotion | None:
-        """The motion of `commit`, from its begin on; None before, or if `commit` has failed."""
+        """The motion that `commit` has begun; None before `commit`, or if it has failed."""
         return self._motion
 
     def _check_both(self) -> None:
@@ -102,12 +102,12 @@ class Plan:
         self._twin.check_ready()
         self._check_unmoved(self._twin.hw)
 
-    def _check_unmoved(self, robot: Robot) -> Stand:
+    def _check_unmoved(self, robot: Robot) -> PlanPosition:
         """The position of a robot, queried if need be; raises Refused (REPLACED) if it has moved since the preview."""
         was = self._start[robot is self._twin.hw]
-        now = self._twin.state.stand(robot)
+        now = self._twin.state.plan_position(robot)
         if not self._holds(robot, was, now):
-            now = asked_stand(robot)
+            now = query_plan_position(robot)
         if not self._holds(robot, was, now):
             what = "was not on line at" if was is None else "has moved, or got another home, since"
             raise Refused(
@@ -115,7 +115,7 @@ class Plan:
             )
         return now
 
-    def _holds(self, robot: Robot, was: Stand | None, now: Stand) -> bool:
+    def _holds(self, robot: Robot, was: PlanPosition | None, now: PlanPosition) -> bool:
         """Return whether a preview from `was` is valid: the robot rests there, or continues its motion of this Twin."""
         if was is None or was.calibrations != now.calibrations:
             return False

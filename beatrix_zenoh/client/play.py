@@ -51,7 +51,7 @@ def play(
     if lead_s and (lockstep or isinstance(robots, Robot)):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            "lead_s needs both robots and no lockstep: leave one of them out.",
+            "lead_s is allowed only for both robots without lockstep: leave lead_s out.",
         )
     if isinstance(robots, Robot):
         _play_alone(robots, choreography, progress, check)

@@ -59,9 +59,9 @@ class Suggestion(NamedTuple):
     """An accepted alternative to a refused motion: deg and deg/s; None: not part of the alternative."""
 
     arms: ArmAngles | None
-    """for `Robot.move`"""
+    """arguments for `Robot.move`"""
     head: HeadAngles | None
-    """for `Robot.look`"""
+    """arguments for `Robot.look`"""
     speed: ArmAngles | None
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
 
 STALE_S = 0.02
-"""After a restart of a node, queries of an open session may have no route for this long (zenoh#2767)."""
+"""Time after the restart of a node in which queries of an open session may find no queryable (zenoh#2767)."""
 LATE_S = 2.0
 """Extra lifetime of a query after its caller's time limit: a motion that is accepted late must be stopped."""
 M = TypeVar("M", bound=msgspec.Struct)

@@ -39,7 +39,7 @@ from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
 LONGEST_WAY_DEG = 720.0
-"""Upper bound of one arm's travel: the head turns 180 deg either way, and arms stay between their neighbours."""
+"""Upper bound of one arm's travel: the head turns 180 deg to each side, and arms stay between their neighbours."""
 SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
@@ -64,11 +64,11 @@ class Robot(RobotBase):
     # -- commands -------------------------------------------------------------------------------
 
     def enable(self) -> None:
-        """Motors on."""
+        """Switch the motors on."""
         self.command(Command.ENABLE)
 
     def disable(self) -> None:
-        """Motors off; the calibration is lost."""
+        """Switch the motors off; the calibration is lost."""
         self.command(Command.ENABLE, value=False)
 
     def calibrate(self) -> None:
@@ -104,7 +104,7 @@ class Robot(RobotBase):
     def press_stop(self) -> Callable[[], CommandReply]:
         """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
         key = keys.stop(self.name, self.twin)
-        # A foreign queryable may take the query, so STOP is also published; before it, so that the reply covers both.
+        # A foreign queryable may take the query, so STOP is also published: first, so that the reply covers both.
         self.client.put_stop(self.name, self.twin)
         request = Request(self.client, self.place, key, None, self.timeout_s)
 
@@ -117,7 +117,7 @@ class Robot(RobotBase):
         return wait
 
     def emergency_stop(self) -> CommandReply:
-        """Motors off at once; the head falls. Afterwards set it upright, `reset`, `make_ready`."""
+        """Switch the motors off at once; the head falls. Then set it upright, and call `reset` and `make_ready`."""
         return self.command(Command.EMERGENCY_STOP)
 
     def command(
@@ -135,14 +135,14 @@ class Robot(RobotBase):
         `wait_s` is how long to wait in the queue while another seat holds it, s.
 
         Raises:
-            Refused: NOT_HOLDER, another seat holds the robot; FROZEN and others, the robot's reason.
+            Refused: NOT_HOLDER: another seat holds the robot; or another reason of the robot, such as FROZEN.
         """
         return Lease(self, wait_seconds("wait_s", wait_s))
 
     # -- scene of the simulation ----------------------------------------------------------------
 
     def target(self) -> TargetReply:
-        """Position of the simulated person in front of the robot: the middle of the eyes, m, as of `move_target`."""
+        """Return the position of the simulated person in front of the robot, in the coordinates of `move_target`."""
         return self._ask_target(None)
 
     def move_target(self, x: float, y: float, z: float) -> TargetReply:

@@ -21,7 +21,7 @@ from beatrix_zenoh.client.session import Client
 LOST_S = 0.5
 """A robot without positions for this long is lost, even with a token (positions come every 20 ms)."""
 RATE_S = 1.0
-"""Time window of a rate."""
+"""Time window in which a rate is measured."""
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -30,13 +30,13 @@ class Presence(StrEnum):
     """Presence of a robot."""
 
     ON_LINE = "on line"
-    """It has a liveliness token, and positions arrive."""
+    """The robot has a liveliness token, and positions arrive."""
     LOST = "lost"
-    """It has a token, and no positions have arrived for 0.5 s: the node or its connection is frozen."""
+    """The robot has a token, but no positions have arrived for 0.5 s: the node or its connection is frozen."""
     SILENT = "silent"
-    """It has a token, and no positions have arrived yet."""
+    """The robot has a token, but no positions have arrived yet."""
     ABSENT = "absent"
-    """It has no token."""
+    """The robot has no token."""
 
 
 @dataclass(frozen=True)

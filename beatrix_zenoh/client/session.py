@@ -110,10 +110,10 @@ class Client:
         try:
             message, wrong = tolerance.decode(answer.payload, kind)
         except tolerance.Undecodable as error:
-            self.report(answer, f"ignored: {error}. It is foreign or of another version.")
+            self.report(answer, f"ignored: {error}. The sender is a foreign program or has another version.")
             return None
         if wrong:
-            self.report(answer, f"{wrong}: read as far as it is known. It is of another version.")
+            self.report(answer, f"{wrong}: only the known parts were read. The sender has another version.")
         return message
 
     def report(self, answer: Reply, what: str) -> None:

@@ -1,7 +1,7 @@
-"""Why a query had no answer: found from the connection, the liveliness tokens and what else the robot sends.
+"""The cause of a missing answer, found from the connection, the liveliness tokens and the robot's publications.
 
-Zenoh 1.10 does not say it: a query to an absent robot, to one that has crashed, and one that the router's access rules
-refuse all end without a reply. The checks here need up to 3 s, so they run only after a query has failed.
+Zenoh 1.10 does not report the cause: a query ends without a reply if the robot is absent or has crashed, and if the
+access rules of the router refuse it. The checks here take up to 3 s, so they run only after a query has failed.
 """
 
 from __future__ import annotations
@@ -31,27 +31,27 @@ BACK_S = 0.6
 """A lost connection is restored within this time if the router answers."""
 POLL_S = 0.02
 ABSENT_S = 1.5
-"""A query that reaches no node ends sooner; after this time its node has taken it, and ended."""
+"""A query that reaches no node ends sooner. If it ends later without a reply, its node has received it and ended."""
 POSITIONS_S = 1.0
 """A node that publishes no positions for this long is frozen (they come every 20 ms)."""
 CLOCK_S = 1.0
-"""Time limit of the query that every account may send."""
+"""Time limit of the query for the clock, which every account may send."""
 
 
 @dataclass(frozen=True)
 class Unanswered:
-    """A query to one robot, from its sending on."""
+    """A query that was sent to one robot."""
 
     client: Client
     place: Place
     losses: int
-    """losses of the router before it"""
+    """number of losses of the router before the query"""
     began_s: float = field(default_factory=time.monotonic)
 
     def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
         """Return the error of a query that had no answer within `limit_s` or, with None, that ended without a reply.
 
-        `heard`: it had an earlier reply.
+        `heard`: the query had an earlier reply.
         """
         waited_s = time.monotonic() - self.began_s
         error = self._disconnected(limit_s, heard=heard)
@@ -156,7 +156,7 @@ class Unanswered:
 
 
 def without_rights(client: Client) -> NoAnswer | None:
-    """Return the error if the router has accepted the account and drops all that it sends; None if not, or if unknown."""
+    """Return the error if the router has accepted the account but drops its messages; None if not, or if unknown."""
     account, token = client.settings.account, client.token
     if account is None or not token or client.bus.router_passes(token):
         return None
@@ -187,7 +187,7 @@ def title(place: Place) -> str:
 
 
 def absent_reason(name: str, present: Collection[Place]) -> Reason:
-    """Return NO_SUCH_ROBOT if only robots of other names are on line, NO_ANSWER if none or the other twin is."""
+    """Return NO_SUCH_ROBOT if only robots of other names are on line; NO_ANSWER if none is, or the other twin."""
     other = present and all(robot != name for robot, _ in present)
     return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
 

@@ -1,4 +1,4 @@
-"""The STOP events of a robot: they show a STOP also while no motion of this program runs."""
+"""The STOP events of a robot, which show STOP even while no motion of this program runs."""
 
 from __future__ import annotations
 

@@ -224,9 +224,15 @@ class Subscription(Generic[T]):
         twin = "" if parts is None or parts.twin == "*" else f" ({parts.twin})"
         name = self._key if parts is None else f"{parts.robot}{twin}"
         if parts is not None and parts.eye:
-            text = f"{name}: no picture from the {view_title(parts.eye)} for {timeout_s:g} s. The `cameras` of the robot's status say why; an eye that is not among them has no camera."
+            text = (
+                f"{name}: no picture from the {view_title(parts.eye)} for {timeout_s:g} s. The field `cameras` of the "
+                "robot's status gives the cause; an eye that is not listed there has no camera."
+            )
             return NoAnswer(Reason.TIMED_OUT, text)
-        return NoAnswer(Reason.TIMED_OUT, f"{name}: nothing for {timeout_s:g} s. It is frozen, or has gone.")
+        return NoAnswer(
+            Reason.TIMED_OUT,
+            f"{name}: no message for {timeout_s:g} s. The robot is frozen, or no longer on line.",
+        )
 
     def close(self) -> None:
         """End the subscription; a thread that waits for a publication returns. May be called twice."""

@@ -46,11 +46,11 @@ def decode(data: bytes, kind: type[M]) -> tuple[M, str]:
     try:
         fields = msgspec.msgpack.decode(data)
     except codec.UNREADABLE as error:
-        raise Undecodable(f"{len(data)} bytes that are not msgpack") from error
+        raise Undecodable(f"its {len(data)} bytes are not msgpack") from error
     wrong: list[str] = []
     known = {field.encode_name for field in msgspec.structs.fields(kind)}
     if not isinstance(fields, dict) or not known & fields.keys():
-        raise Undecodable(f"no {kind.__name__}")
+        raise Undecodable(f"it has no field of {kind.__name__}")
     return cast("M", _struct(fields, kind, "", wrong)), f"{kind.__name__} with {', '.join(wrong)}"
 
 
@@ -85,7 +85,7 @@ def _value(value: object, kind: object, name: str, wrong: list[str]) -> object:
 
 
 def _taken_apart(kind: object) -> tuple[type, object]:
-    """The type without Annotated and None, and the item type of a list."""
+    """Return a type without Annotated and None, and the item type if it is a list."""
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Annotated:
         return _taken_apart(args[0])

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.readings import Reading
 from beatrix_zenoh.client.robot import Robot, stop_together
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
-from beatrix_zenoh.client.twin_state import Stand, TwinState, may_switch
+from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.settings import resolve
 
@@ -31,7 +31,7 @@ class TwinReading(NamedTuple):
 
 
 class Twin:
-    """Simulation and hardware of one name; arguments as of `Robot`.
+    """Simulation and hardware of one name; see `Robot` for the arguments.
 
     `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a
     preview, for programs that send a new target many times a second. `sim` and `hw` are the robots.
@@ -59,7 +59,7 @@ class Twin:
     # -- switching -------------------------------------------------------------------------------
 
     def enable(self) -> None:
-        """Switch the motors of both robots on; of neither if one is not reachable or another seat drives it."""
+        """Switch the motors of both robots on, or of neither if one is not reachable or driven by another seat."""
         switch_both(self, Robot.enable)
 
     def make_ready(self) -> None:
@@ -75,7 +75,7 @@ class Twin:
         each((self.sim, self.hw), Robot.disable)
 
     def calibrate(self) -> None:
-        """Calibrate both robots at their present positions; neither if one is not reachable or another seat drives it."""
+        """Calibrate both robots where they are, or neither if one is not reachable or driven by another seat."""
         switch_both(self, Robot.calibrate)
 
     def stop(self) -> None:
@@ -122,8 +122,8 @@ class Twin:
         if not query.absolute and (apart := distance(start)) > SAME_DEG:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: bring both to "
-                "one place first, with home or without relative.",
+                f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: move both to "
+                "the same position first, with home or with a motion that is not relative.",
             )
         key = keys.preview(self.name, self.client.settings.who)
         reply = self.client.ask(*self.sim.place, key, query, PreviewReply, PREVIEW_S)
@@ -139,17 +139,17 @@ class Twin:
         return plan
 
     def _start(self) -> Start:
-        hardware: Stand | None = None
+        hardware: PlanPosition | None = None
         # A preview needs only the simulation; commit reports a missing robot.
         with contextlib.suppress(NoAnswer):
-            hardware = self.state.stand(self.hw)
-        return self.state.stand(self.sim), hardware
+            hardware = self.state.plan_position(self.hw)
+        return self.state.plan_position(self.sim), hardware
 
     def home(self) -> None:
         """Preview the motion home and commit it."""
         self.preview_arms(0, 0, 0).commit()
 
-    # -- motions without one ---------------------------------------------------------------------
+    # -- motions without a preview ---------------------------------------------------------------------
 
     def look(
         self,
@@ -211,7 +211,7 @@ class Twin:
         return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))
 
     def check_ready(self) -> None:
-        """Raise unless both robots may move now; otherwise one would start and be stopped again.
+        """Raise unless both robots may move now, so that no robot starts and is stopped again.
 
         Raises:
             Refused: motors off, not calibrated, or another seat drives.
@@ -255,7 +255,7 @@ def switch_both(twin: Twin, do: Callable[[Robot], None]) -> None:
 
 
 def alike(twin: Twin) -> bool:
-    """Return whether both robots have the same values, if both answer."""
+    """Return whether both robots have the same values; True if one does not answer."""
     with contextlib.suppress(NoAnswer):
         return not unlike(twin.state.info(twin.sim), twin.state.info(twin.hw))
     return True

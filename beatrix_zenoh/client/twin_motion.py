@@ -18,13 +18,13 @@ from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot, stop_together
 from beatrix_zenoh.client.stop_events import StopEvents
-from beatrix_zenoh.client.twin_state import Stand
+from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 POLL_S = 0.02
 LATE_S = 1.5
-"""A motion that is overdue by more was delayed with its program, and is not sent to the hardware."""
+"""A motion that is overdue by more than this is not sent to the hardware: its program was suspended."""
 CANCEL_S = 10.0
 """Longest wait for robots that do not answer STOP."""
 REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
@@ -51,17 +51,17 @@ class TwinMotion:
         self._sending: Robot | None = None
         self._due_s: float | None = None
         self._permit = threading.Lock()
-        """Acquired by the decision whether the motion is sent to the hardware: without waiting and never released, so
-        that a signal handler may acquire it at any point."""
+        """The thread that acquires it decides whether the motion is sent to the hardware. It is acquired without
+        waiting and never released, so that a signal handler may acquire it at any point."""
         self._sent = False
         self._end: BeatrixError | None = None
         """The error with which the motion is to end."""
-        self._news: queue.SimpleQueue[None] = queue.SimpleQueue()
+        self._wakeups: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._future: Future[TwinReplies] = Future()
         self._thread = 0
         self._begins: tuple[MotionBegin, MotionBegin] | None = None
         self._check_both: Callable[[], None] = lambda: None
-        self._check_there: Callable[[], None] = lambda: None
+        self._check_present: Callable[[], None] = lambda: None
         self._stops: list[StopEvents] = []
         """STOP events of both robots, during the lead."""
         self.lag_s: float | None = None
@@ -70,7 +70,7 @@ class TwinMotion:
 
     def __repr__(self) -> str:
         if self.done():
-            return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both are there'}>"
+            return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both have arrived'}>"
         wait = "" if self._sent else f", the hardware in {self.countdown_s:.1f} s"
         return f"<motion of {self._sim} and {self._hw}{wait}>"
 
@@ -100,7 +100,7 @@ class TwinMotion:
         """Wait until both robots have arrived and return their final replies.
 
         Args:
-            timeout: s; None: until the end. Robots that do not report it are given up.
+            timeout: longest wait, s; None: until both have reported the end or count as lost.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -165,27 +165,27 @@ class TwinMotion:
         if self._due_s is None or self._permit.locked() or self.done():
             return False
         self._due_s = min(self._due_s, time.monotonic())
-        self._news.put(None)
+        self._wakeups.put(None)
         return True
 
     # -- used by Twin, Plan and window -----------------------------------------------------------
 
-    def measure(self, sim: Stand, hw: Stand) -> None:
+    def measure(self, sim: PlanPosition, hw: PlanPosition) -> None:
         """Measure the lag of a motion that begins with both robots at rest at these positions."""
         self._begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
 
     def watch(
-        self, check: Callable[[], None], check_there: Callable[[], None], sim_t: float, hw_t: float
+        self, check: Callable[[], None], check_present: Callable[[], None], sim_t: float, hw_t: float
     ) -> None:
         """Check both robots until the motion is sent to the hardware; an exception of a check ends the motion.
 
         Args:
             check: called just before the motion is sent to the hardware.
-            check_there: called continuously, because a robot that was away may have been replaced.
+            check_present: called continuously, because a robot that was away may have been replaced.
             sim_t: time at which the simulation was at rest (s, its own clock); a STOP since then ends the motion.
             hw_t: as `sim_t`, for the hardware.
         """
-        self._check_both, self._check_there = check, check_there
+        self._check_both, self._check_present = check, check_present
         self._stops = [StopEvents(self._sim, sim_t), StopEvents(self._hw, hw_t)]
 
     def hold(self) -> bool:
@@ -195,7 +195,7 @@ class TwinMotion:
     def end(self, why: BeatrixError) -> None:
         """Request that the motion ends with this error; only the first call has an effect."""
         self._end = self._end or why
-        self._news.put(None)
+        self._wakeups.put(None)
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
         """Send the motion to the simulation, call `begun`, and without lead send it to the hardware, too.
@@ -203,7 +203,7 @@ class TwinMotion:
         Then wait until both have arrived, or continue in a thread.
 
         Raises:
-            BeatrixError: as `result`; without waiting only errors so far.
+            BeatrixError: as `result`; without `wait` only the errors until then.
         """
         self._thread = threading.get_ident()
         try:
@@ -249,7 +249,7 @@ class TwinMotion:
             left_s = (self._due_s or 0.0) - time.monotonic()
             self._poll(max(0.001, min(left_s, POLL_S)))
             self._check_stopped()
-            self._check_there()
+            self._check_present()
             if left_s < -LATE_S:
                 raise Interrupted(
                     Reason.STOPPED,
@@ -262,7 +262,7 @@ class TwinMotion:
     def _check_stopped(self) -> None:
         """Raise Interrupted (STOPPED) if a client has stopped one of the robots, even at rest."""
         for stops in self._stops:
-            stops.check(" before the hardware was sent its motion")
+            stops.check(" before the motion was sent to the hardware")
 
     def _poll(self, limit_s: float) -> bool:
         """Wait a moment; True if all started motions have arrived. Raises the error that ends the motion."""
@@ -273,13 +273,13 @@ class TwinMotion:
             )
         for begin in self._begins or ():
             begin.read()
-        there = [
+        arrived = [
             ended(robot, motion, limit_s if self._sent else 0.0) for robot, motion in self._begun.items()
         ]
         if not self._sent:
             with contextlib.suppress(queue.Empty):
-                self._news.get(timeout=limit_s)
-        return all(there)
+                self._wakeups.get(timeout=limit_s)
+        return all(arrived)
 
     def _raise_end(self) -> None:
         if self._end is not None:
@@ -303,7 +303,9 @@ class TwinMotion:
         try:
             moving = [robot for robot, motion in self._begun.items() if runs(motion)]
             if isinstance(error, KeyboardInterrupt) and self._sending is not None:
-                moving.append(self._sending)  # the robot may have accepted it without its reply being read
+                moving.append(
+                    self._sending
+                )  # it may have accepted the motion, although its reply was not read
             kept = self.lead_s and not self._sent
             failure = stopped(error, moving, f"{self._hw}: not moved." if kept else "")
         except BaseException as again:
@@ -342,7 +344,7 @@ class TwinMotion:
 
 
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:
-    """Stop these robots because of an error, the last first; return the error with their positions in its message.
+    """Stop robots because of an error, in reverse order; return the error with their positions in its message.
 
     If one robot fails, the other must not finish the motion. A replaced motion is not stopped.
     """
@@ -379,7 +381,7 @@ def ended(robot: Robot, motion: Motion, timeout_s: float) -> bool:
 
 
 def runs(motion: Motion) -> bool:
-    """Return whether the motion has not reported its end; a lost robot may still move."""
+    """Return whether the robot may still move: the end of its motion was not reported, or it is lost."""
     try:
         return isinstance(motion.exception(0.0), NoAnswer)
     except TimeoutError:

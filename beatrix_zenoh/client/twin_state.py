@@ -1,4 +1,4 @@
-"""State of the robots of one name from their publications; a query is sent only if those are too old."""
+"""State of the robots of one name, from their publications or, if those are too old, from a query."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from beatrix_zenoh.names import TEACHER, TWINS
 NEW_S = 0.1
 """Largest age of positions, which come every 20 ms."""
 TICK_S = 0.03
-"""A node publishes a changed status with the positions of the same 20 ms: positions this long after a reply to a
-request, and the status before them, show the effect of the request."""
+"""A node publishes positions every 20 ms, and a changed status with them. Positions that arrive this long after the
+reply to a request, and the status that arrived before them, therefore show the effect of the request."""
 WAIT_S = 0.15
 """Longest wait for a new state before the robot is queried."""
 POLL_S = 0.004
-LEASE_S = 2.0
-"""Longest lease of a robot at rest."""
+HOLD_S = 2.0
+"""Longest time for which the seat of a motion holds the robot after its end."""
 
 
-class Stand(NamedTuple):
+class PlanPosition(NamedTuple):
     """Arm angles of a robot (deg), the number of its calibration, and the time (s, the source's monotonic clock)."""
 
     arms: ArmAngles
@@ -60,13 +60,13 @@ class TwinState:
         reading = None if state is None else state.reading
         return robot.positions() if reading is None else reading
 
-    def stand(self, robot: Robot) -> Stand:
+    def plan_position(self, robot: Robot) -> PlanPosition:
         """Position of a robot for a plan; raises NoAnswer as `Robot.positions`."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         if state is None or reading is None or state.status is None:
-            return asked_stand(robot)
-        return Stand(reading.commanded, state.status.calibrations, reading.t)
+            return query_plan_position(robot)
+        return PlanPosition(reading.commanded, state.status.calibrations, reading.t)
 
     def info(self, robot: Robot) -> Info:
         """Info of a robot, queried once."""
@@ -94,7 +94,7 @@ class TwinState:
             except (Refused, NoAnswer):
                 may(robot.status(), seat)
 
-    def check_there(self) -> None:
+    def check_present(self) -> None:
         """Raise NoAnswer if a robot has no liveliness token; sends no query."""
         monitor = self._monitor
         if monitor is None:
@@ -137,10 +137,10 @@ class TwinState:
                 self._monitor.close()
 
 
-def asked_stand(robot: Robot) -> Stand:
+def query_plan_position(robot: Robot) -> PlanPosition:
     """Position of a robot for a plan, by a query."""
     reading = robot.positions()
-    return Stand(reading.commanded, robot.status().calibrations, reading.t)
+    return PlanPosition(reading.commanded, robot.status().calibrations, reading.t)
 
 
 def may_move(status: Status, seat: str) -> None:
@@ -180,4 +180,4 @@ def check_board(status: Status) -> None:
 def check_holder(status: Status, seat: str) -> None:
     """Raise Refused if another seat drives; the teacher outranks it."""
     if status.holder not in ("", seat) and seat != TEACHER:
-        raise refusals.driven_by(status.holder, None if status.moving else LEASE_S)
+        raise refusals.driven_by(status.holder, None if status.moving else HOLD_S)

@@ -18,7 +18,7 @@ class NodeInterface(Protocol):
         """Permit an action of the program now; with MOVE it takes the lease.
 
         Raises:
-            BeatrixError: why the program may not act.
+            BeatrixError: the program may not act; the error gives the reason.
         """
 
     def move_declined(self) -> None:

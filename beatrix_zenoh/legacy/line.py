@@ -1,4 +1,4 @@
-"""One line of a program of 2023, what it does to the robot, and its answer."""
+"""One line of a program of 2023, its effect on the robot, and its answer."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Answer:
     """The board's answer: the program gets its first line at once, the others together with the last."""
 
     begun: bool = False
-    """the first line was written"""
+    """whether the first line was written"""
     damaged: bool = False
-    """the serial link has lost one of its lines"""
+    """whether the serial link has lost a line of the answer"""
     held: list[bytes] = field(default_factory=list)
 
     def add(self, text: bytes) -> list[bytes]:
@@ -76,9 +76,9 @@ class Line:
     text: bytes
     effect: Effect = field(init=False)
     sent_s: float | None = None
-    """when it was sent to the board [s, monotonic]; None: it was not"""
+    """when it was sent to the board (s, monotonic clock); None: not sent"""
     refusal: tuple[bytes, ...] = ()
-    """the answer in place of the board's; empty: not refused"""
+    """the answer of this port instead of the board's; empty: the line was not refused"""
     cause: Cause | None = None
     answer: Answer = field(default_factory=Answer)
 
@@ -107,7 +107,7 @@ class Line:
 
 
 def effect_of(text: bytes) -> Effect:
-    """Effect of a line; unknown words that begin as those of motions count as motions."""
+    """Return the effect of a line; unknown words that begin with @MOV count as motions."""
     words = text.split(b" ")
     if text == b"@STOPALL":
         return Effect.STOP

@@ -1,4 +1,4 @@
-"""The lines of one program in their order: each is sent or refused, and answered in its turn."""
+"""The queue of the lines of one program: each line is sent or refused, and the answers keep the order of the lines."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class LineQueue:
     # -- the program ----------------------------------------------------------------------------------
 
     def program_opened(self) -> None:
-        """Begin with another program, as if the board had just been reset."""
+        """Drop all lines of the program before, and begin as if the board had just been reset."""
         off = next((line for line in self._lines if switches_off(line)), None)
         if off is not None:
             self._lines.remove(off)
@@ -84,14 +84,14 @@ class LineQueue:
 
     def _stop(self, line: Line) -> None:
         """Refuse the motions that wait, and send the other lines before STOP, so that answers keep their order."""
-        self.call_off()
+        self.refuse_waiting_motions()
         for waiting in self._lines:
             if waiting.waits:
                 self._sender.send(waiting)
         self._sender.send(line)
         self._node.stop_sent()
 
-    def call_off(self) -> None:
+    def refuse_waiting_motions(self) -> None:
         """Refuse the motions that wait, after STOP of any client."""
         for line in self._lines:
             if line.effect is not Effect.MOVE or line.refusal:

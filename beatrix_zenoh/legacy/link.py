@@ -1,4 +1,4 @@
-"""The way of a line to the board: permission of the node, sending, and lines that the board will never answer."""
+"""Sends lines to the board if the node permits it, and finds lines that the board will never answer."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from beatrix_zenoh.legacy.outcomes import Outcomes
 
 SEQS = 256
 SHOWN_S = 0.3
-"""Telemetry shows within this long that a line has switched the motors."""
+"""Time within which telemetry shows that a line has switched the motors, s."""
 SILENT_S = 3.0
-"""A line was lost on the serial link if the board has not answered it for this long, with the arms at rest."""
+"""A line without an answer for this long, while the arms are at rest, was lost on the serial link."""
 COUNTED_S = 340.0
-"""The same for a motion with the motors off, which is only counted: from -32767 to 32767 at 200 steps a second."""
+"""As SILENT_S, for a motion with the motors off, which the board only counts: -32767 to 32767 at 200 steps a second."""
 AUTHORIZED = (Effect.MOVE, Effect.ENABLE, Effect.DISABLE)
 """Effects that need permission; @CALNOW needs it only if it sets the robot's home."""
 
@@ -29,7 +29,7 @@ class TextLink:
     def __init__(self, board: Board) -> None:
         self._board = board
         self.openings = 0
-        """Number of times that the firmware has forgotten a program; earlier answers belong to no line."""
+        """Number of programs that the firmware has forgotten; answers from before the last one belong to no line."""
         self.zero_forgotten = False
         """The firmware has forgotten the program's zero without a request of the program."""
         self._lines_lost = False
@@ -99,8 +99,8 @@ class TextLink:
         if state & State.MOVING:
             self._heard_s = time.monotonic()  # the board answers when the arms rest
         only_counted = not state & State.ENABLED and any(line.effect is Effect.MOVE for line in under_way)
-        patience_s = COUNTED_S if only_counted else SILENT_S
-        lost = bool(under_way) and (not connected or time.monotonic() - self._heard_s > patience_s)
+        limit_s = COUNTED_S if only_counted else SILENT_S
+        lost = bool(under_way) and (not connected or time.monotonic() - self._heard_s > limit_s)
         self._lines_lost |= lost
         return lost
 

@@ -13,9 +13,9 @@ from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import Cause, Effect, Line
 
 EXPLAINED_S = 0.1
-"""After a NACK the board sends the warning that explains it within this long, if there is one."""
+"""Time within which the board sends the warning that explains a NACK, if it sends one, s."""
 STEPS_MAX: Final = 32767
-"""The largest number of steps in a line, either way."""
+"""Largest number of steps in a line, in either direction."""
 
 UNREADABLE: Final = Cause(Reason.BAD_VALUE, "the line was refused: at most 127 ASCII characters are allowed.")
 BUSY: Final = Cause(Reason.BUSY, WARNING_TEXT[WarningCode.BUSY])
@@ -27,7 +27,7 @@ PORT_REOPENED: Final = Cause(Reason.CLIENT_LOST, "another program opened the por
 REFUSED_BY_BOARD: Final = Cause(Reason.FAULT, "the board has refused the line.")
 CALNOW_FIRST: Final = Cause(
     Reason.NOT_CALIBRATED,
-    "the motion was refused: @CALNOW must come before it, after each @ENMOTORS again.",
+    "the motion was refused: send @CALNOW first, and again after each @ENMOTORS.",
 )
 ZERO_FORGOTTEN: Final = Cause(
     Reason.NOT_CALIBRATED,
@@ -72,7 +72,7 @@ class Outcomes:
         self.declined(line, Cause(error.reason, error.message), detail=error.detail)
 
     def dropped(self, line: Line) -> None:
-        """Report a line that is dropped because the program has gone."""
+        """Report a line that is dropped because the program has closed the port."""
         if line.sent:
             self._end(line, PORT_REOPENED)
         else:
@@ -84,9 +84,7 @@ class Outcomes:
         if cause.reason is not Reason.OK:
             cause = Cause(Reason.OK, "")  # the motion had just ended when STOP was pressed
         if cause.message:
-            self._warn(
-                cause
-            )  # repeated, because the status may have dropped the warning during a long motion
+            self._warn(cause)  # again, because the status may have dropped the warning meanwhile
         self._end(line, cause)
 
     def not_done(self, line: Line, *, unknown: bool, zero_forgotten: bool) -> None:
@@ -146,7 +144,7 @@ class Outcomes:
 
 
 def refuses(cause: Cause | None) -> bool:
-    """Return whether it explains why a line was not carried out."""
+    """Return whether a cause explains why a line was not carried out."""
     return cause is not None and cause.reason is not Reason.OK
 
 
@@ -162,7 +160,7 @@ def explain(line: Line, *, unknown: bool) -> Cause | None:
     """Return the cause of a NACK that the text of the line reveals, else None; `unknown`: the board sent NACK alone."""
     words = line.text.split(b" ")
     if line.effect is Effect.ENABLE and words[1:2] != [b"ON"]:
-        return Cause(Reason.BAD_VALUE, "the line was refused: @ENMOTORS needs ON or OFF behind it.")
+        return Cause(Reason.BAD_VALUE, "the line was refused: ON or OFF must follow @ENMOTORS.")
     if line.effect is not Effect.MOVE:
         return None
     if unknown:

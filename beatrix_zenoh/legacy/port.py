@@ -1,7 +1,7 @@
 """The port for programs of 2023: passes lines between terminal, controller and board.
 
 The firmware understands the lines and answers them (record 0013). The port queues them, applies access and STOP, and
-answers every line in its turn, whatever happens to the board.
+answers every line in order, even if the board is lost.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from beatrix_zenoh.legacy.link import TextLink
 from beatrix_zenoh.legacy.terminal import Terminal
 
 ECHOED = (b"ACK", b"NACK")
-"""Lines that a terminal with echo returns to the port: answering them would never end."""
+"""Lines that a terminal with echo returns to the port; answers to them would be echoed again, without end."""
 
 
 class TextPort:
@@ -37,7 +37,7 @@ class TextPort:
     # -- called on the terminal's thread ----------------------------------------------------------------
 
     def opened(self) -> None:
-        """A program has opened the terminal."""
+        """Handle a program that has opened the terminal."""
         self._post(self._opened)
 
     def _opened(self) -> None:
@@ -52,13 +52,13 @@ class TextPort:
             self._post(lambda: self.lines.take(line))
 
     def closed(self) -> None:
-        """The program has closed the terminal, or ended."""
+        """Handle a program that has closed the terminal, or has ended."""
         self._post(self.lines.program_closed)
 
     # -- called on the board's thread -------------------------------------------------------------------
 
     def board_sent(self, seq: int, frame: Text | TextWarning) -> None:
-        """The board has sent a line of an answer, or a warning; `seq` counts both."""
+        """Handle a line of an answer, or a warning, from the board; `seq` counts both."""
         opening = self._link.openings
         self._post(lambda: self.lines.receive(seq, frame, opening))
 

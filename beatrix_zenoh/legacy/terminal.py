@@ -27,16 +27,16 @@ else:
     POSSIBLE = True
 
 LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
-"""A line that has begun is forgotten after this long without a byte."""
+"""Time without a byte after which an incomplete line is dropped, s."""
 TURN_S = 0.02
 """Period of the checks whether a program has opened the terminal, or reads again [s]."""
 CHUNK = 512
 """Bytes that are read in one period at most: 25 kB/s, as fast as the board's serial line."""
 UNREAD_MAX = 1 << 16
-"""Bytes: the most that the system keeps of what a program has written, and the most that the node keeps of answers that
-the program has not read; further answers are dropped as whole lines."""
+"""Largest number of bytes that the system keeps from a program, and that the node keeps of answers that the program has
+not read; further answers are dropped as whole lines."""
 BLANKS = b" \t"
-"""The firmware skips these at the begin of a line."""
+"""Characters that the firmware skips at the start of a line."""
 LOCAL = 3
 """Index of the local modes, which include echo, in the settings of termios."""
 
@@ -124,13 +124,13 @@ class Terminal:
         while not self._closing.wait(TURN_S):
             events = poll.poll(0)
             if not hung_up(events) or events[0][1] & select.POLLIN:
-                self._program_came()
+                self._program_opened()
                 listener.opened()
                 self._serve(poll, listener)
                 listener.closed()
 
     def _serve(self, poll: select.poll, listener: Listener) -> None:
-        """Pass lines on until the program has gone and all its lines are handed over."""
+        """Pass lines on until the program has closed the terminal and all its lines are passed on."""
         splitter = LineSplitter()
         gone = False
         while not (gone or self._closing.is_set()):
@@ -138,7 +138,7 @@ class Terminal:
             data = self._read()
             if gone:  # beyond UNREAD_MAX the bytes belong to the next program
                 data += b"".join(islice(iter(self._read, b""), UNREAD_MAX // CHUNK))
-                self._program_went()
+                self._program_closed()
             for line in splitter.split(data):
                 listener.received(line)
             with self._lock:
@@ -153,8 +153,8 @@ class Terminal:
         except OSError:
             return b""
 
-    def _program_came(self) -> None:
-        """Keep the program's settings, but switch echo off: with it the node would read its own answers."""
+    def _program_opened(self) -> None:
+        """Keep the program's settings, but switch echo off, because the node would read its own answers."""
         with self._lock, contextlib.suppress(OSError, termios.error):
             self._open = True
             self._pending_openings += 1
@@ -163,11 +163,11 @@ class Terminal:
                 settings[LOCAL] &= ~termios.ECHO
                 termios.tcsetattr(self._master, termios.TCSANOW, settings)
 
-    def _program_went(self) -> None:
+    def _program_closed(self) -> None:
         """Discard the program's settings and the answers it has not read, so that the next program does not get them.
 
-        Linux keeps 4 kB for the program, which only a change of the settings discards, and 16 kB before that; other
-        systems have one queue.
+        Linux has two queues: one of 16 kB and, nearer to the program, one of 4 kB, which only a change of the settings
+        discards. Other systems have one queue.
         """
         with self._lock, contextlib.suppress(OSError, termios.error):
             self._open = False
@@ -198,7 +198,7 @@ def hung_up(events: list[tuple[int, int]]) -> bool:
 
 
 class LineSplitter:
-    """Splits what a program writes into lines."""
+    """Splits the bytes that a program writes into lines."""
 
     def __init__(self) -> None:
         self._begun = b""

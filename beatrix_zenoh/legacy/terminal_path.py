@@ -1,4 +1,4 @@
-"""The path at which programs of 2023 find the pseudo-terminal: claimed, linked, open to other users."""
+"""The path of the pseudo-terminal for programs of 2023: claim it, link it, and let other users open the terminal."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ except ImportError:  # Windows, which has no pseudo-terminals either
     grp = None  # type: ignore[assignment]
 
 LINK_PREFIX: Final = "/dev/.."
-"""Stands in the target of our links, in front of the device's own name: nothing else writes it so."""
+"""Prefix of the targets of our links, by which they are recognised: no other program writes targets in this way."""
 GROUP: Final = "dialout"
 """On Linux the group of users who may open serial ports."""
-GROUP_MAY: Final = 0o660
+GROUP_MODE: Final = 0o660
 
 
 def claim(path: Path) -> socket.socket:
@@ -34,19 +34,19 @@ def claim(path: Path) -> socket.socket:
     held = socket.socket(socket.AF_UNIX)
     where = str(path.parent.resolve() / path.name)
     try:
-        if sys.platform == "linux":  # elsewhere there are no names that go with their process
+        if sys.platform == "linux":  # only Linux has socket names that disappear with their process
             held.bind(b"\0beatrix-legacy-" + hashlib.sha256(os.fsencode(where)).hexdigest().encode())
     except OSError as error:
         held.close()
         raise Refused(
             Reason.BAD_VALUE,
-            f"--legacy {path} belongs to another node that runs: choose another path for this robot.",
+            f"--legacy {path} is used by another node: choose another path for this robot.",
         ) from error
     return held
 
 
 def link(path: Path, device: str) -> None:
-    """Let `path`, which is claimed, lead to `device`; a link of ours that was left behind is replaced.
+    """Link the claimed `path` to `device`; replaces a link that an earlier node has left behind.
 
     Raises:
         Refused: BAD_VALUE: another file has this path, or this user may not write there.
@@ -76,9 +76,9 @@ def unlink(path: Path, device: str) -> None:
 
 
 def share(device: str) -> None:
-    """Let the users who may open serial ports open `device`, as far as this process may allow it."""
+    """Let the users who may open serial ports open `device`, if this process has the right to allow it."""
     if grp is None:
         return
     with contextlib.suppress(KeyError, OSError):  # no such group, or this user is not in it
         os.chown(device, -1, grp.getgrnam(GROUP).gr_gid)
-        Path(device).chmod(GROUP_MAY)  # after chown: never open to another group
+        Path(device).chmod(GROUP_MODE)  # after chown: never open to another group

@@ -22,7 +22,7 @@ class LegacyPort(Component):
         driving = TextDriving(context, stop, commands, self._has_router)
         self._port = TextPort(terminal, board_watch.board, driving, context.queue.post_event)
         lines = self._port.lines
-        stop.on_stop(lines.call_off)
+        stop.on_stop(lines.refuse_waiting_motions)
         board_watch.observe(Observer(lines.observe, lines.overdue, urgent=False))
         board_watch.on_text(self._port.board_sent)
 

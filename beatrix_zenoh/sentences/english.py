@@ -89,7 +89,7 @@ ENGLISH: Final = Language(
         (Reason.YAW_LIMIT, Limit.YAW, "goal"): f"The head would turn to yaw {{value}}; {_YAW}",
         (Reason.YAW_LIMIT, Limit.YAW, "path"): f"{_WAY}the head would turn to yaw {{value}}; {_YAW}",
         (Reason.YAW_LIMIT, Limit.TRAVEL, ""): (
-            "The {arms} arm would turn to {value}; with the yaw of the head limited, {low} to {high} is possible."
+            "The {arms} arm would turn to {value}; the yaw limit of the head allows {low} to {high}."
         ),
         (Reason.SPEED_LIMIT, None, ""): "The speed is zero, negative or above the limit. Choose another.",
         (
@@ -125,18 +125,22 @@ ENGLISH: Final = Language(
             None,
             "",
         ): "The arms are moving. Wait until they rest or send STOP, then try again.",
-        (Reason.HOME_KNOWN, None, ""): "Home is known, and the arms are far from it. Send HOME to go there.",
+        (
+            Reason.HOME_KNOWN,
+            None,
+            "",
+        ): "Home is known, and the arms are far from it. Send HOME to move them home.",
         (Reason.HOME_KNOWN, Limit.HOME, ""): (
-            "Home is known, and the {arms} arm is {value} from it; another home may be set within {high}. Send HOME to go "
-            "there; to set another home, disable, set the head upright and straight ahead, enable and calibrate."
+            "Home is known, and the {arms} arm is {value} from it; a new home is allowed within {high}. Send HOME to move "
+            "home. To set a home further away, disable, set the head upright and straight ahead, enable and calibrate."
         ),
-        (Reason.BUSY, None, ""): "Too many requests are waiting. Send fewer a second.",
+        (Reason.BUSY, None, ""): "Too many requests are waiting. Send fewer requests a second.",
         (Reason.BUSY, None, "moving"): "A motion of {holder} is running. Try again when it has ended.",
         (
             Reason.BUSY,
             Limit.QUEUE,
             "",
-        ): "The queue is full; at most {high} requests may wait. Send fewer a second.",
+        ): "The queue is full; at most {high} requests may wait. Send fewer requests a second.",
         (
             Reason.BOARD_LOST,
             None,
@@ -147,7 +151,11 @@ ENGLISH: Final = Language(
             None,
             "",
         ): "The board received no frame of its node for too long and stopped the arms.",
-        (Reason.CLIENT_LOST, None, ""): "The session that sent this request has ended. Nothing moves for it.",
+        (
+            Reason.CLIENT_LOST,
+            None,
+            "",
+        ): "The session that sent this request has ended, so the robot does not move for it.",
         (Reason.STOPPED, None, ""): "STOP was pressed. Try again when the arms are at rest.",
         (Reason.STOPPED, None, "wait"): (
             "STOP was pressed while {holder} was driving. Send no motion for {wait_s}, then try again; each earlier try "

@@ -45,7 +45,7 @@ def most(number: float) -> str:
 
 
 def apart(number: float, limits: Iterable[tuple[float, str]]) -> str:
-    """Format a refused number with enough decimals to be on the same side of every limit as it really is.
+    """Format a refused number with enough decimals that the text is on the same side of every limit as the number.
 
     limits: each as number and as shown text.
     """

@@ -17,7 +17,7 @@ class Language(NamedTuple):
     decimal: str
     """decimal sign"""
     conjunction: str
-    """before the last entry of a list"""
+    """word before the last entry of a list"""
     arms: Mapping[str, str]
     """names of the arms"""
     commands: Mapping[str, str]
@@ -33,4 +33,4 @@ class Language(NamedTuple):
     speed: str
     """speeds that would be accepted"""
     nothing: str
-    """no alternative was found"""
+    """sentence if no alternative was found"""

@@ -18,7 +18,7 @@ ENGLISH: Final[Mapping[Key, str]] = {
         "and --on."
     ),
     (Reason.NO_ANSWER, None, "present"): (
-        "{field} is on line but did not answer: it is just starting or closing, or it is of another version. Try again; "
+        "{field} is on line but did not answer: it is just starting or closing, or it has another version. Try again; "
         "if that fails, restart it."
     ),
     (Reason.NO_SUCH_ROBOT, None, ""): (
@@ -40,7 +40,7 @@ ENGLISH: Final[Mapping[Key, str]] = {
     ),
     (Reason.NODE_FROZEN, None, "robot"): (
         "{field} is on line but did not answer within {value}, and publishes no positions: its node is frozen, or the "
-        "network between is. End the node and start it again; if the arms move, switch their power off."
+        "network is interrupted. End the node and start it again; if the arms move, switch their power off."
     ),
     (Reason.TIMED_OUT, None, ""): ("The robot did not answer in time. Try again."),
     (Reason.TIMED_OUT, None, "robot"): (

@@ -11,7 +11,7 @@ from beatrix_zenoh.sentences import figures
 from beatrix_zenoh.sentences.language import Language
 
 _LONGEST: Final = 60
-"""Characters of a word of the request in a sentence."""
+"""Largest number of characters of a text from a request in a sentence."""
 
 
 def slots_of(detail: Detail, language: Language) -> dict[str, str]:

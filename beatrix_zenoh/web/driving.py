@@ -1,4 +1,4 @@
-"""A page that drives a robot: its session, its lease, and its requests, on a thread of their own."""
+"""The session, the lease and the requests of a page that drives a robot, on a thread of their own."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.web.messages import ARMS, ROTATIONS, Hold, Outcome, refused
 
 DEAD_MAN_S: Final = 0.4
-"""Without a heartbeat of its page for this long, a moving robot is stopped; pages send ten a second."""
+"""Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
 AHEAD_S: Final = 0.5
-"""A jog sends goals this far ahead, so that it is smooth over a network with delays, and ends by itself without them."""
+"""Time to each goal of a jog, longer than network delays; without a new goal the jog ends by itself."""
 BRAKE_S: Final = 0.12
-"""How far ahead the last goal of a jog is: an arm of 40 deg/s needs 0.11 s to rest."""
+"""As AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""
 SMALLEST_DEG: Final = 0.5
-"""Shortest way of a jog near a limit."""
+"""Shortest motion of a jog near a limit."""
 WAITING_MAX: Final = 4
 """Commands that may wait for the robot's answer."""
 QUEUE_S: Final = 3600.0
@@ -45,14 +45,14 @@ class Task:
 
     control: str
     work: Callable[[], str]
-    """sends it and returns a sentence; empty: nothing to report"""
+    """sends the request and returns a sentence; empty: nothing to report"""
 
 
 class Driver:
     """Drives one robot for one page.
 
-    The arms move only while heartbeats come: a jog consists of goals that are half a second ahead, one for each
-    heartbeat, and the server stops all other motions with `silent`.
+    The arms move only while heartbeats arrive: a jog consists of goals that are half a second ahead, one for each
+    heartbeat, and the server stops all other motions if `silent` exceeds DEAD_MAN_S.
     """
 
     def __init__(
@@ -64,11 +64,11 @@ class Driver:
             settings: router and seat.
             place: name and twin of the robot.
             report: takes the outcome of each request.
-            ended: called once with the reason when this has ended by itself.
+            ended: called once with the reason when the driver has ended by itself.
         """
         self.seat, self.place = settings.who, place
         self.lease = 0
-        """Number of the lease; 0: it waits for the robot"""
+        """Number of the lease; 0: the driver waits for the robot."""
         self.client: Client | None = None
         self.stopped = False
         """The robot was stopped because the page is silent."""
@@ -110,7 +110,7 @@ class Driver:
         return self._running is not None or self._jog is not None or bool(self._waiting)
 
     def hold(self, hold: Hold) -> None:
-        """Jog on while a button is held; ignored after its press has ended."""
+        """Continue a jog while its button is held; ignored after that press has ended."""
         self._put_jog(hold, AHEAD_S)
 
     def release(self, press: int) -> None:
@@ -137,7 +137,10 @@ class Driver:
                 self._wake.notify()
         if full:
             self._report(
-                refused(control, f"{WAITING_MAX} requests wait for the robot's answer: wait for it.")
+                refused(
+                    control,
+                    f"{WAITING_MAX} requests are waiting: send the next one after the robot has answered.",
+                )
             )
 
     def drop(self) -> None:
@@ -276,4 +279,4 @@ def reset(robot: Robot) -> str:
 
 
 COMMANDS: Final[dict[str, Callable[[Robot], str]]] = {"ready": make_ready, "disable": disable, "reset": reset}
-"""Each command of a page: sends it and returns a sentence."""
+"""Functions that send the commands of a page and return a sentence."""

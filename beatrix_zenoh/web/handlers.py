@@ -19,9 +19,9 @@ from beatrix_zenoh.web.protection import Login, Visitor, Visitors
 
 PAGES_MAX: Final = 64
 UNREAD_MAX: Final = 20
-"""States that a browser has not confirmed yet; then it gets no further ones."""
+"""Largest number of states that a browser has not confirmed; it gets no more until it confirms."""
 MESSAGES_MAX: Final = 200
-"""Messages of a page in a second; it sends twenty."""
+"""Largest number of messages of a page in a second; a page normally sends twenty."""
 TOO_MANY_PAGES: Final = f"{PAGES_MAX} pages are open already: close one, then load this page again."
 NOTHING: Final = "There is nothing at this address. The control page is at /."
 TOO_FAST, MALFORMED, LOGGED_OUT, FULL = 4001, 4002, 4003, 4004
@@ -29,7 +29,7 @@ TOO_FAST, MALFORMED, LOGGED_OUT, FULL = 4001, 4002, 4003, 4004
 
 
 class Context:
-    """What all handlers share."""
+    """Data that all handlers share."""
 
     def __init__(self, hub: Hub, login: Login, cookie: str) -> None:
         self.hub, self.login, self.cookie = hub, login, cookie
@@ -40,7 +40,7 @@ class Guarded(web.RequestHandler):
     """A handler that refuses foreign hosts and pages."""
 
     def initialize(self, context: Context) -> None:
-        """Set what all handlers share."""
+        """Set the shared data."""
         self.context = context
 
     @property
@@ -57,7 +57,7 @@ class Guarded(web.RequestHandler):
             self.set_header(name, value)
 
     def prepare(self) -> None:
-        """Refuse the request unless its Host header, and for all but reading its Origin header, are ours."""
+        """Refuse a request with a foreign Host header or, unless it only reads, with a foreign Origin header."""
         acts = self.request.method != "GET" or "Upgrade" in self.request.headers
         if not self.host:
             self.refuse(403, protection.FOREIGN_HOST)
@@ -86,7 +86,7 @@ class Guarded(web.RequestHandler):
 
 
 class Nothing(Guarded):
-    """All other addresses."""
+    """The reply to requests for all other addresses."""
 
     def get(self) -> None:
         """Reply that there is nothing."""
@@ -135,7 +135,7 @@ class Front(Guarded):
 
 
 class Stopper(Guarded):
-    """STOP without a web socket, in case that one is broken."""
+    """STOP as a POST request, in case the web socket is broken."""
 
     def post(self) -> None:
         """Send STOP."""
@@ -166,11 +166,11 @@ class Socket(Guarded, websocket.WebSocketHandler):
             future = self.write_message(message, binary=binary)
         except websocket.WebSocketClosedError:
             return
-        future.add_done_callback(lambda done: done.exception())  # it has gone meanwhile
+        future.add_done_callback(lambda done: done.exception())  # the browser may have disconnected meanwhile
 
 
 class Live(Socket):
-    """The requests of one page, and the states for it."""
+    """The web socket for the requests of one page and the states that it shows."""
 
     place: Place | None = None
     driver: Driver | None = None
@@ -190,7 +190,7 @@ class Live(Socket):
         self.send(msgspec.json.encode({"kind": "hello", "name": visitor.name}).decode())
 
     def on_close(self) -> None:
-        """Stop what the page moves."""
+        """Stop the robot that the page moves."""
         self.hub.pages.discard(self)
         self.hub.end_driver(self)
 
@@ -258,7 +258,7 @@ class Pictures(Socket):
     """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
 
     def open(self, *_: str, **__: str) -> None:
-        """Begin; `robot` and `twin` are in the address."""
+        """Begin to send pictures of the robot and twin in the address."""
         robot, twin = self.get_query_argument("robot", ""), self.get_query_argument("twin", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
@@ -266,7 +266,7 @@ class Pictures(Socket):
         if (robot, twin) in self.context.hub.places():
             self.set_nodelay(True)
             self._cameras = [(robot, twin, eye) for eye in names.EYES]
-            self.context.hub.look(self, self._cameras)
+            self.context.hub.start_pictures(self, self._cameras)
         else:
             self.close()
 
@@ -279,11 +279,11 @@ class Pictures(Socket):
             self.send(bytes([index]) + newest[1], binary=True)
 
     def on_message(self, message: str | bytes) -> None:
-        """The browser has drawn the picture of eye `0` or `1`."""
+        """Send the next picture of eye `0` or `1`, because the browser has drawn the last one."""
         if message in ("0", "1"):
             self._ready[int(message)] = True
             self.changed(self._cameras[int(message)])
 
     def on_close(self) -> None:
         """End the pictures."""
-        self.context.hub.look_away(self)
+        self.context.hub.end_pictures(self)

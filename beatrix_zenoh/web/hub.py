@@ -21,10 +21,10 @@ from beatrix_zenoh.web.protection import Visitor
 from beatrix_zenoh.web.stopping import Stopping
 
 GONE_S: Final = 5.0
-"""A driver whose page is silent for this long has gone: the robot is given back."""
+"""Longest time without a heartbeat of a page that drives; then the robot is given back."""
 CLOSE_S: Final = 3.0
 """Time for sessions and subscriptions to close."""
-SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to go on."
+SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to continue."
 GONE: Final = "This page was silent for too long, so the robot was given back. Press Drive to take it again."
 TAKEN: Final = "The robot was handed over to {holder}. Press Drive to take it again."
 ENDED: Final = (
@@ -34,7 +34,7 @@ NAME_IN_USE: Final = (
     "Another page drives {robot} as {seat}, or waits for it. Type another name, then press Drive."
 )
 SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
-NOT_DRIVING: Final = "Press Drive first: you watch this robot."
+NOT_DRIVING: Final = "You only watch this robot: press Drive first."
 NO_ROBOT: Final = "There is no robot {name} at the router. Choose one of the list."
 
 
@@ -55,7 +55,7 @@ class Page(Protocol):
         """Close its web socket."""
 
 
-class Picturing(Protocol):
+class PictureSocket(Protocol):
     """A web socket that shows pictures."""
 
     def changed(self, camera: Camera) -> None:
@@ -84,13 +84,13 @@ class Hub:
         self.pages: set[Page] = set()
         self._stopping = Stopping()
         self._closing: list[threading.Thread] = []
-        self._eyes: dict[Camera, tuple[Eye, set[Picturing]]] = {}
+        self._eyes: dict[Camera, tuple[Eye, set[PictureSocket]]] = {}
 
     def _set_router(self, *, there: bool) -> None:
         self._router = there
 
     def drivers(self) -> Iterable[Driver]:
-        """Pages that drive or wait."""
+        """Drivers of all pages that drive or wait."""
         return [page.driver for page in self.pages if page.driver is not None]
 
     # -- states --------------------------------------------------------------------------------------
@@ -135,7 +135,7 @@ class Hub:
             page.show(msgspec.json.encode(content))
 
     def watch(self, page: Page, place: Place) -> None:
-        """Show another robot; the page's driver of the former one ends."""
+        """Show another robot to a page, and end its driver of the former robot."""
         if place not in self.places():
             page.report(refused("robot", NO_ROBOT.format(name=names.tidy(place[0]))))
         elif place != page.place:
@@ -164,7 +164,7 @@ class Hub:
         driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
 
     def end_driver(self, page: Page, text: str = "") -> None:
-        """Give the robot back; `text` tells the page why. A robot stops the motion of a session that ends."""
+        """Give the robot back; `text` is the reason for the page. A robot stops the motion of a session that ends."""
         driver, page.driver = page.driver, None
         if driver is None:
             return
@@ -174,7 +174,7 @@ class Hub:
             page.report(refused("drive", text))
 
     def driver_of(self, page: Page, control: str) -> Driver | None:
-        """The driver of a page that drives; otherwise tells the page to drive first."""
+        """Return the driver of a page that drives; otherwise report to the page that it must drive first."""
         driver = page.driver
         if driver is None or not driver.lease:
             page.report(refused(control, NOT_DRIVING))
@@ -222,7 +222,7 @@ class Hub:
         self._send_stop(robot, own, self._reporter(*(pages if page is None else [page])))
 
     def _send_stop(self, robot: str, driver: Driver | None, report: driving.Report) -> None:
-        """Send STOP through the session of a driver, whose seat need not pause then, or else the hub's own."""
+        """Send STOP through the session of a driver, so that its seat need not pause; otherwise through the hub's."""
         own = None if driver is None else driver.client
         self._stopping.press([self.client] if own is None else [own, self.client], robot, report)
 
@@ -237,7 +237,7 @@ class Hub:
 
     # -- pictures ------------------------------------------------------------------------------------
 
-    def look(self, socket: Picturing, cameras: Iterable[Camera]) -> None:
+    def start_pictures(self, socket: PictureSocket, cameras: Iterable[Camera]) -> None:
         """Begin to send pictures to a web socket; cameras work only while a page shows them."""
         for camera in cameras:
             if camera not in self._eyes:
@@ -254,7 +254,7 @@ class Hub:
         picture = self._eyes[camera][0].newest if camera in self._eyes else None
         return None if picture is None else (picture.seq, picture.jpeg)
 
-    def look_away(self, socket: Picturing) -> None:
+    def end_pictures(self, socket: PictureSocket) -> None:
         """End the pictures of a web socket."""
         for camera, (eye, sockets) in list(self._eyes.items()):
             sockets.discard(socket)
@@ -268,7 +268,7 @@ class Hub:
         self._closing.append(threads.start(close, "web-close"))
 
     def close(self) -> None:
-        """Stop what pages move, and end all sessions and threads."""
+        """Stop the robots that pages move, and end all sessions and threads."""
         for page in list(self.pages):
             self.end_driver(page)
         for camera in list(self._eyes):

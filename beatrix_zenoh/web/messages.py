@@ -103,7 +103,7 @@ class Outcome(msgspec.Struct, frozen=True, tag_field="kind", tag="outcome"):
     """`drive`, `stop`, `robot`, `home`, the part of a jog, or a command"""
     ok: bool
     text: str = ""
-    """a sentence; empty: as asked"""
+    """a sentence; empty: done as requested"""
 
 
 def refused(control: str, text: str) -> Outcome:

@@ -1,4 +1,4 @@
-"""Which requests the control page accepts: hosts, origins, PIN, cookies. No network and no clock of its own."""
+"""The rules for requests to the control page: hosts, origins, PIN, cookies; without network and clock."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STOPS_KEPT: Final = 32
 WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
 WAIT: Final = "Too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
 FOREIGN_HOST: Final = (
-    "This address is not one that this server serves. Open the address that `beatrix web` has printed."
+    "This server does not serve this address. Open the address that `beatrix web` has printed."
 )
 FOREIGN_ORIGIN: Final = "Another page has sent this request. Requests are accepted from the control page only: open it and try again."
 NO_COOKIE: Final = "This browser is not logged in. Load the control page again."
@@ -116,7 +116,7 @@ class Login:
         return self._pin is not None
 
     def refusal(self, typed: str, address: str, now_s: float) -> str:
-        """Why this PIN is not accepted; empty if it is."""
+        """Return the reason why this PIN is refused; empty if it is accepted."""
         if self._pin is None:
             return ""
         wait_s = self._attempts.wait_s(address, now_s)
@@ -133,11 +133,11 @@ class Visitor:
     """A browser that is logged in; its pages share the cookie."""
 
     name: str
-    """proposed name of its seat"""
+    """name that the page proposes for the seat"""
     _stops: deque[str] = field(default_factory=lambda: deque(maxlen=STOPS_KEPT))
 
     def is_new_stop(self, stop: str) -> bool:
-        """Whether STOP with this number has not come yet: a page sends each on two ways."""
+        """Return whether no STOP with this number has arrived yet: a page sends each STOP over two connections."""
         if stop in self._stops:
             return False
         self._stops.append(stop)

@@ -123,7 +123,7 @@ def bind(port: int, address: str) -> socket.socket:
 
 
 def application(context: Context) -> web.Application:
-    """The addresses of the server."""
+    """Return the application with all addresses of the server."""
     shared = {"context": context}
     return web.Application(
         [

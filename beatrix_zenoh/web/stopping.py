@@ -29,7 +29,7 @@ class Press(NamedTuple):
     """A STOP to send; presses for one robot that wait are sent as one."""
 
     clients: Sequence[Client]
-    """sessions to send it through: the first that is connected, else the last"""
+    """sessions for sending: the first one that is connected is used, else the last"""
     robot: str
     reports: list[Report]
 
@@ -47,7 +47,7 @@ class Stopping:
     def __init__(self) -> None:
         self._wake = threading.Condition()
         self._waiting: dict[str, Press] = {}
-        """By robot, the oldest first: however often one page presses, each robot waits for at most one STOP of the others."""
+        """Waiting presses, one for each robot, so that many presses for one robot do not delay STOP for the others."""
         self._closed = False
         self._sent: queue.Queue[Sent | None] = queue.Queue(REPLIES_MAX)
         self._threads: list[threading.Thread] = [

@@ -1,4 +1,4 @@
-"""What pages show of a robot, as data for JSON; angles in degrees."""
+"""The state of a robot for pages, as data for JSON; angles in degrees."""
 
 from __future__ import annotations
 

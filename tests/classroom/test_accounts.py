@@ -113,7 +113,7 @@ def test_the_error_for_a_router_without_certificates_names_the_cause(
 ) -> None:
     account = certificates.account("ana")
     endpoint = passwords.account("ana").connect.replace("tcp/", "tls/")
-    assert "runs without certificates" in refused(endpoint, account)
+    assert "does not use certificates" in refused(endpoint, account)
 
 
 def test_an_expired_account_is_refused_before_anything_is_sent(certificates: ClassRouter) -> None:
@@ -197,9 +197,9 @@ def test_stop_needs_no_readable_account(
     (tmp_path / "beatrix" / "account.toml").write_text("password = 3\n")
     done = beatrix("ls")
     assert done.returncode == 2
-    assert "is no account file" in done.stderr
+    assert "is not an account file" in done.stderr
     done = beatrix("stop")
-    assert "is no account file" in done.stderr
+    assert "is not an account file" in done.stderr
     assert done.returncode == 3, "the program tried the default router, which does not run"
 
 

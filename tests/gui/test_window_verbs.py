@@ -44,7 +44,7 @@ def test_the_robots_of_up_go_on_when_its_window_is_closed() -> None:
         up.expect("The output of all processes")
         os.kill(window_of(up), signal.SIGTERM)
         line = up.expect("The window is closed.")
-        assert "`beatrix gui --name bea` opens it again" in line
+        assert "To open the window again: beatrix gui --name bea" in line
         with Robot("bea", "hw", connect=endpoint) as robot:
             robot.make_ready()
         assert up.end(signal.SIGINT) == 0

@@ -197,11 +197,11 @@ def test_undecodable_pictures_are_skipped_and_reported_once(
         for _ in range(3):
             robot.client.media.put(key, b"<html>", "image/jpeg")
         until(
-            lambda: bool(images.take()) and "it is no JPEG picture" in caplog.text,
+            lambda: bool(images.take()) and "it is not a JPEG picture" in caplog.text,
             "the foreign publisher is reported",
         )
         assert all(image.jpeg == PICTURE for _ in range(5) for image in images.take(0.1))
-    (message,) = [record.getMessage() for record in caplog.records if "no JPEG" in record.getMessage()]
+    (message,) = [record.getMessage() for record in caplog.records if "not a JPEG" in record.getMessage()]
     assert key in message
 
 

@@ -42,7 +42,7 @@ def test_opening_the_port_forgets_zero_and_motors(place: Place) -> None:
         assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"]
         wait_status(
             place.robot,
-            lambda status: "@CALNOW must come before it" in " ".join(status.warnings),
+            lambda status: "send @CALNOW first" in " ".join(status.warnings),
             "the warning",
         )
 

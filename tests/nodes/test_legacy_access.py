@@ -219,4 +219,4 @@ def test_a_motion_before_calnow_is_explained_by_that(place: Place) -> None:
         assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
         event = outcome(place, since, "@MOVRX", Phase.DONE)
         assert event.reason is Reason.NOT_CALIBRATED
-        assert "@CALNOW must come before it" in event.message
+        assert "send @CALNOW first" in event.message

@@ -95,13 +95,13 @@ def test_the_emergency_latch_is_the_only_reason_in_the_warning(place: Place) -> 
         )
         until_s = time.monotonic() + 1.0
         while time.monotonic() < until_s:
-            assert "@CALNOW must come" not in " ".join(place.robot.status().warnings)
+            assert "send @CALNOW first" not in " ".join(place.robot.status().warnings)
         place.robot.command(Command.RESET)
     with place.program() as program:  # a stopped program stays stopped
         assert program.say("@ENMOTORS ON", 2) == ["ACK\n", "ACK\n"]
         assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
         wait_status(
-            place.robot, lambda status: "@CALNOW must come" in " ".join(status.warnings), "the warning"
+            place.robot, lambda status: "send @CALNOW first" in " ".join(status.warnings), "the warning"
         )
 
 

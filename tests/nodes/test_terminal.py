@@ -22,7 +22,7 @@ from stage import Stage, until
 from beatrix_zenoh import Refused
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.legacy.terminal import UNREAD_MAX
-from beatrix_zenoh.legacy.terminal_path import GROUP, GROUP_MAY, LINK_PREFIX
+from beatrix_zenoh.legacy.terminal_path import GROUP, GROUP_MODE, LINK_PREFIX
 from hw_node.app import main
 
 PATIENCE_S = 10.0
@@ -212,7 +212,7 @@ def test_the_group_of_serial_ports_may_open_the_terminal(tmp_path: Path, name: s
             assert not found.st_mode & 0o006, "other users may not open it"
         else:
             assert found.st_gid == group
-            assert stat.S_IMODE(found.st_mode) == GROUP_MAY
+            assert stat.S_IMODE(found.st_mode) == GROUP_MODE
 
 
 def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
@@ -223,7 +223,7 @@ def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
             "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
         )
         assert second.wait() == 1
-        assert any("belongs to another node" in line for line in second.lines)
+        assert any("is used by another node" in line for line in second.lines)
         assert path.exists()
         first.end()
         assert not path.is_symlink()
@@ -269,7 +269,7 @@ def test_a_foreign_link_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_the_link_of_a_running_node_is_left_alone(port: Port) -> None:
-    with pytest.raises(Refused, match="belongs to another node"):
+    with pytest.raises(Refused, match="is used by another node"):
         Terminal(port.terminal.path)
     with port.program():
         pass

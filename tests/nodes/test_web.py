@@ -155,7 +155,7 @@ def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
     )
     assert seen["robot"]["status"]["holder"].startswith("web-mia")
     other.send("home", speed=40)
-    assert other.outcome("home")["text"] == "Press Drive first: you watch this robot."
+    assert other.outcome("home")["text"] == "You only watch this robot: press Drive first."
     other.send("drive", name="ben")
     other.state(lambda state: state["robot"]["status"]["waiting"] == ["web-ben"], "waits")
     driver.send("leave")

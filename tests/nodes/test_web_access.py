@@ -181,7 +181,7 @@ def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
     ("words", "code", "sentence"),
     [
         (("--port", "{port}"), 1, "Choose another one with --port"),
-        (("--who", "teacher"), 1, "Pages would outrank the class"),
+        (("--who", "teacher"), 1, "would outrank the class"),
         (("--connect", "tcp/127.0.0.1:{port}", "--port", "{free}"), 3, "router"),
     ],
 )
@@ -205,6 +205,6 @@ def test_with_lan_the_verb_prints_a_pin_but_never_that_of_the_environment(
     assert "ready http://192.168.1.20:8088/" in printed.stdout
     monkeypatch.setenv("BEATRIX_WEB_PIN", PIN)
     assert PIN not in (done := beatrix("web", "--lan")).stderr + done.stdout
-    assert "PIN: that of BEATRIX_WEB_PIN" in done.stderr
+    assert "PIN: the one in BEATRIX_WEB_PIN" in done.stderr
     monkeypatch.setenv("BEATRIX_WEB_PIN", "1")
     assert beatrix("web", "--lan").returncode == 2

@@ -113,7 +113,7 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
     assert len(load(path).steps) == 3
     assert load(Path("hello")) == shipped("hello")
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(WrongUsage, match="no text in UTF-8"):
+    with pytest.raises(WrongUsage, match="not a text in UTF-8"):
         load(path)
     with pytest.raises(WrongUsage, match="or a shipped choreography: hello"):
         load(tmp_path / "yours.csv")
@@ -160,7 +160,7 @@ def test_a_failed_motion_ends_the_choreography() -> None:
 
 def test_a_lead_and_lockstep_exclude_each_other() -> None:
     stage = Recorder()
-    with pytest.raises(WrongUsage, match="leave one of them out"):
+    with pytest.raises(WrongUsage, match="leave lead_s out"):
         play(cast("Twin", stage), TWO_POSES, lead_s=1.0, lockstep=True)
     assert stage.events == []
 
@@ -216,7 +216,7 @@ def test_a_stopped_robot_ends_the_play() -> None:
     with pytest.raises(Interrupted, match=r"bea \(sim\): Ended by STOP"):
         play(robot, TWO_POSES)
     assert robot.begun == [1]
-    with pytest.raises(WrongUsage, match="needs both robots"):
+    with pytest.raises(WrongUsage, match="only for both robots"):
         play(robot, TWO_POSES, lead_s=1.0)
 
 

@@ -67,7 +67,7 @@ def test_graphics_that_do_not_draw_are_reported(monkeypatch: pytest.MonkeyPatch)
 
 def test_graphics_are_tried_by_drawing() -> None:
     with checks.graphics_probe() as graphics:
-        assert ("OpenGL draws" in graphics().found) is (gl.backend() is not None)
+        assert ("OpenGL works" in graphics().found) is (gl.backend() is not None)
 
 
 def test_graphics_are_not_checked_without_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -94,10 +94,10 @@ BOTH = ",".join(("t_s", *HEAD, *ARMS)) + "\n"
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("", "mine.csv: there is no line of columns"),
-        ("# nothing\n", "mine.csv: there is no line of columns"),
+        ("", "mine.csv: the names of the columns are missing"),
+        ("# nothing\n", "mine.csv: the names of the columns are missing"),
         (HEADER, "mine.csv: there are no points"),
-        ("0,1,2,3\n", "line 1: '0' is no column; choose from t_s, yaw_deg"),
+        ("0,1,2,3\n", "line 1: '0' is not a column; choose from t_s, yaw_deg"),
         ("t_s,yaw_deg,pitch_deg\n", "line 1: the columns lack roll_deg"),
         ("yaw_deg,pitch_deg,roll_deg\n", "line 1: the columns lack t_s"),
         ("t_s\n", "line 1: the columns lack yaw_deg, pitch_deg, roll_deg"),

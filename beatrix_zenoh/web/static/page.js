@@ -1,4 +1,4 @@
-// The control page: shows the state that its server sends, and sends what is pressed.
+// The control page: shows the state that its server sends, and sends a request for each button.
 import { connectEyes, showEyes } from "./eyes.js";
 import { text } from "./texts.js";
 
@@ -23,7 +23,7 @@ let held = null; // the button that is held
 let press = 0;
 let closedFor = "";
 
-// -- to the server ---------------------------------------------------------------------------------
+// -- requests to the server ---------------------------------------------------------------------------------
 
 function send(message) {
   if (socket?.readyState !== WebSocket.OPEN) return false;
@@ -34,17 +34,17 @@ function send(message) {
 function connect() {
   socket = new WebSocket(`ws://${location.host}/live`);
   const opened = socket;
-  let greeted = false;
+  let answered = false;
   socket.onmessage = (event) => {
     if (opened !== socket) return;
-    greeted = true;
+    answered = true;
     receive(JSON.parse(event.data));
   };
   socket.onclose = (event) => {
-    letGo();
+    releaseButton();
     if (event.code === FULL) closedFor = text("trouble.full");
     else if (event.code > 4000) closedFor = text("trouble.closed");
-    else setTimeout(greeted ? connect : checkLogin, RETRY_MS);
+    else setTimeout(answered ? connect : checkLogin, RETRY_MS);
     show();
   };
 }
@@ -80,7 +80,7 @@ function report(control, ok, sentence) {
     place.hidden = ok;
     place.textContent = sentence;
   }
-  if (!ok && held?.dataset.part === control) letGo();
+  if (!ok && held?.dataset.part === control) releaseButton();
 }
 
 function beat() {
@@ -91,13 +91,13 @@ function beat() {
 // -- STOP ------------------------------------------------------------------------------------------
 
 function stop() {
-  letGo();
+  releaseButton();
   const robot = state?.robot?.robot;
   if (!robot) return;
   const message = { do: "stop", robot, stop: crypto.getRandomValues(new Uint32Array(2)).join("-") };
   const sent = send(message) && condition()[0] !== "server";
   showStop(sent, text(sent ? "stop.sent" : "stop.failed", { robot }));
-  // Also on a connection of its own, in case the web socket is broken; the server counts it once.
+  // STOP is also sent by a request, in case the web socket is broken; the server carries it out once.
   fetch("/stop", {
     method: "POST", keepalive: true, headers: { "X-XSRFToken": token }, body: JSON.stringify(message),
   }).then((response) => { if (response.ok && !sent) showStop(true, text("stop.sent", { robot })); }, () => {});
@@ -110,8 +110,8 @@ function showStop(ok, sentence) {
 
 // -- holding buttons -------------------------------------------------------------------------------
 
-function take(button) {
-  letGo();
+function pressButton(button) {
+  releaseButton();
   if (!state?.you.drives) {
     report(button.dataset.part, false, text("drive.first"));
     return;
@@ -124,7 +124,7 @@ function take(button) {
   beat();
 }
 
-function letGo() {
+function releaseButton() {
   if (!held) return;
   held.classList.remove("held");
   held = null;
@@ -132,7 +132,7 @@ function letGo() {
 }
 
 function hide() {
-  letGo();
+  releaseButton();
   send({ do: "hidden" });
 }
 
@@ -249,10 +249,10 @@ function jogButton(part, sign) {
   button.setAttribute("aria-label", text(`jog.${way}`));
   button.onpointerdown = (event) => {
     if (event.button) return;
-    button.setPointerCapture(event.pointerId); // so that letting go elsewhere counts, too
-    take(button);
+    button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
+    pressButton(button);
   };
-  button.onpointerup = button.onpointercancel = button.onlostpointercapture = letGo;
+  button.onpointerup = button.onpointercancel = button.onlostpointercapture = releaseButton;
   button.oncontextmenu = (event) => event.preventDefault();
   return button;
 }
@@ -296,7 +296,7 @@ function command(button) {
 }
 
 function confirm(button) {
-  // The head sinks without power: a second press within a while, and no dialog, which would hide STOP.
+  // The head sinks without power, so a second press must confirm. A dialog would hide STOP.
   button.dataset.armed = "yes";
   button.textContent = text("command.disable.again");
   report("disable", false, text("command.disable.note"));
@@ -311,7 +311,7 @@ function drive() {
   const { you } = state ?? { you: {} };
   report("drive", true, "");
   if (you.drives || you.waits) {
-    letGo();
+    releaseButton();
     send({ do: "leave" });
     return;
   }
@@ -331,12 +331,12 @@ function keys(event) {
   const button = named ?? (event.key === "Enter" && event.target.dataset?.part ? event.target : null);
   if (!button) return;
   event.preventDefault();
-  if (event.type === "keyup") { if (held === button) letGo(); } else if (!event.repeat) take(button);
+  if (event.type === "keyup") { if (held === button) releaseButton(); } else if (!event.repeat) pressButton(button);
 }
 
 build();
 byId("stop").onpointerdown = stop;
-byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // of assistive programs
+byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // assistive programs
 byId("drive").onclick = drive;
 byId("robots").onchange = (event) => {
   const [robot, twin] = event.target.value.split(" ");
@@ -345,7 +345,7 @@ byId("robots").onchange = (event) => {
 };
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);
-addEventListener("blur", letGo);
+addEventListener("blur", releaseButton);
 addEventListener("pagehide", hide);
 document.addEventListener("visibilitychange", () => { if (document.hidden) hide(); });
 setInterval(beat, BEAT_MS);
