@@ -102,6 +102,9 @@ ENGLISH: Final = Language(
             Limit.SPEED,
             "high",
         ): "A speed of {value} for the {arms} arm is too fast; {low} to {high} is allowed.",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
+            "A speed of {value} for the {arms} arm is too fast: the teacher's limit of {high} applies."
+        ),
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
             "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60`; STOP is open to every seat."

@@ -135,6 +135,9 @@ GERMAN: Final = Language(
             Limit.SPEED,
             "high",
         ): f"Eine Geschwindigkeit von {{value}} des {{arms}} Arms ist zu groß; {_YAW}",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
+            "Eine Geschwindigkeit von {value} des {arms} Arms ist zu groß: Es gilt die Grenze der Lehrkraft von {high}."
+        ),
         (Reason.NOT_HOLDER, None, ""): "Ein anderer Platz steuert den Roboter. Versuche es später.",
         (Reason.NOT_HOLDER, None, "taken"): (
             "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60`; STOP steht jedem Platz offen."
