@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import re
 import tomllib
 from pathlib import Path
 from typing import Literal
@@ -11,10 +12,12 @@ import msgspec
 
 from beatrix_zenoh import files, names
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.errors import WrongUsage, quoted
 
 LONGEST = 16 * 1024
 """Bytes of an account file; one with certificates has 2 kB."""
+PATH = re.compile(r"\$\.(\w+)")
+"""The field in the path of a validation error of msgspec."""
 Role = Literal["student", "teacher", "robot"]
 
 
@@ -87,26 +90,56 @@ def joined() -> Path:
 def load(path: Path) -> Account:
     """Read an account file; raises WrongUsage (BAD_VALUE)."""
     try:
-        read = files.content(path, LONGEST, called=str(path), form="TOML", nothing="no account is that long")
+        read = files.content(
+            path, LONGEST, called=str(path), form="TOML, such as ana.toml", nothing="no account is that long"
+        )
         return parse(read.decode(), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise _wrong(str(path), str(error)) from error
+    except OSError as error:
+        raise _wrong(str(path), f"it cannot be read ({error.strerror})") from error
+    except UnicodeDecodeError as error:
+        raise _wrong(str(path), "it holds no text") from error
 
 
 def parse(text: str, called: str) -> Account:
     """Parse the text of an account file; raises the errors of `load`."""
     try:
-        account = msgspec.convert(tomllib.loads(text), Account)
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
-        raise _wrong(called, str(error)) from error
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _wrong(called, f"it is not written in TOML ({error})") from error
+    try:
+        account = msgspec.convert(table, Account)
+    except msgspec.ValidationError as error:
+        raise _wrong(called, _cause(table, str(error))) from error
     names.check_name(account.name, "account")
     if not (account.password or (account.authority and account.certificate and account.key)):
         raise _wrong(called, "it holds neither a password nor a certificate")
     return account
 
 
+def _cause(table: dict[str, object], error: str) -> str:
+    """Return why a table is no account, from it and from msgspec's error, which names the path of the wrong field."""
+    if table.get("role") in ("router", "standby"):
+        return "it is that of the class's router, which stays on the router's computer"
+    if "addresses" in table:
+        return "it is the class file, from which the teacher makes the accounts"
+    fields = msgspec.structs.fields(Account)
+    unknown = sorted(set(table) - {field.encode_name for field in fields})
+    if unknown:
+        return f"no account has a field {quoted(unknown[0])}"
+    missing = [field.encode_name for field in fields if field.required and field.encode_name not in table]
+    if missing:
+        return f"it lacks {' and '.join(missing)}"
+    wrong = PATH.search(error)
+    return (
+        f"the value of {wrong[1]} is none that an account has"
+        if wrong
+        else "a value is none that an account has"
+    )
+
+
 def _wrong(called: str, text: str) -> WrongUsage:
     return WrongUsage(
         Reason.BAD_VALUE,
-        f"{called} is not an account file: {text}. `beatrix classroom init` writes one for each seat and robot.",
+        f"{called} is not an account file: {text}. Use the file of your seat or robot, for example ana.toml, from the "
+        "folder seats or robots that `beatrix classroom init` makes, or the text of the code on the card.",
     )

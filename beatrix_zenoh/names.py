@@ -51,9 +51,9 @@ def view_title(eye: str) -> str:
     return f"{eye} view" if eye == OUTSIDE else f"{eye} eye"
 
 
-def tidy(text: str) -> str:
-    """Return a similar valid name."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or "beatrix"
+def tidy(text: str, otherwise: str = "beatrix") -> str:
+    """Return a similar valid name; `otherwise` if the text has no character of one."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or otherwise
 
 
 def default_seat() -> str:

@@ -372,7 +372,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
     field: str = ""
-    """the wrong field or word of the request"""
+    """the wrong field or word of the request; speed_limit: the limit is the teacher's"""
     known: list[str] = []
     """values that are allowed instead"""
     holder: str = ""

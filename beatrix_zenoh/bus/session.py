@@ -322,6 +322,14 @@ class Bus:
         """Whether a router is connected; false after `close`."""
         return not self.closed and bool(self._session.info.routers_zid())
 
+    def refusal(self) -> NoAnswer | None:
+        """Return why the router refuses a new session of this program; None if it does not, or if there is no router."""
+        try:
+            self._open_session().close()
+        except NoAnswer as error:
+            return error if error.reason is Reason.ACCOUNT_REFUSED else None
+        return None
+
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and twin of every robot on line."""
         return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))

@@ -1,4 +1,4 @@
-"""The session watchdog: check each session of a process by a query through another session."""
+"""The session watchdog: check each session of a process by a query through another session, and a lost router."""
 
 from __future__ import annotations
 
@@ -22,10 +22,16 @@ class SessionWatchdog:
     If the router disconnects a session under a flood of messages, Zenoh 1.10 reconnects it without its declarations in
     about one case of ten. The session is then open, but the router delivers no query to it. `renewed` is called with
     the traffic class, on the watchdog's thread.
+
+    `refused` is called on the same thread, once for each loss of the router, if it is back and refuses the account:
+    Zenoh tries for ever to connect and reports nothing.
     """
 
-    def __init__(self, sessions: Sessions, renewed: Callable[[str], None]) -> None:
-        self._sessions, self._renewed = sessions, renewed
+    def __init__(
+        self, sessions: Sessions, renewed: Callable[[str], None], refused: Callable[[NoAnswer], None]
+    ) -> None:
+        self._sessions, self._renewed, self._refused = sessions, renewed, refused
+        self._refusals = 0
         self._failures: dict[str, int] = {}
         self._closed = threading.Event()
         self._thread = threads.start(self._run, "watchdog")
@@ -37,6 +43,8 @@ class SessionWatchdog:
                 others = [bus for bus in opened.values() if bus is not checked]
                 if others and checked.served and not self._closed.is_set():
                     self._check(traffic, checked, others[0])
+            if not self._closed.is_set():
+                self._check_account(self._sessions.control)
 
     def _check(self, traffic: str, checked: Bus, through: Bus) -> None:
         failed = not reached(checked, through)
@@ -49,6 +57,16 @@ class SessionWatchdog:
         except NoAnswer:
             return  # the router was lost just now
         self._renewed(traffic)
+
+    def _check_account(self, control: Bus) -> None:
+        """Report a router that refuses the account; a router that has just started may refuse it once."""
+        if control.connected:
+            self._refusals = 0
+        elif self._refusals < FAILURES:
+            error = control.refusal()
+            self._refusals = 0 if error is None else self._refusals + 1
+            if error is not None and self._refusals == FAILURES:
+                self._refused(error)
 
     def close(self) -> None:
         """End the watchdog's thread."""

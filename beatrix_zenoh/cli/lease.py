@@ -134,16 +134,22 @@ def _govern(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
                 f"No robot{named} is on line at {client.bus.endpoint}.{others}",
             )
-        rows, code = [], 0
+        rows, failed, code = [], [], 0
         for (robot, twin), result in govern(client, places, action, speed).items():
             reason, text = result.reason, result.message
             code = code or (0 if reason is Reason.OK else exit_code(reason))
             rows.append(
                 {"robot": robot, "on": twin, "result": reason is Reason.OK, "reason": reason, "message": text}
             )
+            failed += [] if reason is Reason.OK else [title((robot, twin))]
             if not as_json:
                 (say if reason is Reason.OK else note)(f"{robot} ({twin}): {text}")
     if as_json:
         print_json({"result": not code, "robots": rows})
+    elif failed and len(failed) < len(rows):
+        note(
+            f"Done at {len(rows) - len(failed)} of {len(rows)} robots, not at {', '.join(failed)}. "
+            "`beatrix top` shows which are frozen. Type the command again for the others."
+        )
     if code:
         raise typer.Exit(code)

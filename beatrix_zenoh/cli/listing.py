@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import msgspec
@@ -17,6 +17,7 @@ from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import Presence
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.settings import resolve
 
 HEADS = ("robot", "on", "state", "driver", "version", "firmware")
@@ -89,6 +90,8 @@ def show(found: list[ListedRobot]) -> None:
     for robot in found:
         for problem in problems(robot.status):
             say(f"{robot}: {problem}")
+    for line in unfrozen_note({robot.place: robot.status.frozen for robot in found if robot.status}):
+        say(line)
 
 
 def state(status: Status) -> str:
@@ -124,6 +127,19 @@ def lease_notes(status: Status) -> list[str]:
     if status.speed_limit:
         notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
     return notes
+
+
+def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
+    """Return a sentence that names the robots that are not frozen while others are; none if all are alike.
+
+    A robot that was not on line when the teacher froze the others is free when it returns.
+    """
+    free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
+    if not free or len(free) == len(frozen):
+        return []
+    return [
+        f"Not frozen, although others are: {', '.join(free)}. The teacher freezes all with `beatrix freeze`."
+    ]
 
 
 def as_row(robot: ListedRobot) -> dict[str, object]:

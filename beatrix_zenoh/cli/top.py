@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh.cli.listing import lease_row, problems, state
+from beatrix_zenoh.cli.listing import lease_row, problems, state, unfrozen_note
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.client.monitor import Monitor
@@ -96,8 +96,9 @@ def cells(row: Row) -> tuple[str, ...]:
 
 
 def notes(rows: list[Row]) -> list[str]:
-    """The problems of all robots, a line each."""
-    return [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
+    """The problems of all robots, and which are not frozen while others are, a line each."""
+    found = [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
+    return found + unfrozen_note({row.place: bool(row.lease["frozen"]) for row in rows if row.lease})
 
 
 def seats_line(seats: Seats) -> str:

@@ -13,6 +13,10 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 ANSWER_S = 2.0
 """Time limit of all replies together."""
+NO_REPLY = (
+    f"It did not answer within {ANSWER_S:g} s, so its state is not known: it hangs, or its connection is lost. "
+    "Send the request again when it answers."
+)
 
 
 def govern(
@@ -23,16 +27,15 @@ def govern(
     who = client.settings.who
     requests = {place: Request(client, place, keys.lease(*place, who), query, ANSWER_S) for place in places}
     deadline_s = time.monotonic() + ANSWER_S
-    return {place: _result(request, place, deadline_s) for place, request in requests.items()}
+    return {place: _result(request, deadline_s) for place, request in requests.items()}
 
 
-def _result(request: Request, place: Place, deadline_s: float) -> LeaseReply | BeatrixError:
+def _result(request: Request, deadline_s: float) -> LeaseReply | BeatrixError:
     """Return the reply that arrives until `deadline_s` (monotonic clock, s), or the error."""
     try:
         reply = request.reply(LeaseReply, max(0.0, deadline_s - time.monotonic()))
     except TimeoutError:
-        text = "{} ({}) did not answer: it is frozen or very busy.".format(*place)
-        return NoAnswer(Reason.TIMED_OUT, text)
+        return NoAnswer(Reason.TIMED_OUT, NO_REPLY)
     except BeatrixError as error:
         return error
     finally:

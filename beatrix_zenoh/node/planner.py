@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from msgspec import structs
 
+from beatrix_zenoh import sentences
 from beatrix_zenoh._generated.messages import (
     Alternative,
     Detail,
@@ -75,6 +76,7 @@ class Planner:
                     limit=Limit.SPEED, value=speed, low=low, high=high, unit="rad/s", arms=list(ARMS)
                 ),
             )
+        speed = math.radians(round(math.degrees(speed), 3))  # as typed: the wire has single precision
         speed_max = math.degrees(speed) if speed else own.speed_max
         limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
         self.limits = Limits(structs.replace(self.robot, limits=limits))
@@ -119,8 +121,12 @@ class Planner:
         self, refusal: Refused, query: MotionQuery | PoseQuery, telemetry: Telemetry, speed: Arms
     ) -> Refused:
         """Return the refusal of a speed with the nearest allowed speed, if the motion would be accepted with it."""
-        if refusal.reason is not Reason.SPEED_LIMIT:
+        if refusal.reason is not Reason.SPEED_LIMIT or refusal.detail is None:
             return refusal
+        if self.speed_limit and max(speed) > self.speed_limit:
+            refusal = Refused(
+                refusal.reason, detail=structs.replace(refusal.detail, field=sentences.TEACHER_LIMIT)
+            )
         nearest = self.limits.nearest_speed(speed)
         try:
             self._goal(query, telemetry, nearest)

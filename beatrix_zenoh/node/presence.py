@@ -5,6 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.bus import Sessions, SessionWatchdog
+from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.lease import Caller
 
@@ -25,7 +26,7 @@ class Presence(Component):
         bus.watch_tokens(keys.seat("*", "*"), self._seat)
         bus.watch_router(self._router)
         bus.declare_token(keys.alive(self._context.name, self._context.twin))
-        self._watchdog = SessionWatchdog(sessions, self._renewed)
+        self._watchdog = SessionWatchdog(sessions, self._renewed, self._refused)
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -66,6 +67,11 @@ class Presence(Component):
             self._context.controller.client_lost()
 
         self._context.queue.post_event(end)
+
+    def _refused(self, error: NoAnswer) -> None:
+        """Report that the router refuses the account, on the watchdog's thread."""
+        text = f"{error.message} Then start the node again: until then it receives no requests."
+        self._context.events.add(EventKind.ROUTER, reason=error.reason, message=text)
 
     def close(self) -> None:
         """End the watchdog; the tokens end with the session."""

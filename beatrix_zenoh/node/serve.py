@@ -39,7 +39,8 @@ def serve(
     """Serve a robot until a signal arrives; return the exit code.
 
     `ready` switches the motors on and calibrates at the start, which only a simulation may do. `legacy` is the path of
-    the terminal for programs of 2023. All events are written to `log_file`. Prints `ready <key>` when the robot serves.
+    the terminal for programs of 2023. All events are written to `log_file`. Prints `ready <key>` when the robot serves, with
+    `(no board yet)` after it if its board does not answer.
 
     Raises:
         BeatrixError: the robot cannot serve: its name is taken, or the router was lost meanwhile.
@@ -80,8 +81,10 @@ def serve(
 
 
 def _announce(node: Node, legacy: Path | None) -> None:
-    """Print that the node serves, and the path for programs of 2023."""
-    print("ready", node.alive_key, flush=True)
+    """Print that the node serves, with or without a board, and the path for programs of 2023."""
+    link = node.context.board_watch.board.link
+    without = "" if link.connected else " (unusable firmware)" if link.foreign else " (no board yet)"
+    print(f"ready {node.alive_key}{without}", flush=True)
     if legacy is not None:
         print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
 

@@ -8,6 +8,7 @@ sentence.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from beatrix_zenoh._generated.messages import Detail, Limit, Reason
 from beatrix_zenoh.sentences.english import ENGLISH
@@ -15,10 +16,12 @@ from beatrix_zenoh.sentences.german import GERMAN
 from beatrix_zenoh.sentences.language import Language
 from beatrix_zenoh.sentences.slots import slots_of
 
-__all__ = ["LANGUAGES", "case_of", "render"]
+__all__ = ["LANGUAGES", "TEACHER_LIMIT", "case_of", "render"]
 
 LANGUAGES = {"en": ENGLISH, "de": GERMAN}
 """Languages by their ISO 639-1 code."""
+TEACHER_LIMIT: Final = "speed_limit"
+"""`Detail.field` of a speed above the teacher's limit: the field of the status that shows the limit."""
 
 
 def render(reason: Reason, detail: Detail | None = None, language: str = "en") -> str:
@@ -100,7 +103,9 @@ def _needs_case(detail: Detail) -> str:
 def _speed_case(detail: Detail) -> str:
     if detail.value is None or detail.low is None:
         return ""
-    return "low" if detail.value < detail.low else "high"
+    if detail.value < detail.low:
+        return "low"
+    return "teacher" if detail.field == TEACHER_LIMIT else "high"
 
 
 _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {

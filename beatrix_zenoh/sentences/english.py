@@ -102,9 +102,12 @@ ENGLISH: Final = Language(
             Limit.SPEED,
             "high",
         ): "A speed of {value} for the {arms} arm is too fast; {low} to {high} is allowed.",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
+            "A speed of {value} for the {arms} arm is too fast: the teacher's limit of {high} applies."
+        ),
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60`; STOP is open to every seat."
+            "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60 --name ROBOT`, with the robot's name; STOP is open to every seat."
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",
@@ -178,7 +181,11 @@ ENGLISH: Final = Language(
         (Reason.TIMED_OUT, Limit.DURATION, ""): (
             "This motion would take {value}; a preview looks at most {high} ahead. Choose a higher speed or a shorter motion."
         ),
-        (Reason.NAME_TAKEN, None, ""): "A robot of this name is already on line. Choose another name.",
+        (
+            Reason.NAME_TAKEN,
+            None,
+            "",
+        ): "A robot of this name is already on line. Choose another name with --name, or end the other robot.",
         (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then try again.",
         **silences.ENGLISH,
     },

@@ -7,7 +7,9 @@ from collections.abc import Iterable
 
 _MOST_DECIMALS = 9
 _ROUNDING = 1e-5
-"""Tolerance, in units of the last digit: limits arrive in single precision, which must not change the shown digits."""
+"""Smallest tolerance, in units of the last digit."""
+_SINGLE = 2.0**-23
+"""Tolerance in proportion to a limit: it arrives in single precision, which must not change the shown digits."""
 
 
 def in_unit(value: float, unit: str) -> float:
@@ -35,13 +37,18 @@ def shown(number: float) -> str:
 def least(number: float) -> str:
     """Format a lower limit, rounded up, so that the shown number is allowed."""
     scale = 10 ** decimals_of(number)
-    return shown(math.ceil(number * scale - _ROUNDING) / scale)
+    return shown(math.ceil(number * scale - _tolerance(number * scale)) / scale)
 
 
 def most(number: float) -> str:
     """Format an upper limit, rounded down, so that the shown number is allowed."""
     scale = 10 ** decimals_of(number)
-    return shown(math.floor(number * scale + _ROUNDING) / scale)
+    return shown(math.floor(number * scale + _tolerance(number * scale)) / scale)
+
+
+def _tolerance(units: float) -> float:
+    """Return how far a limit may be from the number that was meant, both in units of the last digit."""
+    return max(_ROUNDING, abs(units) * _SINGLE)
 
 
 def apart(number: float, limits: Iterable[tuple[float, str]]) -> str:

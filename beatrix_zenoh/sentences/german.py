@@ -135,9 +135,12 @@ GERMAN: Final = Language(
             Limit.SPEED,
             "high",
         ): f"Eine Geschwindigkeit von {{value}} des {{arms}} Arms ist zu groß; {_YAW}",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
+            "Eine Geschwindigkeit von {value} des {arms} Arms ist zu groß: Es gilt die Grenze der Lehrkraft von {high}."
+        ),
         (Reason.NOT_HOLDER, None, ""): "Ein anderer Platz steuert den Roboter. Versuche es später.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60`; STOP steht jedem Platz offen."
+            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60 --name ROBOTER`, mit seinem Namen; STOP steht jedem Platz offen."
         ),
         (
             Reason.NOT_HOLDER,
@@ -246,7 +249,7 @@ GERMAN: Final = Language(
             Reason.NAME_TAKEN,
             None,
             "",
-        ): "Ein Roboter dieses Namens ist schon da. Wähle einen anderen Namen.",
+        ): "Ein Roboter dieses Namens ist schon da. Wähle mit --name einen anderen Namen, oder beende den anderen.",
         (
             Reason.SHUTDOWN,
             None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -149,7 +150,7 @@ class Hub:
         if page.driver is not None or page.place is None:
             return
         account = self.settings.account
-        seat = self.settings.who if account is not None else f"web-{names.tidy(name)}"[:32].strip("-")
+        seat = self.settings.who if account is not None else self._seat(page, name)
         robot = page.place[0]
         if any((driver.place, driver.seat) == (page.place, seat) for driver in self.drivers()):
             text = NAME_IN_USE if account is None else SEAT_IN_USE
@@ -162,6 +163,14 @@ class Hub:
             self._call(lambda: self.end_driver(page, text) if page.driver is driver else None)
 
         driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
+
+    def _seat(self, page: Page, name: str) -> str:
+        """The seat of a page; a name without letters of a seat, for example a Chinese one, gets a free guest name."""
+        used = {driver.seat for driver in self.drivers()}
+        guest = page.visitor_of_page.name
+        guests = itertools.chain([guest], (f"{guest}-{number}" for number in itertools.count(2)))
+        free = next(guest for guest in guests if f"web-{guest}" not in used)
+        return f"web-{names.tidy(name, free)}"[:32].strip("-")
 
     def end_driver(self, page: Page, text: str = "") -> None:
         """Give the robot back; `text` is the reason for the page. A robot stops the motion of a session that ends."""

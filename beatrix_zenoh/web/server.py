@@ -10,12 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from tornado import httpserver, ioloop, web
+from tornado import ioloop, web
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.web.connections import Server, brief_log
 from beatrix_zenoh.web.handlers import Context, Files, Front, Live, Nothing, Pictures, Stopper
 from beatrix_zenoh.web.hub import Hub
 from beatrix_zenoh.web.protection import Login
@@ -59,7 +60,8 @@ def serve(
         NoAnswer: NO_ROUTER.
         Refused: BAD_VALUE, another program uses the port.
     """
-    asyncio.run(_serve(settings, port, only, pin, ready, shutdown))
+    with brief_log():
+        asyncio.run(_serve(settings, port, only, pin, ready, shutdown))
 
 
 async def _serve(
@@ -79,7 +81,7 @@ async def _serve(
         listening.close()
         raise
     context = Context(hub, Login(pin), f"beatrix-{port}")
-    server = httpserver.HTTPServer(
+    server = Server(
         application(context),
         max_body_size=BODY_MAX,
         max_header_size=4 * BODY_MAX,

@@ -16,6 +16,7 @@ from beatrix_zenoh.client.seats import Seats
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.settings import Settings
 from gui.link.worker import show_error
 from gui.state.world import LinkPhase
@@ -167,12 +168,19 @@ class Connection:
         self._router_present = present
 
     def _choose(self) -> None:
-        """Select the only name on line, once, if the user chose none."""
+        """Select a name on line, once, if the user chose none: the only one, or for the teacher one of several.
+
+        The teacher has no robot of the own name. The first real robot is shown, as simulations belong to seats.
+        """
         with self._lock:
-            names = () if self._chosen else self.names()
-            if len(names) == 1:
+            session = None if self._chosen else self.session
+            if session is None:
+                return
+            first = sorted(session.monitor.present(), key=lambda place: (place[1] != "hw", place[0]))
+            names = {name for name, _ in first}
+            if len(names) == 1 or (names and self.settings.who == TEACHER):
                 self._chosen = True
-                self._select(names[0])
+                self._select(self.robot if self.robot in names else first[0][0])
 
     # -- the end ------------------------------------------------------------------------------------
 

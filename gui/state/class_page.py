@@ -55,7 +55,11 @@ def view(memory: Memory, world: World) -> ClassView | None:
 
 def _summary(world: World, texts: Texts) -> str:
     seats = ", ".join(world.seats) or texts("unknown")
-    return texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
+    text = texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
+    frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
+    if not frozen:
+        return text
+    return f"{text} {texts('class.frozen', frozen=float(frozen), robots=float(len(world.robots)))}"
 
 
 def _empty(world: World, texts: Texts) -> str:

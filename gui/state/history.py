@@ -171,6 +171,10 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
     """Return the text of the first cause. If one robot refuses, the window stops the other robot; that STOP is no cause."""
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
+    if done := worst.robots - len(worst.failed):
+        robots = ", ".join(worst.failed)
+        slots = {"done": float(done), "count": float(worst.robots)}
+        return texts("result.done_partly", robots=robots, text=text, **slots), False
     if worst.failed:
         text = texts("of.robots", robots=", ".join(worst.failed), text=text)
     elif twin and len(row.twins) > 1:

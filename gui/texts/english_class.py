@@ -52,6 +52,7 @@ CLASS: Final[dict[str, str]] = {
     "what.for": "{what}, {robots}",
     "what.for_all": "{what}, all robots",
     "result.done_robots": "done at {count:.0f} robots",
+    "result.done_partly": "done at {done:.0f} of {count:.0f} robots, not at {robots}: {text}",
     "of.robots": "{robots}: {text}",
     # -- the page of the class
     "stop_all": "STOP ALL",
@@ -61,6 +62,7 @@ CLASS: Final[dict[str, str]] = {
     "class.hide": "Robot",
     "class.hide_tip": "Show one robot again (F2)",
     "class.summary": "Robots: {robots:.0f}. Seats on line: {count:.0f} ({seats}).",
+    "class.frozen": "Frozen: {frozen:.0f} of {robots:.0f}.",
     "class.freeze_all": "Freeze all",
     "class.freeze_all_tip": "Stop all robots; until you unfreeze them, only you can move them.",
     "class.unfreeze_all": "Unfreeze all",

@@ -54,6 +54,7 @@ CLASS: Final[dict[str, str]] = {
     "what.for": "{what}, {robots}",
     "what.for_all": "{what}, alle Roboter",
     "result.done_robots": "fertig bei {count:.0f} Robotern",
+    "result.done_partly": "fertig bei {done:.0f} von {count:.0f} Robotern, nicht bei {robots}: {text}",
     "of.robots": "{robots}: {text}",
     # -- the page of the class
     "stop_all": "STOP ALLE",
@@ -63,6 +64,7 @@ CLASS: Final[dict[str, str]] = {
     "class.hide": "Roboter",
     "class.hide_tip": "Wieder einen Roboter zeigen (F2)",
     "class.summary": "Roboter: {robots:.0f}. Plätze: {count:.0f} ({seats}).",
+    "class.frozen": "Gesperrt: {frozen:.0f} von {robots:.0f}.",
     "class.freeze_all": "Alle sperren",
     "class.freeze_all_tip": "Alle Roboter anhalten; bis du sie freigibst, bewegst nur du sie.",
     "class.unfreeze_all": "Alle freigeben",

@@ -239,6 +239,42 @@ def test_an_account_comes_from_standard_input(
     assert beatrix("join", "-", answers="nonsense").returncode == 2
 
 
+@pytest.mark.parametrize(
+    ("text", "cause"),
+    [
+        ("ana, please", "it is not written in TOML"),
+        ('[project]\nname = "x"\n', "no account has a field 'project'"),
+        ('name = "ana"\n', "it lacks class and role and connect"),
+        ('class = "8b"\nname = "ana"\nrole = "boss"\nconnect = "tcp/h:1"\n', "the value of role is none"),
+        (
+            'class = "8b"\nname = "ana"\nrole = "student"\nconnect = "tcp/h:1"\n',
+            "it holds neither a password",
+        ),
+    ],
+)
+def test_a_wrong_file_is_refused_with_what_an_account_file_is(tmp_path: Path, text: str, cause: str) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    done = beatrix("join", str(path))
+    assert done.returncode == 2
+    assert f"is no account file: {cause}" in done.stderr
+    assert "Use the file of your seat or robot, for example ana.toml" in done.stderr
+    assert "Object" not in done.stderr
+
+
+def test_the_teachers_own_files_are_named_as_such(passwords: ClassRouter, tmp_path: Path) -> None:
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(b"\x89PNG")
+    causes = {
+        passwords.class_file: "it is the class file",
+        passwords.folder / "router.toml": "it is that of the class's router",
+        picture: "it holds no text",
+        tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
+    }
+    for path, cause in causes.items():
+        assert f"{path} is no account file: {cause}" in beatrix("join", str(path)).stderr
+
+
 def test_another_router_gets_no_account_of_the_class(joined: Account) -> None:
     elsewhere = resolve("toy", "tcp/127.0.0.1:1", "zoe")
     assert (elsewhere.account, elsewhere.robot, elsewhere.who) == (None, "toy", "zoe")

@@ -297,3 +297,18 @@ def test_accounts_that_changed_while_a_program_runs_are_named(tmp_path: Path) ->
             with pytest.raises(NoAnswer) as caught:
                 Robot("bea1", HW, client=client).status()
     assert caught.value.reason is Reason.ACCOUNT_REFUSED
+
+
+def test_a_node_whose_account_was_replaced_says_that_the_router_refuses_it(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path, "password") as router:
+        node = start_node(tmp_path, router.path("bea1"))
+        try:
+            router.process.end(signal.SIGKILL)
+            node.expect("The router at")  # was lost
+            router.make_anew()
+            router.start_again()
+            line = node.expect(f"The router at {router.classroom.connect} refuses account bea1 of class 8b")
+            assert "Ask for a new bea1.toml" in line
+            assert "Then start the node again" in line
+        finally:
+            assert node.end() == 0

@@ -98,7 +98,9 @@ def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
         lease.limit_speed(teacher, 2.0)
     assert reason_of(refused) is Reason.SPEED_LIMIT
     lease.limit_speed(teacher, 10.0)
-    with pytest.raises(Refused, match="10") as refused:
+    with pytest.raises(
+        Refused, match=r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
+    ) as refused:
         robot.look(yaw=2, speed=60)
     assert reason_of(refused) is Reason.SPEED_LIMIT
     assert robot.look(yaw=5).duration > 0.5

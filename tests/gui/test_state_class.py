@@ -56,7 +56,7 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
 
 def test_summary_and_limit() -> None:
     view = page(opened())
-    assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher)."
+    assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
     assert view.limit_now == "Speed limit: 20 °/s."
     free = replace(TEACHER.robots[0], status=status("sim"))
     mixed = page(opened(), replace(TEACHER, robots=(free, *TEACHER.robots[1:])))
@@ -120,7 +120,7 @@ def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
         )
     )
     assert page(state).result == (
-        "speed limit 20 °/s, all robots: refused: bea3 (hw), bea4 (hw): It did not answer."
+        "speed limit 20 °/s, all robots: done at 6 of 8 robots, not at bea3 (hw), bea4 (hw): It did not answer."
     )
     assert page(state).good is False
 

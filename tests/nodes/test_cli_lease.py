@@ -5,7 +5,10 @@ from __future__ import annotations
 import signal
 
 from shell import NAME, Shell
-from stage import until
+from stage import Stage, until
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus import Incoming
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
@@ -53,3 +56,28 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
     free.good("limit", "off", "--who", "teacher")
     assert {row["speed_limit_deg_s"] for row in free.json("top", "--once")["robots"]} == {0.0}
     assert free.run("limit", "slow", "--who", "teacher").returncode == 2
+
+
+def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() -> None:
+    with Stage() as stage:
+        shell = Shell(stage.endpoint)
+        stage.node("bea1")
+        waiting: list[Incoming] = []
+        hung = stage.client("bea2").bus  # a node that takes requests and does not answer
+        hung.declare_token(keys.alive("bea2", "hw"))
+        hung.serve(keys.lease("bea2", "hw", "*"), waiting.append)
+        done = shell.run("freeze", "--who", "teacher")
+        assert done.returncode != 0
+        assert done.stdout.startswith("bea1 (hw): Frozen")
+        assert "bea2 (hw): It did not answer within 2 s, so its state is not known" in done.stderr
+        assert "Done at 1 of 2 robots, not at bea2 (hw)." in done.stderr
+        hung.close()
+        stage.node("bea2")  # returns, free
+        assert len(waiting) == 1
+        line = "Not frozen, although others are: bea2 (hw)."
+        for command in (("top", "--once"), ("ls",)):
+            assert line in shell.good(*command)
+        frozen = {row["robot"]: row["frozen"] for row in shell.json("top", "--once")["robots"]}
+        assert frozen == {"bea1": True, "bea2": False}
+        shell.good("freeze", "--who", "teacher")
+        assert line not in shell.good("top", "--once")

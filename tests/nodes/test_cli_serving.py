@@ -121,6 +121,19 @@ def test_virtual_without_its_colon_is_wrong_usage_before_the_router_is_needed() 
     assert any("with a colon" in line for line in robot.lines)
 
 
+@pytest.mark.parametrize(("port", "end"), [("virtual:", ""), ("{folder}/COM9", " (no board yet)")])
+def test_the_line_ready_says_whether_there_is_a_board(
+    endpoint: str, temporary: Path, port: str, end: str
+) -> None:
+    named = ("--name", "bea", "--port", port.format(folder=temporary))
+    with zbus.open_router(endpoint):
+        robot = Process(*CLI, "hw", *named, "--connect", endpoint)
+        try:
+            assert robot.expect("ready") == f"ready beatrix/bea/hw/@alive{end}"
+        finally:
+            assert robot.end() == 0
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])  # SIGTERM: Process.end
 def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -170,6 +171,25 @@ def test_a_name_drives_from_one_page_only(driver: WebSocket, browser: WebClient)
     other.send("drive", name=holder.removeprefix("web-"))
     assert f"Another page drives bea1 as {holder}" in other.outcome("drive")["text"]
     other.close()
+
+
+def test_each_page_with_a_name_in_other_letters_has_a_guest_seat_of_its_own(
+    port: int, browser: WebClient, robot: Robot
+) -> None:
+    robot.emergency_stop()  # frees the robot at once
+    with WebClient(port) as second:
+        second.load()
+        pages = [browser.connect(), browser.connect(), second.connect()]
+        for page, name in zip(pages, ("美玲", "小明", "🙂"), strict=True):
+            page.state(lambda state: state["robot"] is not None, "a robot")
+            page.send("drive", name=name)
+            page.state(lambda state: state["you"]["drives"] or state["you"]["waits"], f"{name} is a seat")
+        seats = [page.seen[-1]["you"]["seat"] for page in pages]
+        assert len({*seats}) == len(pages)
+        assert all(re.fullmatch(r"web-guest-[0-9-]+", seat) for seat in seats)
+        until(lambda: [robot.status().holder, *robot.status().waiting] == seats, "one drives, two wait")
+        for page in pages:
+            page.close()
 
 
 def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage) -> None:

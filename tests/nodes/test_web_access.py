@@ -6,17 +6,21 @@ import contextlib
 import json
 import re
 import signal
+import socket
 from collections.abc import Iterator
 
 import pytest
 from shell import CLI, beatrix
-from stage import Process, Stage, until
+from stage import EVENT_S, Process, Stage, until
 from tornado.websocket import WebSocketClosedError
 from web_client import PIN, WebClient, serving
 
 from beatrix_zenoh.cli import web
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.web import server
+from beatrix_zenoh.web.connections import ADDRESS_FULL, ADDRESS_MAX, REFUSED_MAX
+
+FLOOD = ADDRESS_MAX + 2 * REFUSED_MAX
 
 
 @pytest.fixture(scope="module")
@@ -128,6 +132,26 @@ def test_a_page_that_floods_is_closed(browser: WebClient) -> None:
             page.send("beat")
     until(lambda: page.read() is None, "closed")
     assert page.code == 4001
+
+
+def test_too_many_connections_of_an_address_are_refused_with_a_reason(
+    stage: Stage, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with serving(stage.endpoint) as port, contextlib.ExitStack() as flood:
+        made = [flood.enter_context(socket.create_connection(("127.0.0.1", port))) for _ in range(FLOOD)]
+        for one in made:
+            one.settimeout(EVENT_S)
+        reply = made[ADDRESS_MAX].recv(4096).decode()
+        assert reply.startswith("HTTP/1.1 503 ")
+        assert reply.endswith(ADDRESS_FULL)
+        assert made[-1].recv(1) == b""  # closed, as many wait for their reply to be read
+        for one in made:
+            one.close()
+        with WebClient(port) as browser:
+            until(lambda: browser.fetch("/").code == 303, "served again")
+    lines = capfd.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert "A connection of 127.0.0.1 was refused" in lines[0]
 
 
 # -- PIN -----------------------------------------------------------------------------------------------

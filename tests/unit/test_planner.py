@@ -192,6 +192,25 @@ def test_the_refusal_of_a_speed_has_enough_digits_and_an_alternative(rate: float
     assert detail.alternative.speed is not None
 
 
+@pytest.mark.parametrize("typed", [20.0, 31.0, 40.0, 12.5])
+def test_a_speed_above_the_teachers_limit_names_it_and_the_limit_itself_is_accepted(typed: float) -> None:
+    planner = Planner(ROBOT)
+    (limit,) = struct.unpack("<f", struct.pack("<f", math.radians(typed)))
+    planner.limit_speed(limit)
+    with pytest.raises(Refused) as refused:
+        planner.goal(PoseQuery(yaw=0.1, speed=math.radians(60)), at(0))
+    assert f"the teacher's limit of {typed:.1f}°/s applies. Try a speed of {typed:.1f}°/s." in str(
+        refused.value
+    )
+    alternative = detail_of(refused.value).alternative
+    assert alternative is not None
+    assert alternative.speed is not None
+    planner.goal(PoseQuery(yaw=0.1, speed=alternative.speed.x), at(0))
+    planner.limit_speed(0.0)
+    with pytest.raises(Refused, match=r"too fast; 0\.\d+°/s to 90\.0°/s is allowed"):
+        planner.goal(PoseQuery(yaw=0.1, speed=math.radians(100)), at(0))
+
+
 def test_the_alternative_of_one_wrong_speed_keeps_the_other_two() -> None:
     speed = Vector3(0.5, 3.0, 0.25)
     refusal = refusal_of(MotionQuery(position=Vector3(0.1, 0.1, 0.1), speed=speed), at(0))

@@ -103,6 +103,18 @@ REFUSALS: list[BeatrixError] = [
     *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
     speed(RAD(0.01), RAD(0.022)),
     speed(RAD(100), RAD(90)),
+    Refused(
+        Reason.SPEED_LIMIT,
+        detail=Detail(
+            limit=Limit.SPEED,
+            value=RAD(60),
+            low=RAD(0.0215),
+            high=RAD(31),
+            unit="rad/s",
+            arms=["long"],
+            field=sentences.TEACHER_LIMIT,
+        ),
+    ),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)")),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"])),
     NoAnswer(Reason.NO_SUCH_ROBOT, detail=Detail(field="ana (hw)", known=["bea1 (sim)", "bea2 (hw)"])),
@@ -217,6 +229,15 @@ def test_a_refused_number_is_shown_on_its_side_of_the_limit(high: float, excess:
     text = figures.apart(value, [(high, shown)])
     assert (float(text) > float(shown)) == (excess > 0)
     assert float(text) != float(shown)
+
+
+@given(st.integers(50, 900))
+def test_a_limit_in_single_precision_is_shown_as_it_was_typed(tenths: int) -> None:
+    detail = Detail(high=RAD(tenths / 10), low=RAD(tenths / 10), unit="rad/s")
+    read = codec.decode(codec.encode(detail), Detail)
+    assert read.high is not None
+    assert figures.most(math.degrees(read.high)) == f"{tenths / 10:.1f}"
+    assert figures.least(math.degrees(read.high)) == f"{tenths / 10:.1f}"
 
 
 @given(st.floats(1e-3, 400))

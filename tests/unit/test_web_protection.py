@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Iterator
 
@@ -9,7 +10,7 @@ import pytest
 
 from beatrix_zenoh._generated.messages import Fault
 from beatrix_zenoh.errors import WrongUsage
-from beatrix_zenoh.web import messages, protection
+from beatrix_zenoh.web import connections, messages, protection
 from beatrix_zenoh.web.driving import AHEAD_S, BRAKE_S, DEAD_MAN_S, jog_query
 from beatrix_zenoh.web.handlers import FULL
 from beatrix_zenoh.web.protection import Attempts, Login, Visitors
@@ -38,6 +39,26 @@ def test_a_host_is_the_address_of_the_connection(host: str, address: str, allowe
 
 def test_the_port_of_http_may_be_omitted() -> None:
     assert protection.host_allowed("127.0.0.1", "127.0.0.1", 80)
+
+
+def test_connections_are_limited_in_total_and_for_each_address() -> None:
+    most, all_of_them = connections.ADDRESS_MAX, connections.CONNECTIONS_MAX
+    assert connections.refused(["a"] * (most - 1), "a") == ""
+    assert connections.refused(["a"] * most, "a") == connections.ADDRESS_FULL
+    assert connections.refused(["a"] * most, "b") == ""
+    several = [str(number) for number in range(all_of_them)]
+    assert connections.refused(several[1:], "new") == ""
+    assert connections.refused(several, "new") == connections.FULL
+
+
+def test_the_log_has_at_most_one_line_in_ten_seconds() -> None:
+    now_s = 5.0
+    brief = connections.Brief(lambda: now_s)
+    record = logging.LogRecord("tornado", logging.WARNING, "", 0, "403 %s", ("POST",), None)
+    assert [brief.filter(record) for _ in range(3)] == [True, False, False]
+    now_s += connections.LOG_S
+    assert brief.filter(record)
+    assert record.getMessage() == "403 POST (2 lines before this one were left out.)"
 
 
 def test_one_address_gets_five_tries_a_minute() -> None:

@@ -7,6 +7,7 @@ import signal
 from linked import Linked
 from stage import Stage
 
+from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from gui.state.actions import Govern, StopAll, WatchClass
 
@@ -41,3 +42,17 @@ def test_without_a_robot_nothing_is_done() -> None:
         linked.do(StopAll(2))
         for row in (1, 2):
             assert not linked.end_of(row).accepted
+
+
+def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
+    with Stage() as stage:
+        stage.client("ana").bus.declare_token(keys.alive("ana", "sim"))  # the simulation of a seat
+        stage.node("bea2")
+        stage.node("bea1")
+        with Linked(stage.endpoint, "host", who="teacher", name_given=False) as linked:
+            linked.until(lambda world: world.robot == "bea1", "the first robot is shown")
+            linked.until(lambda world: world.hw.status is not None, "its status is shown")
+        with Linked(stage.endpoint, "bea2", who="teacher", name_given=False) as linked:
+            linked.until(lambda world: len(world.names) == 3, "all names are on line")
+            linked.until(lambda world: world.hw.status is not None, "the robot of the own name is shown")
+            assert linked.world.robot == "bea2"

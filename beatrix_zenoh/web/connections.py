@@ -1,0 +1,119 @@
+"""How many connections the control page accepts, and how much it logs: a flood must not use up files or the disk."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import time
+from collections.abc import Callable, Iterator
+from typing import Final
+
+from tornado import httpserver, iostream
+
+CONNECTIONS_MAX: Final = 192
+"""Connections at a time: a page holds two web sockets, and a system may allow 256 open files to a process."""
+ADDRESS_MAX: Final = 64
+"""Connections of one address at a time."""
+REFUSED_MAX: Final = 16
+"""Refused connections that are kept open until they have read why; further ones are closed at once."""
+REFUSED_S: Final = 1.0
+"""Longest time for which a refused connection is kept open."""
+LOG_S: Final = 10.0
+"""Shortest time between two lines of the log."""
+LOGGERS: Final = ("beatrix_zenoh.web", "tornado", "asyncio")
+LOG: Final = logging.getLogger("beatrix_zenoh.web")
+
+FULL: Final = f"The server has {CONNECTIONS_MAX} connections, which is its limit. Close pages that are not needed, then load this page again."
+ADDRESS_FULL: Final = f"Your address has {ADDRESS_MAX} connections to this server, which is its limit. Close pages that are not needed, then load this page again."
+
+
+class Server(httpserver.HTTPServer):
+    """An HTTP server that limits its connections, web sockets included."""
+
+    def __init__(self, *args: object, **kwargs: object) -> None:
+        """Arguments are those of `HTTPServer`, which takes them before this is called."""
+        super().__init__(*args, **kwargs)
+        self._open: dict[iostream.IOStream, str] = {}
+        self._refused: set[iostream.IOStream] = set()
+
+    def handle_stream(self, stream: iostream.IOStream, address: tuple[str, int]) -> None:
+        """Serve a connection, or reply that there are too many."""
+        self._open = {one: sender for one, sender in self._open.items() if not one.closed()}
+        refusal = refused(list(self._open.values()), address[0])
+        if refusal:
+            LOG.warning("A connection of %s was refused: %s", address[0], refusal)
+            self._refuse(stream, refusal)
+        else:
+            self._open[stream] = address[0]
+            super().handle_stream(stream, address)
+
+    def _refuse(self, stream: iostream.IOStream, sentence: str) -> None:
+        """Reply with a sentence, without reading the request, and close the connection once the reply has been read."""
+        self._refused = {one for one in self._refused if not one.closed()}
+        if len(self._refused) >= REFUSED_MAX:
+            stream.close()
+            return
+        self._refused.add(stream)
+        body = sentence.encode()
+        head = (
+            "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
+            f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n"
+        )
+        # Closing a connection whose request is unread resets it at once, and the browser could lose the reply.
+        stream.io_loop.call_later(REFUSED_S, stream.close)
+        with contextlib.suppress(iostream.StreamClosedError):
+            stream.write(head.encode() + body).add_done_callback(lambda done: done.exception())
+
+    async def close_all_connections(self) -> None:
+        """Close all connections, also those that wait for their reply to be read."""
+        for stream in self._refused:
+            stream.close()
+        await super().close_all_connections()
+
+
+def refused(addresses: list[str], address: str) -> str:
+    """Return why a further connection of an address is refused, given those of all connections; empty: accepted."""
+    if addresses.count(address) >= ADDRESS_MAX:
+        return ADDRESS_FULL
+    return FULL if len(addresses) >= CONNECTIONS_MAX else ""
+
+
+class Brief(logging.Filter):
+    """Lets one record pass in LOG_S, with the number of those that were left out since the last one."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """`clock` returns monotonic seconds."""
+        super().__init__()
+        self._clock = clock
+        self._next_s, self._left_out = clock(), 0
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Return whether the record is logged."""
+        now_s = self._clock()
+        if now_s < self._next_s:
+            self._left_out += 1
+            return False
+        if self._left_out:
+            record.msg = f"{record.getMessage()} ({self._left_out} lines before this one were left out.)"
+            record.args = None
+        self._next_s, self._left_out = now_s + LOG_S, 0
+        return True
+
+
+@contextlib.contextmanager
+def brief_log() -> Iterator[None]:
+    """Write warnings of the server and its libraries to stderr, at most one in LOG_S."""
+    handler = logging.StreamHandler()
+    handler.setLevel(logging.WARNING)
+    handler.addFilter(Brief())
+    loggers = [logging.getLogger(name) for name in LOGGERS]
+    before = [logger.propagate for logger in loggers]
+    for logger in loggers:
+        logger.propagate = False
+        logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        for logger, propagate in zip(loggers, before, strict=True):
+            logger.removeHandler(handler)
+            logger.propagate = propagate
