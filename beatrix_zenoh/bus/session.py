@@ -32,7 +32,9 @@ HEALTH = "_health"
 HEALTHY = b"served"
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
 
-
+PASSES_S = 0.5
+"""Time for the router to report the tokens of a new session."""
+POLL_S = 0.02
 CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 
 
@@ -286,9 +288,15 @@ class Bus:
     def router_passes(self, token: str) -> bool:
         """Return whether the router has accepted a token of this session and reports tokens to this session.
 
-        Zenoh returns a session's own tokens from the session itself, and once more from the router.
+        Zenoh returns a session's own tokens from the session itself, and once more from the router; in the first
+        milliseconds of a session sometimes not from the router, so a negative answer takes PASSES_S.
         """
-        return len(self.tokens(token)) > 1
+        deadline_s = time.monotonic() + PASSES_S
+        while len(self.tokens(token)) <= 1:
+            if time.monotonic() > deadline_s:
+                return False
+            time.sleep(POLL_S)
+        return True
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
         """Report tokens that appear and disappear, first the existing ones; return a function that ends this.

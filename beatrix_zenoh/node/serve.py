@@ -39,8 +39,7 @@ def serve(
     """Serve a robot until a signal arrives; return the exit code.
 
     `ready` switches the motors on and calibrates at the start, which only a simulation may do. `legacy` is the path of
-    the terminal for programs of 2023. All events are written to `log_file`. Prints `ready <key>` when the robot serves, with
-    `(no board yet)` after it if its board does not answer.
+    the terminal for programs of 2023. All events are written to `log_file`. Prints `ready <key>` when the robot serves.
 
     Raises:
         BeatrixError: the robot cannot serve: its name is taken, or the router was lost meanwhile.

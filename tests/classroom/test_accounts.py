@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import stat
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -106,6 +107,15 @@ def test_a_certificate_of_the_class_under_an_unknown_name_may_do_nothing(certifi
             "has no rights",
         ]
     robot.undeclare_token(keys.alive("bea1", "hw"))
+
+
+def test_an_account_whose_token_the_router_reports_late_has_rights(passwords: ClassRouter) -> None:
+    with passwords.open("ana") as session:
+        token = keys.seat("ana", session.session_id)
+        late = threading.Timer(0.1, session.declare_token, [token])
+        late.start()
+        assert session.router_passes(token)
+        late.join()
 
 
 def test_the_error_for_a_router_without_certificates_names_the_cause(
