@@ -267,7 +267,7 @@ def test_a_wrong_file_is_refused_with_what_an_account_file_is(tmp_path: Path, te
     path.write_text(text)
     done = beatrix("join", str(path))
     assert done.returncode == 2
-    assert f"is no account file: {cause}" in done.stderr
+    assert f"is not an account file: {cause}" in done.stderr
     assert "Use the file of your seat or robot, for example ana.toml" in done.stderr
     assert "Object" not in done.stderr
 
@@ -282,7 +282,7 @@ def test_the_teachers_own_files_are_named_as_such(passwords: ClassRouter, tmp_pa
         tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
     }
     for path, cause in causes.items():
-        assert f"{path} is no account file: {cause}" in beatrix("join", str(path)).stderr
+        assert f"{path} is not an account file: {cause}" in beatrix("join", str(path)).stderr
 
 
 def test_another_router_gets_no_account_of_the_class(joined: Account) -> None:
