@@ -56,7 +56,7 @@ def test_a_pupil_drives_from_a_browser(
     browser: Browser, robot: Robot, serving_page: contextlib.ExitStack
 ) -> None:
     browser.click("#yaw-plus")
-    browser.wait(lambda: "Press Drive first" in browser.text("#head .refusal"), "a refusal beside the button")
+    browser.wait(lambda: "press Drive first" in browser.text("#head .refusal"), "a refusal beside the button")
     browser.run("document.querySelector('#name').value = 'Mia K.'")
     browser.click("#drive")
     browser.wait(lambda: browser.text("#driver") == "You drive as web-mia-k.", "drives")
