@@ -47,7 +47,7 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
     assert all(robot.status().frozen and robot.positions().arms.long < 55 for robot in robots.values())
     user.until(lambda: "frozen by the teacher" in panels.header.pills["hw"].state.text(), "the pill says so")
-    assert "The teacher has frozen the robot (both)" in panels.banner.text.text()
+    user.until(lambda: "frozen the robot (both)" in panels.banner.text.text(), "the banner names both robots")
     user.press(panels.arms.rows["all"].plus)
     user.until(lambda: "The teacher has frozen this robot" in panels.refusal.text.text(), "it is refused")
     teacher.press(page.unfreeze_all)
