@@ -21,7 +21,7 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -> bytes:
     """Return the bytes of a file of at most `longest` bytes.
 
-    `called`: name of the file in error messages; `form`: its format; `nothing`: end of the error about a longer file.
+    `called`: name of the file in error messages; `form`: its format; `nothing`: why no valid file is longer.
 
     Raises:
         OSError: the file cannot be read.

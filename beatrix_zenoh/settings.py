@@ -47,7 +47,7 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
 def resolve_valid(
     robot: str | None = None, connect: str | None = None, who: str | None = None
 ) -> tuple[Settings, list[WrongUsage]]:
-    """As `resolve`, but replace invalid settings by defaults and return their errors: no setting may prevent STOP."""
+    """Like `resolve`, but replace invalid settings by defaults and return their errors: no setting may prevent STOP."""
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
     errors: list[WrongUsage] = []

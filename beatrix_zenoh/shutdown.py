@@ -12,7 +12,7 @@ SIGNALS = [
 ]
 """Signals that request a shutdown: Ctrl-C, kill, a terminal window that is closed, Ctrl-Break on Windows."""
 POLL_S = 0.5
-"""Longest single wait, s: Windows delivers Ctrl-C, and Linux a signal to another thread, only between two waits."""
+"""Longest single wait (s): Windows delivers Ctrl-C, and Linux a signal to another thread, only between two waits."""
 
 
 class Shutdown:

@@ -1,5 +1,5 @@
-// Program for `make mega`: the sketch without the Arduino core. Not in the sketch's folder, because the Arduino core has its
-// own main().
+// Program for `make mega`: the sketch without the Arduino core. This file is not in the sketch's folder, because
+// the Arduino core has its own main().
 #include "beatrix/beatrix.ino"
 
 int main() {

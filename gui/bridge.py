@@ -30,7 +30,7 @@ class Bridge(QObject):
             self._queued.emit(call)
 
     def post_latest(self, slot: Hashable, call: Callable[[], None]) -> None:
-        """As `post`, but replace a waiting call of the same slot."""
+        """Like `post`, but replace a waiting call of the same slot."""
         with self._lock:
             waiting = slot in self._newest
             self._newest[slot] = call

@@ -47,7 +47,7 @@ class Hardware:
         return [Camera(context, choice.eye, choice.build()) for choice in self._cameras]
 
     def plant(self) -> PlantStatus | None:
-        """None: only a simulation has a plant."""
+        """Return None: only a simulation has a plant."""
         return None
 
     def fault(self) -> Fault:

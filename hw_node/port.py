@@ -54,7 +54,7 @@ class SerialPort:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
-        """Reset the board with DTR and RTS, as Arduino's tools do, and discard received bytes. OSError as `read`.
+        """Reset the board with DTR and RTS, as Arduino's tools do, and discard received bytes. Raises OSError.
 
         Raises:
             NoAnswer: BOARD_LOST, the device has no reset line.

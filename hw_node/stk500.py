@@ -49,7 +49,7 @@ class Wire(Protocol):
     """A serial port with a reset line."""
 
     def write(self, data: bytes) -> object:
-        """Send all of it."""
+        """Send all bytes."""
 
     def read(self, timeout_s: float) -> bytes:
         """Received bytes, after waiting up to `timeout_s` for the first one."""
@@ -93,7 +93,7 @@ class Programmer:
         self._at(at, bytes([PROGRAM, PAGE >> 8, PAGE & 0xFF, 0xC1, 10, 0x40, 0x4C, 0x20, 0, 0]) + page)
 
     def check(self, at: int, page: bytes) -> None:
-        """Read one page back and compare it."""
+        """Read one page back and compare it with `page`."""
         # Repeated, because the XOR does not detect every transmission error.
         if not any(self._read(at) == page for _ in range(TRIES)):
             raise NoAnswer(
@@ -134,7 +134,7 @@ class Programmer:
         raise lost()
 
     def _try(self, body: bytes, timeout_s: float) -> bytes | None:
-        """The body of the reply, None if no correct one arrives in time."""
+        """Send a command once and return the body of the reply; None if no valid reply arrives in time."""
         self._sequence = (self._sequence + 1) % 256
         message = bytes([START, self._sequence]) + len(body).to_bytes(2, "big") + bytes([TOKEN]) + body
         self._wire.write(message + bytes([reduce(xor, message)]))

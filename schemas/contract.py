@@ -87,7 +87,7 @@ def load(robot_file: Path | None = None) -> Contract:
 
 
 def change(robot: Table, given: dict[str, object]) -> None:
-    """Set the given values; raises ValueError as `load`."""
+    """Set the given values; raises ValueError as `load` does."""
     for table, values in given.items():
         if table not in robot or not isinstance(values, dict):
             raise ValueError(f"{table!r} is not a table; the tables are {', '.join(robot)}")

@@ -90,7 +90,7 @@ class GlPainter:
         self._size = mujoco.MjrRect(0, 0, width, height)
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """As `PosedModel.pose`."""
+        """Like `PosedModel.pose`."""
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:

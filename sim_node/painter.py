@@ -26,7 +26,7 @@ class SceneState:
     t_mono_ns: int
     """monotonic clock of this computer"""
     posture: Vector
-    """joint positions, as `Plant.posture`"""
+    """joint positions, from `Plant.posture`"""
     target: Place
     """place of the person's eyes"""
 
@@ -40,7 +40,7 @@ class PosedModel:
         self._groups = model.geom_group.copy()
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """Set the robot's joint positions, as `Plant.posture`, and the place of the person's eyes (m) if it is given.
+        """Set the robot's joint positions (of `Plant.posture`) and the place of the person's eyes (m) if it is given.
 
         The person faces the neck's axis.
         """
@@ -69,7 +69,7 @@ class Painter(Protocol):
         """The method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`."""
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """As `PosedModel.pose`."""
+        """Like `PosedModel.pose`."""
 
     def paint(self, camera: str) -> Image:
         """The picture from the camera of this name."""

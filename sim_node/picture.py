@@ -44,7 +44,7 @@ def _painter(spec: mujoco.MjSpec, width: int, height: int) -> Painter:
 
 
 def write_picture(path: Path, arms: Arms, width: int = 1280, height: int = 960) -> None:
-    """Write a picture as PNG file; raises OSError, or BeatrixError as `picture`."""
+    """Write a picture as PNG file; raises OSError, or BeatrixError as `picture` does."""
     path.write_bytes(png(picture(arms, width, height)))
 
 

@@ -24,7 +24,7 @@ NICE: Final = 5
 OPENING_S: Final = 30.0
 """Longest time until a process prints its first line."""
 ENDING_S: Final = 2.0
-"""Longest wait for a process that was killed; one that hangs in a kernel driver does not end."""
+"""Longest wait for the end of a killed process; a process that hangs in a kernel driver does not end."""
 _CHUNK: Final = 65536
 
 
@@ -62,7 +62,7 @@ class PipedProcess:
         self._chunks.put(b"")
 
     def first_line(self) -> str:
-        """The first line of its output; empty if it ends without one, or takes too long."""
+        """The first line of the process's output; empty if the process ends without one or takes too long."""
         deadline_s = time.monotonic() + OPENING_S
         try:
             while b"\n" not in self._received:
@@ -73,7 +73,7 @@ class PipedProcess:
         return line.decode().strip()
 
     def write(self, data: bytes) -> None:
-        """Write to its standard input; raises OSError if it has ended. Blocks while it hangs, until `close`."""
+        """Write to the process; raises OSError if it has ended. Blocks while it hangs, until `close`."""
         try:
             self._in.write(data)
             self._in.flush()
@@ -81,7 +81,7 @@ class PipedProcess:
             raise BrokenPipeError("the process was closed") from error
 
     def read(self, count: int, limit_s: float) -> bytes:
-        """Read `count` bytes of its standard output; raises OSError if it ends, is closed, or takes longer than `limit_s`."""
+        """Read `count` bytes from the process; raises OSError if it ends, is closed, or takes longer than `limit_s`."""
         deadline_s = time.monotonic() + limit_s
         while len(self._received) < count:
             self._receive(deadline_s)
@@ -99,7 +99,7 @@ class PipedProcess:
         self._received += chunk
 
     def close(self) -> None:
-        """Kill it, and end a call of `read` that waits; may be called twice."""
+        """Kill the process, and end a waiting call of `read`; may be called twice."""
         self._process.kill()
         self._chunks.put(b"")
         try:

@@ -35,7 +35,7 @@ class RayPainter:
         self._colours: Vector = colours[:, :3].astype(np.float64)
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """As `PosedModel.pose`."""
+        """Like `PosedModel.pose`."""
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:

@@ -54,7 +54,7 @@ class Renderer:
         self._process = PipedProcess("sim_node.renderer", robot, source)
 
     def open(self) -> None:
-        """Wait until it is ready; raises OSError if it cannot draw on this computer, or is closed."""
+        """Wait until the process is ready; raises OSError if it cannot draw on this computer, or is closed."""
         if self._process.first_line() != READY:
             self.close()
             raise OSError(f"{self.source} cannot draw on this computer")

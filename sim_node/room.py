@@ -15,15 +15,15 @@ from sim_node.visuals import FLOOR, VisualGeoms
 
 WORLD: Final = "world"
 ROOM: Final = ((-2.2, 2.6), (-2.3, 2.3), (FLOOR - 0.74, FLOOR + 1.71))
-"""Least and greatest x, y, z (m)."""
+"""Smallest and largest x, y, z (m)."""
 DESK: Final = ((-0.38, 1.0), (-0.78, 0.78))
-"""Least and greatest x, y (m) of the desk, on which the robot stands."""
+"""Smallest and largest x, y (m) of the desk on which the robot stands."""
 SIGNS: Final = tuple(range(-150, 181, 30))
 """Directions (deg of yaw) of the signs on the walls, which show the direction."""
 SIGN_HEIGHT: Final = 0.72
 """Height of the middle of the signs (m)."""
 _CELL: Final = 0.024
-"""Side of a cell of a letter (m)."""
+"""Side length (m) of the square cells that letters consist of."""
 
 COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "red": (0.86, 0.13, 0.11),

@@ -16,7 +16,7 @@ class Shape(NamedTuple):
     """A closed triangle mesh."""
 
     vertices: Vector
-    """shape (n, 3), m"""
+    """shape (n, 3), in m"""
     faces: npt.NDArray[np.int32]
     """shape (m, 3), counter-clockwise from outside"""
 

@@ -27,7 +27,7 @@ PERIOD_S: Final = 1 / 30
 STDIN: Final = 0
 STDOUT: Final = 1
 _CAMERA: Final = ((0.12, 0.0, -0.04), 1.5, 142.0, -16.0)
-"""Point in the middle of the window (m), distance (m), azimuth and elevation (deg)."""
+"""Point that the camera looks at (m), its distance from that point (m), azimuth and elevation (deg)."""
 
 
 class StateReader:

@@ -43,7 +43,7 @@ class FakeCamera:
         self.plug()
 
     def plug(self) -> None:
-        """Plug it in."""
+        """Plug the camera in."""
         os.mkfifo(self.path)
         self._pipe = os.open(self.path, os.O_RDWR | os.O_NONBLOCK)
         fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE)
@@ -60,7 +60,7 @@ class FakeCamera:
         assert os.write(self._pipe, data) == len(data), "the pipe is full"
 
     def refuse(self, number: int, from_hz: int = 1) -> None:
-        """From now on refuse with this errno to stream at this rate or above; errno 0: work again."""
+        """Refuse streams at `from_hz` or above with this errno from now on; 0: accept all rates again."""
         path = self.path.with_name(f"{self.path.name}.refuses")
         path.write_text(f"{number} {from_hz}") if number else path.unlink()
 

@@ -32,7 +32,7 @@ class FakeOpenCv:
         self.endless = True
         """Pictures without end, every 5 ms; else those of `pictures`."""
         self.goes_on = threading.Event()
-        """While it is clear, reads block."""
+        """While this event is clear, reads block."""
         self.goes_on.set()
         self.opens_at_once = threading.Event()
         self.opens_at_once.set()

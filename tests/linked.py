@@ -88,7 +88,7 @@ class Linked:
         )
 
     def of(self, row: int, twin: str | None = None) -> list[Outcome]:
-        """Return the outcomes of a row, of one twin or of all."""
+        """Return the outcomes of a row; with `twin` only those of this twin."""
         return [found for found in list(self.outcomes) if found.row == row and twin in (None, found.twin)]
 
     def end_of(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
@@ -118,7 +118,7 @@ class Linked:
 
 
 def short(world: World, twin: str) -> float:
-    """Commanded angle of the short arm, deg."""
+    """Commanded angle of the short arm (deg)."""
     reading = world.twin(twin).reading
     assert reading is not None
     return reading.commanded.short

@@ -197,7 +197,7 @@ def least_gap(steps: Steps) -> int:
 
 
 def damaged(wire: bytes, chance: random.Random) -> bytes:
-    """Flip a bit, lose, double or replace bytes."""
+    """Return the bytes with one to three errors: flipped bits, and missing, added or replaced bytes."""
     data = bytearray(wire)
     for _ in range(chance.randint(1, 3)):
         at = chance.randrange(len(data))

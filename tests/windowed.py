@@ -117,7 +117,7 @@ class Windowed:
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:
-    """Whether all angles are within a tolerance, deg."""
+    """Whether all angles are within a tolerance (deg)."""
     return all(abs(angle - wanted) < by for angle, wanted in zip(arms, goal, strict=True))
 
 

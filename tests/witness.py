@@ -3,7 +3,8 @@
 Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of robots
 has no result: it is skipped if it fails, and the skip says how long the computer stood still.
 
-`python tests/witness.py` prints, at its begin and for each time that it woke up later than STALL_S, the monotonic time and its delay, s.
+`python tests/witness.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
+STALL_S.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ PERIOD_S = 0.02
 
 
 class Witness:
-    """The running process, and the delays that it has measured."""
+    """Runs the measuring process and stores the delays that it prints."""
 
     def __init__(self) -> None:
         self._stalls: list[tuple[float, float]] = []

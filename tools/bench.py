@@ -1,4 +1,4 @@
-"""`make bench`: measure the figures of the design on this computer and print them."""
+"""`make bench`: measure the performance on this computer and print it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def stolen_share(before: tuple[int, int]) -> float:
 
 def show(console: Console, figures: list[Row]) -> None:
     """Print a table; latencies are median / p99 / largest."""
-    table = Table("figure", "measured", "to reach", title="Over Zenoh: loopback, real processes")
+    table = Table("quantity", "measured", "required", title="Over Zenoh: loopback, real processes")
     for row in figures:
         table.add_row(*(text.replace("[", "\\[") for text in row))
     console.print(table)

@@ -55,7 +55,7 @@ class Program:
         return cpu_s(self._process.pid)
 
     def close(self) -> None:
-        """End its input, and wait for its end."""
+        """Close the standard input of the process, and wait for the end of the process."""
         self._process.communicate(timeout=20)
 
 
@@ -167,7 +167,7 @@ def crowd(router: Served, folder: Path, count: int) -> Crowd:
 
 
 def rows(router: Served, folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
-    """Figures of 50 Hz positions at the router of the class, and at a bare one in the same minutes."""
+    """Measure 50 Hz positions at the router of the class, and at a bare router in the same minutes."""
     for count in counts:
         loads: dict[bool, list[Load]] = {mode: [] for mode in (False, True)[: min(count, 2)]}
         with crowd(router, folder, count) as ours:

@@ -1,4 +1,4 @@
-"""Figures of a class at its router, over real processes on loopback: load, STOP under load, leases, a restarted router.
+"""Benchmark of a class and its router, in real processes on loopback: load, STOP, leases, a restarted router.
 
 `python tools/bench_classroom.py [ROBOTS...]` prints them; the numbers of robots are 1, 10 and 30 by default.
 """
@@ -73,7 +73,7 @@ class School:
 
     @contextlib.contextmanager
     def robot(self, seat: str) -> Iterator[Robot]:
-        """The robot through a session of a seat."""
+        """Yield the robot, with a session of this seat's account."""
         account = accounts.load(self.path(seat))
         with Client(Settings(NAME, account.connect, seat, account=account)) as client:
             yield Robot(NAME, "hw", client=client, timeout_s=PATIENCE_S)
@@ -297,7 +297,7 @@ def answered(ask: Callable[[], object]) -> None:
 
 
 def rows(folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
-    """All figures."""
+    """Yield all measurements."""
     school = School(folder)
     with contextlib.ExitStack() as stack:
         stack.callback(lambda: school.router.end())  # noqa: PLW0108  # the router that runs at that time

@@ -1,4 +1,4 @@
-"""Figures of the simulated eyes: their load, the age of their pictures, and the real-time factor meanwhile."""
+"""Benchmark of the simulated eyes: their load, the age of their pictures, and the real-time factor meanwhile."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SWING_DEG = 30.0
 
 @dataclass(frozen=True)
 class Run:
-    """Figures of a simulation over SECONDS."""
+    """Measurements of a simulation over SECONDS."""
 
     cpu: float
     """cores used by the simulation and its drawing process"""
@@ -91,12 +91,12 @@ def measure(endpoint: str, process: int, *, watched: bool) -> Run:
 
 
 def show(title: str, run: Run, idle: Run) -> None:
-    """Print the figures."""
+    """Print the measurements."""
     print(f"{title}, drawn with {run.source}: {run.hz:.1f} pictures/s of each eye, 640 x 480")
-    print(f"  CPU for them: {run.cpu - idle.cpu:.0%} of a core (to reach at 15 Hz with OpenGL: < 45 %)")
-    print(f"  real-time factor: {run.real_time_factor:.4f} (to reach: 1.000 +- 0.005)")
+    print(f"  CPU for them: {run.cpu - idle.cpu:.0%} of a core (required at 15 Hz with OpenGL: < 45 %)")
+    print(f"  real-time factor: {run.real_time_factor:.4f} (required: 1.000 +- 0.005)")
     print(
-        f"  positions [Hz], sd of period [ms], lost: {run.positions} (to reach: 50, < 1, 0); "
+        f"  positions [Hz], sd of period [ms], lost: {run.positions} (required: 50, < 1, 0); "
         f"without subscriber: {idle.positions}"
     )
     print(f"  age of a picture at its subscriber, median / p99 / largest: {spread_ms(run.ages_s)} ms")

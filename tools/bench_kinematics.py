@@ -35,8 +35,8 @@ def main() -> None:
         tilt, direction = math.radians(35) * math.sqrt(rng.random()), rng.uniform(-math.pi, math.pi)
         poses.append((rng.uniform(-3, 3), tilt * math.cos(direction), tilt * math.sin(direction)))
     arms = [neck.inverse(*pose) for pose in poses]
-    print(f"inverse kinematics: {median_us(lambda pose: neck.inverse(*pose), poses):.1f} us (to reach: 10)")
-    print(f"forward kinematics: {median_us(neck.forward, arms):.1f} us (to reach: 20)")
+    print(f"inverse kinematics: {median_us(lambda pose: neck.inverse(*pose), poses):.1f} us (required: 10)")
+    print(f"forward kinematics: {median_us(neck.forward, arms):.1f} us (required: 20)")
     limits, rest, speed = Limits(), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
     def check(start: Arms, target: Arms) -> None:
@@ -51,7 +51,7 @@ def main() -> None:
         lambda end: check((end[0] - math.tau, end[1] - math.tau, end[2] - math.tau), end), turns, 3
     )
     print(
-        f"check of a motion: 20° of tilt {small:.0f} us (to reach: 500), 360° of yaw {large:.0f} us (to reach: 2000)"
+        f"check of a motion: 20° of tilt {small:.0f} us (required: 500), 360° of yaw {large:.0f} us (required: 2000)"
     )
 
 

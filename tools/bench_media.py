@@ -1,4 +1,4 @@
-"""Figures of pictures over a real router on loopback, in real processes: rows of (figure, measured, to reach).
+"""Benchmark of pictures over a real router on loopback, in real processes: rows of (quantity, measured, required).
 
 `python tools/bench_media.py` prints them alone.
 """
@@ -86,7 +86,7 @@ def frozen_subscriber(endpoint: str) -> Iterator[None]:
 
 
 def rows(endpoint: str) -> Iterator[Row]:
-    """Figures of a hardware node whose two eyes show the test picture."""
+    """Measurements of a hardware node whose two eyes show the test picture."""
     node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:")
     client = Client(Settings(NAME, endpoint, "ana"))
     robot = Robot(NAME, "hw", client=client)

@@ -49,7 +49,7 @@ T = TypeVar("T")
 
 @dataclass
 class Seen:
-    """Worst figures of all runs."""
+    """Worst measurements of all runs."""
 
     pulse: int = 1 << 30
     setup: int = 1 << 30
@@ -59,7 +59,7 @@ class Seen:
     longest: dict[str, int] = field(default_factory=dict)
 
     def add(self, mega: Mega) -> None:
-        """Add the figures of a board at rest."""
+        """Add the measurements of a board at rest."""
         self.runs += 1
         self.inexact += mega.last.position != mega.steps
         enables = mega.avr.edges("enable")
@@ -95,7 +95,7 @@ class Robot:
         wait(mega, 800)
 
     def finish(self, mega: Mega, seen: Seen) -> None:
-        """Run to the end of the motion and add its figures."""
+        """Run to the end of the motion and add the measurements."""
         mega.tick(5)  # answers may still arrive
         mega.run()
         mega.settle()
@@ -137,7 +137,7 @@ def fast_robot(target: str, folder: Path) -> Robot:
 
 def show(figure: str, measured: str, to_reach: str = "", *, good: bool = True) -> None:
     """Print one row of the table; mark a figure that is worse than required."""
-    wanted = f"to reach: {to_reach}" if to_reach else ""
+    wanted = f"required: {to_reach}" if to_reach else ""
     print(f"{figure:64} {measured:32} {wanted:24} {'' if good else 'NOT REACHED'}".rstrip())
 
 
@@ -223,7 +223,7 @@ def stop(robot: Robot, seen: Seen) -> None:
 
 
 def off_after_emergency(mega: Mega) -> float:
-    """Time from the last byte of EMERGENCY_STOP to the enable pin, ms."""
+    """Time from the last byte of EMERGENCY_STOP to the enable pin (ms)."""
     came = mega.avr.send(encode(FrameType.EMERGENCY_STOP, 1, b""))
     mega.avr.run_ms(5)
     return (float(mega.avr.edges("enable")["cycle"][-1]) - came) / CYCLES_PER_MS
@@ -322,7 +322,7 @@ def main() -> None:
     show("shortest pulse or pause [us]", f"{seen.pulse / 16:.2f}", "1", good=seen.pulse >= 16)
     show("shortest time from direction to step [ns]", f"{seen.setup * 62.5:.0f}", "200", good=seen.setup >= 4)
     show("steps without power", f"{seen.powerless}", "0", good=not seen.powerless)
-    show(f"runs of {seen.runs} with an inexact position", f"{seen.inexact}", "0", good=not seen.inexact)
+    show(f"runs with an inexact position, out of {seen.runs}", f"{seen.inexact}", "0", good=not seen.inexact)
     for name, cycles in seen.longest.items():
         show(
             f"longest {name} interrupt [cycles]",

@@ -1,4 +1,4 @@
-"""Figures of a node over a real router on loopback, in real processes: rows of (figure, measured, to reach)."""
+"""Benchmark of a node over a real router on loopback, in real processes: rows of (quantity, measured, required)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Served:
     """A process that prints `ready`."""
 
     def __init__(self, module: str, *arguments: str, account: Path | None = None) -> None:
-        """Start it, with an account of a class if it is given."""
+        """Start the process; `account`: file of an account of a class."""
         began = time.monotonic()
         command = [sys.executable, "-m", module, *arguments]
         env = {**os.environ, "BEATRIX_ACCOUNT": str(account or "")}
@@ -86,7 +86,7 @@ def free_endpoint() -> str:
 
 
 def spread_ms(seconds: list[float]) -> str:
-    """Median / p99 / largest, ms."""
+    """Median / p99 / largest (ms)."""
     p99 = sorted(seconds)[min(len(seconds) - 1, int(0.99 * len(seconds)))]
     return " / ".join(f"{value * 1e3:.2f}" for value in (statistics.median(seconds), p99, max(seconds)))
 
@@ -266,7 +266,7 @@ def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
 
 
 def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row]:
-    """All figures of one node."""
+    """Yield all measurements of one node."""
     node = Served(module, "--name", NAME, "--connect", endpoint, *arguments)
     clients = [Client(Settings(NAME, endpoint, who)) for who in ("ana", "ben")]
     robot, other = (Robot(NAME, twin, client=client) for client in clients)
@@ -319,7 +319,7 @@ class Mega:
         self._process.stdout.readline()
 
     def end(self) -> str:
-        """End it and return its report about timing."""
+        """End the simulation and return its report about timing."""
         out, _ = self._process.communicate("quit\n", timeout=10)
         return out.strip().rpartition("\n")[2]
 

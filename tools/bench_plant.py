@@ -83,13 +83,13 @@ def main() -> None:
         error = max(error, angle_between(plant, neck))
         fastest = max(fastest, *map(abs, plant.velocities()))
     print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")
-    print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (to reach: {_TO_REACH_US})")
+    print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (required: {_TO_REACH_US})")
     print(f"real-time factor, moving: {TIMESTEP_MS * 1000 / moving:.0f}")
     print(f"preview: {preview_factor(gear):.0f} times as fast as the motion")
     print(
-        f"circling at up to {math.degrees(fastest):.0f}°/s of {ROBOT.limits.speed_max:.0f}: "
-        f"head against forward kinematics {error:.4f}° (to reach: 0.02), loop closure {closure * 1e3:.4f} mm "
-        "(to reach: 0.05)"
+        f"circling at up to {math.degrees(fastest):.0f}°/s (limit {ROBOT.limits.speed_max:.0f}°/s): "
+        f"head within {error:.4f}° of forward kinematics (required: 0.02), "
+        f"error of loop closure {closure * 1e3:.4f} mm (required: 0.05)"
     )
 
 

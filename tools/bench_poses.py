@@ -92,11 +92,11 @@ def random_poses(count: int, seed: int) -> Rest:
 
 
 def main() -> None:
-    """Print the figures of 200 motions."""
+    """Print the measurements of 200 motions."""
     rest = random_poses(200, seed=1)
     print(
         f"{rest.motions} random pose motions: at rest arms within {rest.arms_deg:.3f}° of the command "
-        f"(to reach: 0.25), head within {rest.head_deg:.4f}° of forward kinematics (to reach: 0.02), "
+        f"(required: 0.25), head within {rest.head_deg:.4f}° of forward kinematics (required: 0.02), "
         f"re-placed {rest.re_placed} times"
     )
 

@@ -1,4 +1,4 @@
-"""Figures of the recorder with a simulation and a virtual robot, all as processes: rows of (figure, measured, to reach).
+"""Benchmark of the recorder with a simulation and a virtual robot: rows of (quantity, measured, required).
 
 `python tools/bench_record.py` prints them alone.
 """
@@ -55,7 +55,7 @@ def recorded(
 
 
 def rows(endpoint: str) -> Iterator[Row]:
-    """All figures of the recorder."""
+    """Yield all measurements of the recorder."""
     nodes = [
         Served("sim_node", "--name", NAME, "--connect", endpoint, "--ready"),
         Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:"),

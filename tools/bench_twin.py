@@ -41,7 +41,7 @@ class Timed(Robot):
         self.brackets: list[tuple[float, float]] = []
 
     def begin(self, query: MotionQuery | PoseQuery) -> Motion:
-        """As `Robot.begin`."""
+        """Like `Robot.begin`."""
         sent_s = time.monotonic()
         motion = super().begin(query)
         self.brackets.append((sent_s, time.monotonic()))

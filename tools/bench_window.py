@@ -142,7 +142,7 @@ def cpu(window: Window, tab: Tab) -> float:
 
 
 def measure(window: Window, endpoint: str) -> None:
-    """Print all figures of a window in front of a hardware node with two cameras of 30 pictures a second."""
+    """Print all measurements of a window in front of a hardware node with two cameras of 30 pictures a second."""
     times = Times(window)
     with Robot(NAME, "hw", connect=endpoint) as robot:
         robot.make_ready()
@@ -157,8 +157,8 @@ def measure(window: Window, endpoint: str) -> None:
     stop_sent, stop_shown = stops(window, times)
     print("window with two cameras of 30 Hz, 640 x 480, drawn without a screen; median / p99 / largest [ms]")
     print(f"  press -> query sent: {spread_ms(sent)}")
-    print(f"  press -> acceptance shown: {spread_ms(shown)} (to reach: median < 3, p99 < 15)")
-    print(f"  STOP key -> STOP sent: {spread_ms(stop_sent)} (to reach: < 2)")
+    print(f"  press -> acceptance shown: {spread_ms(shown)} (required: median < 3, p99 < 15)")
+    print(f"  STOP key -> STOP sent: {spread_ms(stop_sent)} (required: < 2)")
     print(f"  STOP key -> arms at rest, shown (they brake from 30 deg/s): {spread_ms(stop_shown)}")
     print(f"  age of a picture when it is drawn: {spread_ms(times.ages_s)}")
     print(f"  CPU: {eyes:.0%} of a core with the pictures, {plots:.0%} with the plots")

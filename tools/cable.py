@@ -36,7 +36,7 @@ class Cable:
         self._plugged.set()
 
     def cut(self) -> None:
-        """Close all connections; new ones are accepted."""
+        """Close all connections; new connections are accepted."""
         while self._open:
             with contextlib.suppress(OSError):
                 self._open.pop().shutdown(socket.SHUT_RDWR)

@@ -90,12 +90,12 @@ class Bare:
         self._rest = bytes(len(positions(0)) - STAMP.size)
 
     def publish(self, key: str) -> Callable[[int], None]:
-        """As `Ours.publish`."""
+        """Like `Ours.publish`."""
         publisher = self._session.declare_publisher(key)
         return lambda number: publisher.put(STAMP.pack(number, time.monotonic_ns()) + self._rest)
 
     def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
-        """As `Ours.subscribe`."""
+        """Like `Ours.subscribe`."""
 
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), *STAMP.unpack_from(sample.payload.to_bytes()))

@@ -28,7 +28,7 @@ KINDS: Final = ("random", "garbage frame", "truncated", "replayed", "mutated", "
 HALF_OPEN: Final = 150
 """Number of connections that stay open and send nothing."""
 PAUSE_S: Final = 0.002
-"""Pause between two attacks of one kind, s."""
+"""Pause between two attacks of one kind (s)."""
 LONGEST: Final = 65535
 """Largest length that Zenoh's frames on TCP can announce: two bytes, little-endian."""
 

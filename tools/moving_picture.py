@@ -33,11 +33,11 @@ SPEED_DEG_S: Final = 80.0
 REST_S: Final = 0.4
 FRAME_S: Final = 0.08
 WIDTH: Final = 320
-"""Width of the picture of one robot, px."""
+"""Width of the picture of one robot (px)."""
 HEIGHT: Final = 340
 COLOURS: Final = 192
 STRIP: Final = 28
-"""Height of the titles below the robots, px."""
+"""Height of the titles below the robots (px)."""
 TITLES: Final = ("simulation", "virtual robot")
 
 Moment = tuple[ArmAngles, ArmAngles]

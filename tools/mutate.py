@@ -48,7 +48,7 @@ LEFT_OUT = (
 NOT_COPIED = (".git", ".venv", "__pycache__", ".mypy_cache", ".ruff_cache", "build", "demo-out")
 VERDICTS = ("killed", "survived", "undecided", "not run")
 MUTANT_S = 100.0
-"""A mutant whose tests take longer is undecided."""
+"""Time limit (s) of the tests of a mutant; a mutant whose tests take longer counts as `undecided`."""
 
 COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
     ast.Lt: ast.LtE, ast.Gt: ast.GtE, ast.Eq: ast.NotEq, ast.Is: ast.IsNot, ast.In: ast.NotIn,
@@ -160,7 +160,7 @@ def _expression(node: ast.expr) -> str:
 
 
 def _text(node: ast.BinOp) -> bool:
-    """Whether it concatenates strings, judged by its literals."""
+    """Whether the node concatenates strings, judged by its literals."""
     return any(
         isinstance(part, ast.JoinedStr) or (isinstance(part, ast.Constant) and isinstance(part.value, str))
         for part in ast.walk(node)

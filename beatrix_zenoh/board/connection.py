@@ -100,7 +100,7 @@ class Connection:
         return answer
 
     def write(self, data: bytes) -> bytes:
-        """Send bytes, as `Port.write`; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
+        """Send bytes as `Port.write` does; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         port = self._port
         if port is None:
             raise not_connected(self.link)

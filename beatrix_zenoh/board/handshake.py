@@ -25,7 +25,7 @@ another host ends."""
 
 
 class Handshake:
-    """The times of HELLO for one opening of a port; all times are monotonic, s."""
+    """The times of HELLO for one opening of a port; all times are monotonic (s)."""
 
     def __init__(self, opened_s: float, boot_s: float) -> None:
         """Begin at `opened_s`; the board needs `boot_s` to start."""

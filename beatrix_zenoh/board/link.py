@@ -83,7 +83,7 @@ class Decoder:
         return frames
 
     def _keep(self, part: bytes) -> None:
-        """Add to the block, up to one byte more than allowed, which is enough to see that it is too long."""
+        """Append to the block at most one byte more than allowed; this byte shows that the block is too long."""
         self._block += part[: MAX_ENCODED + 1 - len(self._block)]
 
 

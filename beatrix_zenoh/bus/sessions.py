@@ -42,17 +42,17 @@ class Sessions:
             return dict(self._open)
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve`."""
+        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
         self.session(_row(key).session).serve(key, handle)
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> None:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe`."""
+        """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
         self.session(_row(key).session).subscribe(key, handle)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
     ) -> Publication:
-        """Declare a publication, as `Bus.publication`."""
+        """Declare a publication, as `Bus.publication` does."""
         return self.session(_row(key).publish).publication(key, encoding, on_subscribed)
 
     def close(self) -> None:

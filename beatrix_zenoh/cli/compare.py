@@ -93,7 +93,7 @@ def compare(
 
 
 def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
-    """Compare both; raises Refused if they have too little time in common."""
+    """Compare both robots; raises Refused if they have too little time in common."""
     from beatrix_zenoh.recording.compare import compare
 
     try:

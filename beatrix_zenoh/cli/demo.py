@@ -106,7 +106,7 @@ def present(twin: Twin, out: Path, recording: DemoRecording | None, *, as_json: 
 def conclude(
     done: Measurement, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool = True
 ) -> bool:
-    """Write the files and print the report, also if a file could not be written; returns as `present`."""
+    """Write the files and print the report, even if a file could not be written; returns the result of `present`."""
     from beatrix_zenoh.cli.demo_files import RECORDING, show_recording, write_files
     from beatrix_zenoh.cli.demo_report import as_text, compare_twins, make_report
 

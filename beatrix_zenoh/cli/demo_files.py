@@ -25,7 +25,7 @@ SIDE_BY_SIDE = 1
 """Number of the viewer's tab that the picture shows."""
 PICTURE_S = 30.0
 HEAD_POSE = (-35.0, 4.0, 10.0)
-"""Yaw, pitch and roll of the head in the picture, deg: it faces the camera."""
+"""Yaw, pitch and roll of the head in the picture (deg): it faces the camera."""
 DRAW = """
 import math, sys
 from pathlib import Path
@@ -83,7 +83,7 @@ def replace_when_complete(path: Path) -> Iterator[Path]:
 
 
 def write_csv(path: Path, found: Comparison) -> None:
-    """Write both movements as CSV, a row every 10 ms, deg; raises OSError."""
+    """Write both movements as CSV, a row every 10 ms (deg); raises OSError."""
     names = [f"{robot}_{axis}_deg" for robot in ("sim", "hw") for axis in AXES]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.compare import AxisDifference, Comparison, compare
 from beatrix_zenoh.recording.series import recording
 
 SETTLE_S = 0.5
-"""Time at rest before and after the movement, s."""
+"""Time at rest before and after the movement (s)."""
 BUSY_FACTOR = 0.98
 """Simulated seconds per second; below this the computer was too busy for the simulation."""
 REST_DEG = 0.5
@@ -57,7 +57,7 @@ class TimedRobot(Robot):
 
 @dataclass
 class Measured:
-    """Positions of one robot, and the times from motion queries to their acceptance, s."""
+    """Positions of one robot, and the times from motion queries to their acceptance (s)."""
 
     positions: list[Positions] = field(default_factory=list)
     accepted_s: list[float] = field(default_factory=list)
@@ -109,7 +109,7 @@ def take_positions(streams: list[tuple[Subscription[Positions], Measured]]) -> N
 
 
 class RobotFigures(msgspec.Struct, frozen=True):
-    """Times of one robot, ms: from query to `accepted`, and between positions."""
+    """Times of one robot (ms): from query to `accepted`, and between positions."""
 
     accepted_median_ms: float
     accepted_longest_ms: float
@@ -127,7 +127,7 @@ class Report(msgspec.Struct, frozen=True):
     lag: str
     """a sentence with the lag of the recording and of each motion"""
     axes: tuple[AxisDifference, ...]
-    """hardware - simulation, deg; "after": each motion of the hardware is shifted by its own lag"""
+    """hardware - simulation (deg); "after": each motion of the hardware is shifted by its own lag"""
     real_time_factor: float
     late_steps: int
     sim: RobotFigures

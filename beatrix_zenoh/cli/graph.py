@@ -114,7 +114,7 @@ def drawing(programs: Sequence[Program], endpoint: str) -> str:
 def _column(
     programs: Sequence[Program], nodes: Sequence[Program], x: int
 ) -> tuple[dict[str, tuple[int, int]], int]:
-    """Return the position of each program's box, and the lower end of the column, px."""
+    """Return the position of each program's box, and the lower end of the column (px)."""
     places, y = {}, LINE_PX + PAD_PX
     for program in programs:
         places[program.title] = x, y

@@ -55,7 +55,7 @@ class Rate(NamedTuple):
     longest_ms: float
     age_ms: float
     lost: int | None
-    """None: unknown, because sequence numbers decrease"""
+    """lost messages; None: unknown, because the sequence numbers decrease"""
 
 
 def hz(

@@ -100,7 +100,7 @@ def observe(robot: Robot, index: int) -> Observation:
 
 
 def ask(question: str, answers: Mapping[str, T]) -> T:
-    """Ask until the user types one of the answers, or the beginning of one. Raises as `read_answer`."""
+    """Ask until the user types one of the answers, or the beginning of one. Raises the errors of `read_answer`."""
     while True:
         words = read_answer(question)
         found = {meaning for answer, meaning in answers.items() if words and answer.startswith(words)}
@@ -110,7 +110,7 @@ def ask(question: str, answers: Mapping[str, T]) -> T:
 
 
 def ask_azimuth(known_deg: float) -> float:
-    """Ask where the short arm points at home, deg; raises the errors of `read_answer`."""
+    """Ask where the short arm points at home (deg); raises the errors of `read_answer`."""
     low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
     while True:
         words = read_answer(

@@ -24,7 +24,7 @@ from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 CHECK_S = 0.5
-"""Period of the check whether a lease still exists, s."""
+"""Period of the check whether a lease still exists (s)."""
 
 
 class What(StrEnum):

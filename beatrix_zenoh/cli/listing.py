@@ -63,7 +63,7 @@ def look_up(client: Client) -> list[ListedRobot]:
 
 
 def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
-    """Return the robots that a monitor sees, as `look_up`, and their replies."""
+    """Return the robots that a monitor sees, with their replies, in the order of `look_up`."""
     infos = client.infos()
     monitor.settle()
     robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]

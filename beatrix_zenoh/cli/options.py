@@ -39,7 +39,7 @@ Names = Annotated[
         "--name", metavar="ROBOT", help="Only robots of this name; may be given several times. Default: all."
     ),
 ]
-"""For verbs that apply to many robots."""
+"""The option --name of verbs that apply to many robots."""
 OwnName = Annotated[
     str | None,
     typer.Option(
@@ -48,7 +48,7 @@ OwnName = Annotated[
         help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, your user name and host.",
     ),
 ]
-"""For verbs that serve a robot."""
+"""The option --name of verbs that serve a robot."""
 Connect = Annotated[
     str | None,
     typer.Option(

@@ -19,9 +19,9 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.shutdown import SIGNALS
 
 READY_S = 20.0
-"""Time to start, s; a busy computer that imports MuJoCo for the first time may need all of it."""
+"""Time to start (s); a busy computer that imports MuJoCo for the first time may need all of it."""
 END_S = 4.0
-"""Time to end, s, because a node stops its robot first; after this time the child is killed."""
+"""Time to end (s), because a node stops its robot first; after this time the child is killed."""
 POLL_S = 0.02
 LAST_LINES = 5
 """Number of lines that are shown of the output of a failed child."""
@@ -60,11 +60,11 @@ class Child:
         return self._process.poll()
 
     def lines(self) -> list[str]:
-        """The lines of its output; empty if its log file has been deleted."""
+        """The lines of the process's output; empty if the log file has been deleted."""
         return self._written().decode("utf-8", "replace").splitlines()
 
     def new_lines(self) -> list[str]:
-        """The complete lines that it has written since the last call."""
+        """The complete lines that the process has written since the last call."""
         written = self._written(self._reported)
         complete = written[: written.rfind(b"\n") + 1]
         self._reported += len(complete)

@@ -80,7 +80,7 @@ class RecordingOptions:
     seconds: float
     """0: until Ctrl-C"""
     rotate_s: float
-    """length of each file, s; 0: one file"""
+    """length of each file (s); 0: one file"""
     cameras_hz: float
     """pictures of each eye a second; 0: none"""
     viewer_port: int | None

@@ -29,7 +29,7 @@ RECORDING = ".rrd"
 PROGRESS_S = 5.0
 """Period of the progress notes if stderr is not a terminal."""
 LONG_S = 60.0
-"""Length of a path, s, above which a note is printed before the check, which then takes seconds."""
+"""Length of a path (s), above which a note is printed before the check, which then takes seconds."""
 
 
 def replay(

@@ -21,7 +21,7 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.settings import Settings
 
 OFFSET_S = 0.05
-"""Largest clock offset without advice, s; with a larger offset the times of two robots are hard to compare."""
+"""Largest clock offset without advice (s); with a larger offset the times of two robots are hard to compare."""
 RATE_S = 0.6
 """Time over which the rate of positions is measured."""
 SLOW = 0.9

@@ -46,7 +46,7 @@ def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
 
 
 def run_command(command: Callable[..., None], program: str, words: Sequence[str] | None) -> int:
-    """As `run`, for a program that is one verb; `words` are by default those of the process."""
+    """Like `run`, for a program with a single verb; `words` are by default the arguments of the process."""
     app = typer.Typer(add_completion=False, rich_markup_mode=None)
     app.command()(command)
     return run(app, sys.argv[1:] if words is None else words, program)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
-"""Time for which `--once` collects data before it prints; also the period of the tables in a pipe, s."""
+"""Time for which `--once` collects data before it prints; also the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
 
 

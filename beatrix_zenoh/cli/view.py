@@ -127,7 +127,7 @@ def show_live(
             wait_for(viewer, shutdown, recorder)
         finally:
             if viewer is not None:
-                viewer.end()  # before the recorder, which would wait for a viewer that does not read
+                viewer.end()  # first, because the recorder would wait for a viewer that does not read
             closed = recorder.close()
     leave(0, closed=closed)
 

@@ -31,7 +31,7 @@ class CameraImage:
     seq: int
     """sequence number of this camera; a gap shows lost pictures"""
     t_mono_ns: int
-    """monotonic clock of the robot at the exposure, ns"""
+    """monotonic clock of the robot at the exposure (ns)"""
     t_wall_ns: int
     """wall clock of the robot at the exposure, ns since 1970"""
     width: int
@@ -41,7 +41,7 @@ class CameraImage:
     source: str
     """the source, for example `v4l2`, `pattern` or `egl`"""
     arrived_mono_ns: int
-    """monotonic clock of this computer at the arrival, ns"""
+    """monotonic clock of this computer at the arrival (ns)"""
     arrived_wall_ns: int
     """wall clock of this computer at the arrival, ns since 1970"""
 

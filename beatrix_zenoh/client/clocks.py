@@ -13,7 +13,7 @@ TRIES = 20
 
 
 class Offset(NamedTuple):
-    """Robot's clock minus this computer's, and the largest possible error (half the round trip), s."""
+    """Robot's clock minus this computer's (s), and the largest possible error (s), which is half the round trip."""
 
     offset: float
     bound: float

@@ -51,7 +51,7 @@ class MotionBegin:
 
 
 def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
-    """Return the time from the start of the simulation's motion to that of the hardware, s; None if one has not moved.
+    """Return the time from the start of the simulation's motion to that of the hardware (s); None if one has not moved.
 
     The error is a few milliseconds on one computer; between two computers, the difference of their shortest delays.
     """
@@ -62,5 +62,5 @@ def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
 
 
 def furthest(one: ArmAngles, other: ArmAngles) -> float:
-    """Largest difference of one arm, deg."""
+    """Largest difference of one arm (deg)."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))

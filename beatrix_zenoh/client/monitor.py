@@ -156,7 +156,7 @@ class Monitor:
         return (Record(self._client, name, twin, 0) if record is None else record).state()
 
     def measure_clocks(self, name: str, twin: str) -> Offsets:
-        """Measure the offsets of a robot's clocks and keep them for its states; raises NoAnswer as `clock_offsets`."""
+        """Measure and store the offsets of a robot's clocks for its states; raises NoAnswer as `clock_offsets` does."""
         offsets = clock_offsets(self._client, name, twin)
         record = self._record((name, twin))
         if record is not None:

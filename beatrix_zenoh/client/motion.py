@@ -49,7 +49,7 @@ class Motion:
     ) -> None:
         self._robot, self._replies, self._stop, self._dispatcher = robot, replies, stop, dispatcher
         self.duration = accepted.duration
-        """Announced duration, s."""
+        """Announced duration (s)."""
         self.accepted = accepted
         """The robot's first reply: number of the motion and the goal of the arms."""
         self._lost_s = time.monotonic() + self.duration + MARGIN_S
@@ -78,7 +78,7 @@ class Motion:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
         Args:
-            timeout: longest wait, s; None: 3 s more than `duration`.
+            timeout: longest wait (s); None: 3 s more than `duration`.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -91,7 +91,7 @@ class Motion:
         return cast("MotionReply", end)
 
     def exception(self, timeout: float | None = None) -> BeatrixError | None:
-        """Wait as `result` and return the error that `result` would raise; None if the head arrived.
+        """Wait as `result` does, but return the error that `result` would raise; None if the head arrived.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -105,7 +105,7 @@ class Motion:
         return self._end
 
     def wait(self) -> MotionReply:
-        """Wait as `result`; Ctrl-C stops the robot, and the KeyboardInterrupt names its position."""
+        """Wait as `result` does; Ctrl-C stops the robot, and the KeyboardInterrupt names its position."""
         try:
             return self.result()
         except KeyboardInterrupt as interrupt:

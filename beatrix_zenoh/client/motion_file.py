@@ -41,9 +41,9 @@ class Point(NamedTuple):
     line: int
     """line number, from 1"""
     t: float
-    """time from the start, s"""
+    """time from the start (s)"""
     place: Place
-    """angles, deg"""
+    """angles (deg)"""
     speed: float | None = None
     """deg/s; None: the speed of the pose before, or the file is a path, which has no speeds"""
     figure: str = ""

@@ -155,6 +155,6 @@ def unlike(one: Info, other: Info) -> bool:
 
 
 def distance(start: Start) -> float:
-    """Distance between the positions of the robots, deg; 0 without hardware."""
+    """Distance between the positions of the robots (deg); 0 without hardware."""
     simulation, hardware = start
     return 0.0 if hardware is None else furthest(simulation.arms, hardware.arms)

@@ -125,7 +125,7 @@ class MovedRobot(Protocol):
     motion: Motion | None
 
     def close(self) -> None:
-        """End its subscriptions."""
+        """End the subscriptions of this object."""
 
 
 @contextmanager

@@ -22,7 +22,7 @@ class ArmAngles(NamedTuple):
 
 
 class HeadAngles(NamedTuple):
-    """Orientation of the head, deg: yaw left, pitch nose-down, roll right-ear-down positive."""
+    """Orientation of the head (deg): yaw left, pitch nose-down, roll right-ear-down positive."""
 
     yaw: float
     pitch: float

@@ -85,7 +85,7 @@ class Request:
             raise self._unanswered.explain(timeout_s, heard=self._heard) from None
 
     def reply(self, kind: type[M], timeout_s: float) -> M:
-        """Return as `next`, but raise TimeoutError if no reply came within `timeout_s`."""
+        """Return the result of `next`, but raise TimeoutError if no reply came within `timeout_s`."""
         deadline = time.monotonic() + timeout_s
         while True:
             answer = self._query.next(deadline - time.monotonic())

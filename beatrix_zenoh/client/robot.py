@@ -53,7 +53,7 @@ class Robot(RobotBase):
         twin: `sim` or `hw`.
         connect: the router, default BEATRIX_CONNECT or tcp/127.0.0.1:7447.
         who: your seat, default BEATRIX_WHO or the user's name.
-        timeout_s: how long to wait for an answer, s.
+        timeout_s: how long to wait for an answer (s).
         client: a session to share; the caller opens and closes it.
 
     Raises:
@@ -132,7 +132,7 @@ class Robot(RobotBase):
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: no other seat but the teacher's moves it until the lease is closed or this program ends.
 
-        `wait_s` is how long to wait in the queue while another seat holds it, s.
+        `wait_s` is how long to wait in the queue while another seat holds it (s).
 
         Raises:
             Refused: NOT_HOLDER: another seat holds the robot; or another reason of the robot, such as FROZEN.
@@ -225,7 +225,7 @@ class Robot(RobotBase):
         return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
 
     def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
-        """Upper bound of a motion's duration, s: Zenoh keeps memory for a query until its time-out."""
+        """Upper bound of a motion's duration (s): Zenoh keeps memory for a query until its time-out."""
         if query.speed is None:
             if self._default_speed is None:
                 self._default_speed = max(self.info().limits.speed_default, SLOWEST_DEFAULT)

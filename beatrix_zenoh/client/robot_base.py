@@ -77,7 +77,7 @@ class RobotBase:
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
 
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
-        """Subscribe to positions as they are published, in rad, with all fields; see `stream` for arguments and errors."""
+        """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
         return streams.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:

@@ -29,7 +29,7 @@ def same(value: T) -> T:
 def positions(
     client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
 ) -> Subscription[Positions]:
-    """Subscribe to positions, rad; reading raises NoAnswer after `timeout_s` without a publication, None: never."""
+    """Subscribe to positions (rad); reading raises NoAnswer after `timeout_s` without a publication, None: never."""
     return Subscription(client, keys.positions(robot, twin), message(Positions, same), timeout_s=timeout_s)
 
 

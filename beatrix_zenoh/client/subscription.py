@@ -28,7 +28,7 @@ M = TypeVar("M", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class Arrival(Generic[T_co]):
-    """A publication and its arrival by the monotonic and wall clock of this computer, ns."""
+    """A publication and its arrival by the monotonic and wall clock of this computer (ns)."""
 
     value: T_co
     robot: str
@@ -38,7 +38,7 @@ class Arrival(Generic[T_co]):
 
 
 class Sample(NamedTuple):
-    """An undecoded publication and its arrival by the clocks of this computer, ns."""
+    """An undecoded publication and its arrival by the clocks of this computer (ns)."""
 
     received: Received
     t_mono_ns: int
@@ -154,7 +154,7 @@ class Subscription(Generic[T]):
 
     @property
     def latest_arrival(self) -> Arrival[T] | None:
-        """As `latest`, with the time of its arrival."""
+        """Like `latest`, with the time of its arrival."""
         newest = self._inbox.newest
         if newest is None:
             return None
@@ -171,7 +171,7 @@ class Subscription(Generic[T]):
         return self.next_arrival(timeout_s).value
 
     def next_arrival(self, timeout_s: float | None = None) -> Arrival[T]:
-        """As `next`, with the time of its arrival."""
+        """Like `next`, with the time of its arrival."""
         timeout_s = self._timeout_s if timeout_s is None else timeout_s
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
@@ -188,7 +188,7 @@ class Subscription(Generic[T]):
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]
 
     def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:
-        """As `take`, with the times of their arrival."""
+        """Like `take`, with the times of their arrival."""
         arrivals = []
         sample = self._inbox.next(timeout_s)
         while sample is not None:

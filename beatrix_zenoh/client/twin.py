@@ -59,7 +59,7 @@ class Twin:
     # -- switching -------------------------------------------------------------------------------
 
     def enable(self) -> None:
-        """Switch the motors of both robots on, or of neither if one is not reachable or driven by another seat."""
+        """Switch the motors of both robots on; of neither if a robot is not reachable or another seat drives it."""
         switch_both(self, Robot.enable)
 
     def make_ready(self) -> None:
@@ -75,7 +75,7 @@ class Twin:
         each((self.sim, self.hw), Robot.disable)
 
     def calibrate(self) -> None:
-        """Calibrate both robots where they are, or neither if one is not reachable or driven by another seat."""
+        """Calibrate both robots where they are; neither if a robot is not reachable or another seat drives it."""
         switch_both(self, Robot.calibrate)
 
     def stop(self) -> None:
@@ -95,7 +95,7 @@ class Twin:
         relative: bool = False,
         speed: float | None = None,
     ) -> Plan:
-        """Preview a head motion (deg, deg/s as `Robot.look`) on a copy of the simulation.
+        """Preview a head motion (deg, deg/s; see `Robot.look`) on a copy of the simulation.
 
         Raises:
             Refused: the motion would be refused; the error has the reason.
@@ -111,7 +111,7 @@ class Twin:
         relative: bool = False,
         speed: Speed | None = None,
     ) -> Plan:
-        """Preview an arm motion (deg, deg/s as `Robot.move`); raises the errors of `preview`."""
+        """Preview an arm motion (deg, deg/s; see `Robot.move`); raises the errors of `preview`."""
         return self.preview_query(motion_query(short, middle, long, relative=relative, speed=speed))
 
     def preview_query(self, query: MotionQuery | PoseQuery) -> Plan:
@@ -161,7 +161,7 @@ class Twin:
         speed: float | None = None,
         wait: bool = True,
     ) -> TwinMotion:
-        """Turn both heads without a preview, the simulation first (deg, deg/s as `Robot.look`).
+        """Turn both heads without a preview, the simulation first (deg, deg/s; see `Robot.look`).
 
         Returns when both have arrived or, with wait=False, when both have accepted the motion. A newer motion replaces a
         running one, for example 20 times a second. Each robot checks its limits.
@@ -183,7 +183,7 @@ class Twin:
         speed: Speed | None = None,
         wait: bool = True,
     ) -> TwinMotion:
-        """Turn the arms of both without a preview (deg, deg/s as `Robot.move`); see `look` for arguments and errors."""
+        """Turn the arms of both robots without a preview (deg, deg/s); see `look` for arguments and errors."""
         return self._begin(motion_query(short, middle, long, relative=relative, speed=speed), wait=wait)
 
     def _begin(self, query: MotionQuery | PoseQuery, *, wait: bool) -> TwinMotion:
@@ -207,7 +207,7 @@ class Twin:
     # -- state -----------------------------------------------------------------------------------
 
     def positions(self) -> TwinReading:
-        """Last published positions of both robots, in degrees; raises NoAnswer as `Robot.positions`."""
+        """Last published positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
         return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))
 
     def check_ready(self) -> None:

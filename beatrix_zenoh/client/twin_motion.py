@@ -65,8 +65,8 @@ class TwinMotion:
         self._stops: list[StopEvents] = []
         """STOP events of both robots, during the lead."""
         self.lag_s: float | None = None
-        """Lag of the hardware behind the simulation, s, from published positions. None until both have ended, without a
-        preview, and if one of them moved less than 0.5 deg."""
+        """Lag of the hardware behind the simulation (s), from published positions; None until both have ended, without
+        a preview, and if one of them moved less than 0.5 deg."""
 
     def __repr__(self) -> str:
         if self.done():
@@ -100,7 +100,7 @@ class TwinMotion:
         """Wait until both robots have arrived and return their final replies.
 
         Args:
-            timeout: longest wait, s; None: until both have reported the end or count as lost.
+            timeout: longest wait (s); None: until both have reported the end or count as lost.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
@@ -112,7 +112,7 @@ class TwinMotion:
         return self._future.result(0)
 
     def exception(self, timeout: float | None = None) -> BaseException | None:
-        """Wait as `result` and return the error that `result` would raise; None if both have arrived.
+        """Wait as `result` does, but return the error that `result` would raise; None if both have arrived.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.

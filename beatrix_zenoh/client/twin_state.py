@@ -55,13 +55,13 @@ class TwinState:
         return robot.status() if state is None or state.status is None else state.status
 
     def positions(self, robot: Robot) -> Reading:
-        """Positions of a robot; raises NoAnswer as `Robot.positions`."""
+        """Positions of a robot; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         return robot.positions() if reading is None else reading
 
     def plan_position(self, robot: Robot) -> PlanPosition:
-        """Position of a robot for a plan; raises NoAnswer as `Robot.positions`."""
+        """Position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         if state is None or reading is None or state.status is None:
@@ -83,7 +83,7 @@ class TwinState:
         self._check(robot, may_move)
 
     def check_may_switch(self, robot: Robot) -> None:
-        """As `check_may_move`, but check whether this seat may switch a robot; raises the errors of `may_switch`."""
+        """Like `check_may_move`, but check whether this seat may switch a robot; raises the errors of `may_switch`."""
         self._check(robot, may_switch)
 
     def _check(self, robot: Robot, may: Callable[[Status, str], None]) -> None:

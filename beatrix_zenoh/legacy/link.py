@@ -14,11 +14,11 @@ from beatrix_zenoh.legacy.outcomes import Outcomes
 
 SEQS = 256
 SHOWN_S = 0.3
-"""Time within which telemetry shows that a line has switched the motors, s."""
+"""Time within which telemetry shows that a line has switched the motors (s)."""
 SILENT_S = 3.0
 """A line without an answer for this long, while the arms are at rest, was lost on the serial link."""
 COUNTED_S = 340.0
-"""As SILENT_S, for a motion with the motors off, which the board only counts: -32767 to 32767 at 200 steps a second."""
+"""Like SILENT_S, for a motion that the board only counts (motors off): -32767 to 32767 at 200 steps a second."""
 AUTHORIZED = (Effect.MOVE, Effect.ENABLE, Effect.DISABLE)
 """Effects that need permission; @CALNOW needs it only if it sets the robot's home."""
 

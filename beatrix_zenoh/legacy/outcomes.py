@@ -13,7 +13,7 @@ from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import Cause, Effect, Line
 
 EXPLAINED_S = 0.1
-"""Time within which the board sends the warning that explains a NACK, if it sends one, s."""
+"""Time within which the board sends the warning that explains a NACK, if it sends one (s)."""
 STEPS_MAX: Final = 32767
 """Largest number of steps in a line, in either direction."""
 

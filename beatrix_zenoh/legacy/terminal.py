@@ -27,7 +27,7 @@ else:
     POSSIBLE = True
 
 LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
-"""Time without a byte after which an incomplete line is dropped, s."""
+"""Time without a byte after which an incomplete line is dropped (s)."""
 TURN_S = 0.02
 """Period of the checks whether a program has opened the terminal, or reads again [s]."""
 CHUNK = 512
@@ -104,7 +104,7 @@ class Terminal:
                 self._flush()
 
     def begin_answers(self) -> None:
-        """Pass on answers from now on: they belong to the program that has opened the terminal last."""
+        """Begin to pass on answers: from now on they belong to the program that opened the terminal last."""
         with self._lock:
             self._pending_openings -= 1
 

@@ -179,7 +179,7 @@ def check_motions(robot: RobotData) -> None:
         raise Refused(
             Reason.BAD_VALUE,
             f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another position "
-            f"where the head tilts by {math.degrees(snaps):.0f}°: at most {math.floor(most)}° may be allowed.",
+            f"where the head tilts by {math.degrees(snaps):.0f}°. At most {math.floor(most)}° is possible.",
         )
 
 

@@ -113,7 +113,7 @@ def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate
 
 
 class Access:
-    """Access state of one robot; thread-safe, but use `lease` with `lock` held. All times are monotonic, s."""
+    """Access state of one robot; thread-safe, but use `lease` with `lock` held. All times are monotonic (s)."""
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
@@ -199,7 +199,7 @@ class Access:
 
     @_locked
     def freeze(self, *, on: bool) -> None:
-        """Let only the teacher move the robot, or all seats again."""
+        """Freeze the robot, so that only the teacher can move it, or end the freeze."""
         self.frozen = on
 
     @_locked

@@ -1,6 +1,6 @@
-"""Publication of the pictures of one camera, while a client subscribes, and its fields of the status.
+"""Publish the pictures of a camera while a client subscribes, and report the camera in the status.
 
-A component with pictures, the renderer of a simulation or the thread of a USB camera, has a `CameraPublisher`
+A component with pictures (the renderer of a simulation, or the thread of a USB camera) has a `CameraPublisher`
 for each camera:
 
     self._wake = threading.Event()

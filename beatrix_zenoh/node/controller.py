@@ -59,7 +59,7 @@ class MotionController:
         """A motion of the text port is under way or about to begin."""
 
     def arms(self) -> Arms:
-        """Return the firmware's set points, rad."""
+        """Return the firmware's set points (rad)."""
         telemetry = self._board.telemetry
         return (0.0, 0.0, 0.0) if telemetry is None else self._planner.gear.to_rad(telemetry.position)
 

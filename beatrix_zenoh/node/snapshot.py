@@ -42,7 +42,7 @@ class Snapshot:
     def positions(self, *, count: bool = False) -> Positions:
         """Return the positions; `count`: with the next sequence number, for a publication; else with the last one.
 
-        All values belong to the time `t_mono_ns`; for a lost board that of its last telemetry.
+        All values belong to the time `t_mono_ns`; if the board is lost, this is the time of its last telemetry.
         """
         sample = self._board.sample or NO_SAMPLE
         telemetry = sample.telemetry
@@ -86,7 +86,7 @@ class Snapshot:
         return Status(**values)  # type: ignore[arg-type]  # the constructor checks the names
 
     def clock(self) -> msg.Clock:
-        """Return the clocks of this computer, ns."""
+        """Return the clocks of this computer (ns)."""
         return msg.Clock(t_mono_ns=time.monotonic_ns(), t_wall_ns=time.time_ns())
 
     def info(self) -> Info:

@@ -64,7 +64,7 @@ class Comparison:
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]
-    """largest distance of each from its own set points at rest, deg; NaN: not known. A lost full step is 0.69 deg."""
+    """largest distance of each from its own set points at rest (deg); NaN: not known. A lost full step is 0.69 deg."""
     regularity: tuple[Regularity, Regularity]
 
     @property
@@ -74,7 +74,7 @@ class Comparison:
 
     @property
     def arms_at_rest(self) -> float:
-        """Largest difference of any arm while both rest, deg; NaN if they never rest at the same time."""
+        """Largest difference of any arm while both rest (deg); NaN if they never rest at the same time."""
         return max(axis.at_rest for axis in self.axes[: len(ARMS)])
 
     @property
@@ -142,7 +142,7 @@ def differences(first: Floats, second: Floats) -> Floats:
 
 
 def off_set_points(recorded: Recording, t: Floats, rest: Flags) -> float:
-    """The largest distance of an arm from its set point at rest, deg; NaN if unknown."""
+    """The largest distance of an arm from its set point at rest (deg); NaN if unknown."""
     if recorded.commanded is None or not rest.any():
         return math.nan
     apart = resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t)

@@ -17,7 +17,7 @@ Angles = tuple[float, ...]
 
 
 class AngleDifference(NamedTuple):
-    """Hardware minus simulation at one point of the grid, deg, each within half a turn."""
+    """Hardware minus simulation at one point of the grid (deg), each within half a turn."""
 
     time_ns: int
     angles: Angles
@@ -36,7 +36,7 @@ class Difference:
         self._next_ns = 0
 
     def add(self, twin: str, time_ns: int, angles: Angles) -> Iterator[AngleDifference]:
-        """Add a sample, deg, and yield the differences that are known now; samples out of order are ignored."""
+        """Add a sample (deg), and yield the differences that are known now; samples out of order are ignored."""
         samples = self._samples[twin]
         if samples and time_ns <= samples[-1][0]:
             return

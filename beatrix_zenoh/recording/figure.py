@@ -113,7 +113,7 @@ class Figure:
         """Rotation of each moving body in its parent's frame, by path.
 
         Args:
-            arms: angles from home, rad.
+            arms: angles from home (rad).
             head: rows of the head's orientation.
         """
         turns = {}
@@ -213,7 +213,7 @@ def rod_angle(elbow: Vector, mount: Vector, arm: float, head: Rotation) -> float
     Args:
         elbow: elbow axis at home, unit vector.
         mount: mount axis at home, unit vector.
-        arm: arm angle, rad.
+        arm: arm angle (rad).
         head: rows of the head's orientation.
     """
     turned = tuple(dot(row, mount) for row in head)
@@ -269,17 +269,17 @@ def arc(start: Vector, end: Vector, parts: int) -> list[Vector]:
 
 
 def ellipsoid(position: Vector, half_axes: Vector, colour: Colour) -> Solid:
-    """An ellipsoid along the axes of its body, m."""
+    """An ellipsoid along the axes of its body (m)."""
     return Solid(Form.ELLIPSOID, half_axes, position, IDENTITY, colour)
 
 
 def cylinder(position: Vector, axis: Vector, radius: float, length: float, colour: Colour) -> Solid:
-    """A cylinder centred at a position, its axis along a unit vector, m."""
+    """A cylinder centred at a position, its axis along a unit vector (m)."""
     return Solid(Form.CYLINDER, (radius, length), position, towards(axis), colour)
 
 
 def bar(start: Vector, end: Vector, radius: float, colour: Colour) -> list[Solid]:
-    """A round bar between two points, m; a list of one solid."""
+    """Return a round bar between two points (m), as a list with one solid."""
     x, y, z = (e - s for s, e in zip(start, end, strict=True))
     length = math.sqrt(x * x + y * y + z * z)
     return [

@@ -45,7 +45,7 @@ AT_REST_DEG_S: Final = 10.0
 KEEP_S: Final = 1.0
 """At rest a target is repeated after this time, because the lease of a robot ends after two seconds of rest."""
 OFF_DEG: Final = 3.0
-"""Largest allowed deviation of an arm from the path, deg."""
+"""Largest allowed deviation of an arm from the path (deg)."""
 SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 _REST: Final = (0.0, 0.0, 0.0)
 
@@ -66,11 +66,11 @@ class Following:
     """the motion to the start of the path, at the default speed of the robot"""
     targets: tuple[Target, ...]
     planned: Floats
-    """planned arm angles (n, 3), deg, in steps of STEP_S from LEAD_IN_S before the start of the path"""
+    """planned arm angles (n, 3) in deg, in steps of STEP_S from LEAD_IN_S before the start of the path"""
     fastest: float
     """the speed limit of an arm, deg/s"""
     off_deg: float
-    """largest deviation of an arm from the path, deg"""
+    """largest deviation of an arm from the path (deg)"""
 
     @property
     def duration_s(self) -> float:
@@ -175,7 +175,7 @@ def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
 
 
 def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tuple[list[float], list[float]]:
-    """Return goal (deg) and speed (deg/s) of each arm; `coming`: the next part of the path, deg, in steps of STEP_S."""
+    """Return goal (deg) and speed (deg/s) of each arm; `coming`: the next part of the path (deg) in steps of STEP_S."""
     slowest, fastest = math.degrees(limits.speed_min), math.degrees(limits.speed_max)
     look = round(LOOK_S / STEP_S)
     goals, speeds = [], []

@@ -22,9 +22,9 @@ from beatrix_zenoh.recording.series import (
 )
 
 NEAR_S = 0.5
-"""Largest lag of the first search, s."""
+"""Largest lag of the first search (s)."""
 FAR_S = 5.0
-"""Largest lag of the second search, s, made if no lag of the first search explains the second recording."""
+"""Largest lag of the second search (s), made if no lag of the first search explains the second recording."""
 LOCAL_S = 0.15
 """The largest difference between the lag of one motion and the lag of the whole."""
 EXPLAINED = 0.1
@@ -33,7 +33,7 @@ UNEXPLAINED = 0.5
 """A lag is not reported if it leaves more than this share of the variance."""
 STEP_FINE_S = 0.001
 MOST = 20_000
-"""The largest number of times at which two recordings are compared; longer ones are thinned."""
+"""The largest number of times at which two recordings are compared; longer recordings are thinned."""
 
 
 class Shift(NamedTuple):
@@ -44,7 +44,7 @@ class Shift(NamedTuple):
 
 
 class MovedPart(NamedTuple):
-    """A motion of one robot or both, from rest to rest: times by the clock of the first, lag of the second, s."""
+    """A motion of one robot or both, from rest to rest: times by the clock of the first, lag of the second (s)."""
 
     begin_s: float
     end_s: float

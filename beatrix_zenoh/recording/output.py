@@ -23,7 +23,7 @@ class RobotSet:
 
     @property
     def names(self) -> list[str]:
-        """Their names without duplicates."""
+        """Names of the robots, without duplicates."""
         return sorted({name for name, _ in self.robots})
 
     def twins(self, name: str) -> list[Place]:

@@ -133,7 +133,7 @@ def same(one: Place, other: Place) -> bool:
 
 
 def arm_angles_of(positions: Positions) -> ArmAngles:
-    """The set points of the arms, deg."""
+    """The set points of the arms (deg)."""
     return arm_angles(positions.commanded)
 
 

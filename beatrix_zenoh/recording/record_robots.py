@@ -23,9 +23,9 @@ class LiveRecording:
     robot: str
     twin: str
     recording: Recording
-    """its times are by this computer's monotonic clock, s"""
+    """a recording with times by this computer's monotonic clock (s)"""
     clock_s: float
-    """largest possible error of the times of `recording`, s"""
+    """largest possible error of the times of `recording` (s)"""
     slipped: int | None
     """full motor steps that slipped during the recording, all arms together; None: not measured"""
 
@@ -83,7 +83,7 @@ def offset_of(robot: Robot) -> Offset:
 
 
 def clock_s(robot: Robot) -> float:
-    """The robot's monotonic clock minus this computer's, s; 0 if it may be 0."""
+    """The robot's monotonic clock minus this computer's (s); 0 if 0 is within the error of the measurement."""
     return offset_of(robot).certain
 
 

@@ -51,7 +51,7 @@ class RecordingThread:
         self._differences: defaultdict[str, Difference] = defaultdict(Difference)
         self._waiting: dict[Place, deque[Arrival[Value]]] = {}
         self._last: dict[Place, tuple[int, int]] = {}
-        """Newest positions of each robot, ns: arrival by our monotonic clock, and time by our wall clock."""
+        """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
         self._picture_due_ns: dict[str, int] = {}
         self._with_pictures: frozenset[Place] = frozenset()
         self._overflowed = self._wrong_times = self._reported = 0

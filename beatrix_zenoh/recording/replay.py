@@ -37,7 +37,7 @@ FASTER: Final = 1.5
 """Largest factor between the planned speed and the speed that corrects a deviation."""
 BAD_SPEED_REASONS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 Progress = Callable[[float], None]
-"""Called with the elapsed time of the path, s."""
+"""Called with the elapsed time of the path (s)."""
 
 
 class Stream:
@@ -62,7 +62,7 @@ class Stream:
 
     @property
     def due_s(self) -> float | None:
-        """Time of the next target by the monotonic clock, s; None: all were sent."""
+        """Time of the next target by the monotonic clock (s); None: all were sent."""
         return None if self._next is None else self._begin_s + self._next.t
 
     @property

@@ -29,7 +29,7 @@ class RobotAnswer:
 
     place: Place
     offset: Offset | None
-    """of its monotonic clock; None: the robot did not answer"""
+    """offset of the robot's monotonic clock; None: the robot did not answer"""
     geometry: Geometry
     """the default geometry if the robot did not answer"""
 

@@ -53,7 +53,7 @@ class RobotRows:
         self._stopped = False
         self._since_ns = 0
         self.angles: tuple[float, ...] = ()
-        """Arms and head of the newest positions, deg."""
+        """Arms and head of the newest positions (deg)."""
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
         """Arms and head in deg, and each body that has turned."""
@@ -99,11 +99,11 @@ class RobotRows:
             yield from self._changed_to(self._state_now(), *stamp)
 
     def lost(self, time_ns: int) -> Iterator[Row]:
-        """The state of a robot whose positions have ended."""
+        """Yield the state LOST: the positions of the robot have ended."""
         yield from self._changed_to(State.LOST, time_ns, time_ns)
 
     def back(self, time_ns: int, robot_ns: int) -> Iterator[Row]:
-        """The state of a robot whose positions have returned."""
+        """Yield the present state: the positions of the robot have returned."""
         if self._state is State.LOST and self._status is not None:
             yield from self._changed_to(self._state_now(), time_ns, robot_ns)
 
@@ -142,12 +142,12 @@ def state_of(status: Status) -> State:
 
 
 def arms_deg(vector: Vector3) -> tuple[float, float, float]:
-    """Short, middle and long arm, deg."""
+    """Short, middle and long arm (deg)."""
     return math.degrees(vector.x), math.degrees(vector.y), math.degrees(vector.z)
 
 
 def head_deg(head: Head) -> tuple[float, float, float]:
-    """Yaw, pitch and roll, deg."""
+    """Yaw, pitch and roll (deg)."""
     return math.degrees(head.yaw), math.degrees(head.pitch), math.degrees(head.roll)
 
 

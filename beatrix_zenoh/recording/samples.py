@@ -22,13 +22,13 @@ class Samples:
     robot_ns: Nanoseconds
     """(n,) source's time by the robot's own wall clock, its published t_wall_ns"""
     arms: Floats
-    """(n, 3) short, middle, long, deg: measured in a simulation, counted on hardware"""
+    """(n, 3) short, middle, long (deg): measured in a simulation, counted on hardware"""
     commanded: Floats
-    """(n, 3) the firmware's set points, deg"""
+    """(n, 3) the firmware's set points (deg)"""
     head: Floats
-    """(n, 3) yaw, pitch, roll, deg, from the arms"""
+    """(n, 3) yaw, pitch, roll (deg), from the arms"""
     head_measured: Floats | None
-    """(n, 3) the measured orientation of the head, deg; None: not measured"""
+    """(n, 3) the measured orientation of the head (deg); None: not measured"""
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,6 @@ class Recorded:
 
     robots: dict[Place, Samples]
     differences: dict[str, tuple[Nanoseconds, Floats]]
-    """by name: times of the grid (n,), hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll, deg"""
+    """by robot name: times (n,), and hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll (deg)"""
     events: dict[Place, Texts]
     states: dict[Place, Texts]

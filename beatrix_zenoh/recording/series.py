@@ -72,7 +72,7 @@ def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording
 
     Args:
         positions: of one robot, in order. Of several with the same time stamp the first is kept.
-        clock_s: the source's monotonic clock minus the clock of the result, s.
+        clock_s: the source's monotonic clock minus the clock of the result (s).
     """
     if not positions:
         return Recording(np.empty(0), np.empty((0, len(AXES))), np.empty((0, len(ARMS))))
@@ -154,7 +154,9 @@ def common_grid(first: Recording, second: Recording) -> Floats:
         raise ValueError("a recording with fewer than two positions cannot be compared")
     begin, end = max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])
     if end - begin < SHARED_S:
-        raise ValueError(f"the recordings share {max(0.0, end - begin):.2f} s; a second is needed")
+        raise ValueError(
+            f"the recordings share {max(0.0, end - begin):.2f} s; at least {SHARED_S:g} s is needed"
+        )
     return np.asarray(np.arange(begin, end, GRID_S), dtype=np.float64)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.client.request import Place
 
 FAR_NS = 2_000_000_000
-"""A larger difference between sample time and arrival shows a restart of the robot's computer, ns."""
+"""A larger difference between sample time and arrival shows a restart of the robot's computer (ns)."""
 
 
 class Timebase:

@@ -24,7 +24,7 @@ DEAD_MAN_S: Final = 0.4
 AHEAD_S: Final = 0.5
 """Time to each goal of a jog, longer than network delays; without a new goal the jog ends by itself."""
 BRAKE_S: Final = 0.12
-"""As AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""
+"""Like AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""
 SMALLEST_DEG: Final = 0.5
 """Shortest motion of a jog near a limit."""
 WAITING_MAX: Final = 4
@@ -95,7 +95,7 @@ class Driver:
         self.stopped = False
 
     def silent(self) -> float:
-        """Time since the last heartbeat, s."""
+        """Time since the last heartbeat (s)."""
         return time.monotonic() - self._beat_s
 
     def lost(self, lease: int, holder: str) -> bool:

@@ -86,7 +86,7 @@ class Guarded(web.RequestHandler):
 
 
 class Nothing(Guarded):
-    """The reply to requests for all other addresses."""
+    """Replies 404 to requests for unknown addresses."""
 
     def get(self) -> None:
         """Reply that there is nothing."""

@@ -47,13 +47,13 @@ class Page(Protocol):
     driver: Driver | None
 
     def report(self, outcome: Outcome) -> None:
-        """Show the outcome of a request beside its control."""
+        """Show the outcome of a request beside the control that sent the request."""
 
     def show(self, state: bytes) -> None:
         """Show a state, unless the browser has not read the earlier ones."""
 
     def close(self) -> None:
-        """Close its web socket."""
+        """Close the web socket of the page."""
 
 
 class PictureSocket(Protocol):

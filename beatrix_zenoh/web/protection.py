@@ -79,7 +79,7 @@ def headers(host: str) -> dict[str, str]:
 
 
 class Attempts:
-    """Counts wrong PINs; times are monotonic, s."""
+    """Counts wrong PINs; times are monotonic (s)."""
 
     def __init__(self) -> None:
         self._wrong: deque[tuple[float, str]] = deque(maxlen=WRONG_TOTAL)
@@ -152,7 +152,7 @@ class Visitors:
         self._count = 0
 
     def admit(self) -> str:
-        """Log in a browser and return the value of its cookie; the oldest of too many is logged out."""
+        """Log in a browser and return the value of its cookie; above VISITORS_MAX the oldest browser is logged out."""
         if len(self._visitors) >= VISITORS_MAX:
             del self._visitors[next(iter(self._visitors))]
         self._count += 1

@@ -28,9 +28,9 @@ SHOW_MS: Final = 100
 HEARTBEAT_MS: Final = 50
 """Period of the check for heartbeats."""
 PING_S: Final = 5.0
-"""Period of pings to each page; one that does not reply is closed."""
+"""Period of pings to each page; the connection of a page that does not reply is closed."""
 REQUEST_S: Final = 20.0
-"""Longest time of a request, and of a connection without one."""
+"""Longest time of a request, and of a connection without a request."""
 BACKLOG: Final = 128
 """Connections that may wait to be accepted."""
 BODY_MAX: Final = 4096

@@ -35,7 +35,7 @@ Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease 
 OnOutcome = Callable[[Outcome], None]
 TWINS = ("sim", "hw")
 CLOSE_S = 2.8
-"""Time limit for threads and processes to end; slower ones end by themselves afterwards."""
+"""Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
 
 
 class Link:

@@ -31,14 +31,14 @@ class Job:
     query: MotionQuery | PoseQuery
     lead_s: float
     clear: Callable[[], None]
-    """ends motions that must not run beside this one; called before it is sent"""
+    """ends motions that must not run beside this motion; called before this motion is sent"""
     plan: Plan | None = None
     motion: TwinMotion | None = None
     """the motion, after it was committed"""
     dropped: BeatrixError | None = None
     """why the motion must not begin or go on; None: it may"""
     reported: bool = False
-    """whether its last outcome was reported"""
+    """whether the last outcome of the motion was reported"""
 
     def cancel(self, why: BeatrixError) -> None:
         """End the motion without waiting: nothing more is sent, and moving robots are stopped."""

@@ -17,7 +17,7 @@ from gui.link.worker import Worker
 from gui.state.actions import Outcome
 
 LIMIT = 8
-"""Most requests that may wait for a robot."""
+"""Largest number of requests that may wait for a robot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Task:
     query: MotionQuery | PoseQuery | None = None
     """the motion, if it is one"""
     clear: Callable[[], None] = lambda: None
-    """ends motions that must not run beside this one; called before it is sent"""
+    """ends motions that must not run beside this motion; called before this motion is sent"""
     begun: Callable[[], None] = lambda: None
     """called when the motion was accepted"""
 
@@ -87,7 +87,7 @@ class RequestQueue(Worker):
             self._report(failed(task.row, self._twin, stopped()))
 
     def release(self) -> None:
-        """As `stop`, and stop the running motion: later STOPs of the window go to another robot."""
+        """Like `stop`, and stop the running motion: later STOPs of the window go to another robot."""
         self.stop()
         if (running := self._running) is not None:
             robot, _ = running

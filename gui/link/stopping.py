@@ -54,7 +54,7 @@ class StopReplies:
             self._report_all(all_pressed)
 
     def _report_all(self, all_pressed: list[SentStop]) -> None:
-        """Report all by the reply to the newest: waiting for each of them at a frozen robot would take ever longer."""
+        """Report all STOPs by the reply to the newest: the waits for each reply of a frozen robot would add up."""
         began_s = time.monotonic()
         try:
             reply = all_pressed[-1].wait()

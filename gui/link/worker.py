@@ -21,10 +21,10 @@ class Part(Protocol):
     """A part of the link that has threads."""
 
     def close(self) -> None:
-        """Ask its threads to end; returns at once."""
+        """Ask the threads of this part to end; returns at once."""
 
     def join(self, deadline_s: float) -> None:
-        """Wait for the end of its threads until `deadline_s` (monotonic clock, s)."""
+        """Wait for the end of the threads of this part until `deadline_s` (monotonic clock, s)."""
 
 
 class Worker:

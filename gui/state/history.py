@@ -29,7 +29,7 @@ from gui.state.world import World
 from gui.texts import Texts
 
 SHOWN = 100
-"""Most rows of the view."""
+"""Largest number of rows of the view."""
 BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
 GOOD, BAD, OPEN = "✓", "✕", "…"

@@ -95,7 +95,7 @@ class SetSpeed(Intent):
 
 @dataclass(frozen=True)
 class SetDestination(Intent):
-    """Check or clear Hardware or Simulation."""
+    """Check or clear the box of the hardware or of the simulation."""
 
     twin: str
     checked: bool
@@ -103,7 +103,7 @@ class SetDestination(Intent):
 
 @dataclass(frozen=True)
 class SetCameras(Intent):
-    """Check or clear Eye cameras."""
+    """Check or clear the box of the eye cameras."""
 
     on: bool
 
@@ -156,7 +156,7 @@ class DismissNotice(Intent):
 
 @dataclass(frozen=True)
 class TogglePage(Intent):
-    """Show the page of the class, or the robot again; only in the teacher's window."""
+    """Switch between the page of the class and the robot; only in the teacher's window."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from gui.state.saved import SavedPose
 from gui.state.views import HistoryRowView
 
 KEPT = 200
-"""Most rows of the history."""
+"""Largest number of rows of the history."""
 Request = Send | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern | Play | WriteFile
 """Actions with a row in the history."""
 
@@ -41,7 +41,7 @@ class Row:
     began_s: float
     """wall clock, since 1970; 0: unknown"""
     before: ArmAngles | None
-    """set point of the arms at the time of the request, deg; None: unknown, or no motion"""
+    """set point of the arms at the time of the request (deg); None: unknown, or no motion"""
     undoes: int | None = None
     """row of the motion that this request undoes; None: it is no undo"""
     dropped: bool = False
@@ -122,7 +122,7 @@ class HistoryCache:
     """The last view of the history and what it was made from, so that only changed rows are rendered again."""
 
     context: tuple[object, ...] = ()
-    """seat, robot, language and the like, which all rows depend on"""
+    """values that all rows depend on, such as seat, robot and language"""
     own: dict[int, tuple[Row, HistoryRowView]] = field(default_factory=dict)
     events: tuple[object, ...] = ()
     foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)

@@ -53,7 +53,7 @@ def troubles(world: World) -> dict[str, str]:
 
 
 def off_line(memory: Memory, world: World, place: str) -> bool:
-    """Show why a request cannot be sent and return True if there is no router; else return False."""
+    """Return whether there is no router; if so, show why the request cannot be sent."""
     if world.phase is LinkPhase.ON_LINE:
         return False
     key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
@@ -62,7 +62,7 @@ def off_line(memory: Memory, world: World, place: str) -> bool:
 
 
 def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str) -> bool:
-    """Show why a request to these robots cannot be sent and return True; return False if it can."""
+    """Return whether a request to these robots cannot be sent; if so, show why."""
     if not twins:
         memory.refuse(place, "off.unchecked")
     elif off_line(memory, world, place):

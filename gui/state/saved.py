@@ -28,7 +28,7 @@ class SavedPose(msgspec.Struct, frozen=True):
 
     @property
     def arms(self) -> tuple[float, float, float]:
-        """Short, middle and long arm, deg."""
+        """Short, middle and long arm (deg)."""
         return self.short, self.middle, self.long
 
 

@@ -54,11 +54,11 @@ class PillView:
     """the cause and what to do, in a sentence; empty if the robot is ready"""
     next_step: ButtonView | None
     latency: str
-    """for example `2 ms`; empty: unknown"""
+    """round trip of a query, for example `2 ms`; empty: unknown"""
     notes: tuple[str, ...]
     """holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
     lease: ButtonView | None
-    """to take the robot, wait for it or give it back; None: there is a next step, or the robot does not answer"""
+    """takes the robot, waits for it or gives it back; None: there is a next step, or the robot does not answer"""
     warnings: tuple[str, ...] = ()
     details: str = ""
     """board, cameras and waiting seats, for the tooltip"""
@@ -84,7 +84,7 @@ class RefusalView:
 
 @dataclass(frozen=True)
 class Orientation:
-    """Orientation of a head, deg; left, nose down and right ear down are positive."""
+    """Orientation of a head (deg); left, nose down and right ear down are positive."""
 
     yaw: float
     pitch: float
@@ -99,9 +99,9 @@ class HeadView:
     sim: Orientation | None
     hw: Orientation | None
     tilt_max: float
-    """limit, deg"""
+    """limit (deg)"""
     yaw_max: float
-    """limit in both directions, deg"""
+    """limit in both directions (deg)"""
     path: tuple[Orientation, ...]
     """the previewed path; empty: none"""
     send: ButtonView
@@ -176,7 +176,7 @@ class HistoryRowView:
     result: str
     symbol: str
     good: bool | None
-    """None: it has not ended"""
+    """whether the request succeeded; None: it has not ended"""
     python: str
     """the request as a line of Python; empty: there is none"""
     command_line: str
@@ -202,7 +202,7 @@ class PosesView:
 
     names: tuple[str, ...]
     go: ButtonView
-    """its intent has no name: the widget fills in the name of the selected pose"""
+    """the button's intent has no name: the widget adds the name of the selected pose"""
     save: ButtonView
     delete: ButtonView
     play: ButtonView
@@ -246,7 +246,7 @@ class ClassRowView:
     """robot, twin, state, seat that drives, waiting seats, positions a second, age of the last positions, remarks"""
     condition: Condition
     details: str
-    """for the tooltip"""
+    """text of the tooltip"""
     freeze: ButtonView
     """or unfreeze"""
     take: ButtonView
@@ -267,7 +267,7 @@ class ClassView:
     freeze_all: ButtonView
     unfreeze_all: ButtonView
     limit: ButtonView
-    """its intent has no speed: the widget fills in the text of its field"""
+    """the button's intent has no speed: the widget adds the text of the field"""
     limit_now: str
     """the present limit"""
     result: str
@@ -275,7 +275,7 @@ class ClassView:
     good: bool | None
     """whether that request was carried out everywhere; None: it has not ended"""
     toggle: ButtonView
-    """shows this page, or the robot again"""
+    """switches between this page and the robot"""
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class IntentButton(QPushButton):
         self.clicked.connect(self._press)
 
     def show_view(self, view: ButtonView) -> None:
-        """Show text, tooltip and whether it can be pressed."""
+        """Show the view's text and tooltip, and enable or disable the button."""
         if view == self._view:
             return
         self._view = view

@@ -18,7 +18,7 @@ from gui.texts import Texts
 from gui.theme import style_of
 
 PERIOD_MS: Final = 33
-"""Least time between two drawings."""
+"""Shortest time between two drawings."""
 STALE_S: Final = 1.0
 """Age from which a picture shows its age."""
 RATE_S: Final = 2.0
@@ -26,7 +26,7 @@ RATE_S: Final = 2.0
 BAR_PX: Final = 5
 """Width of the bar in the robot's colour."""
 LARGEST_PX: Final = 10_000_000
-"""Most pixels of a picture: decoding a larger one would block the window."""
+"""Largest number of pixels of a picture: decoding a larger one would block the window."""
 
 
 def decode(jpeg: bytes) -> QImage | None:

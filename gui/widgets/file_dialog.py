@@ -20,7 +20,7 @@ class FileDialog(QFileDialog):
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
-        self.setOption(QFileDialog.Option.ReadOnly)  # renaming and deleting ask in modal boxes
+        self.setOption(QFileDialog.Option.ReadOnly)  # no renaming or deleting: they would open modal boxes
         self.setModal(False)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setAcceptMode(mode)
@@ -77,7 +77,7 @@ class FileDialog(QFileDialog):
 def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
     """Return the first folder of the dialog.
 
-    It is that of the shipped choreographies for reading, and for writing the working folder, or home if that was deleted.
+    For reading: the folder of the shipped choreographies. For writing: the working folder, or home if it was deleted.
     """
     if mode == QFileDialog.AcceptMode.AcceptOpen:
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))

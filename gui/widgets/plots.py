@@ -27,7 +27,7 @@ SPAN_S: Final = 20.0
 TICKS: Final = (-20, -15, -10, -5, 0)
 """Labels of the time axis (s)."""
 PERIOD_S: Final = 0.045
-"""Least time between two drawings: 20 a second with some slack."""
+"""Shortest time between two drawings: 20 a second with some slack."""
 CAPACITY: Final = 1024
 """Samples kept of each robot: 50 a second for 20 s."""
 GAP_S: Final = 1.0
@@ -35,9 +35,9 @@ GAP_S: Final = 1.0
 FOREIGN_S: Final = 1.0
 """If a stamp is this far from its arrival, its clock offset is unknown, and the arrival is used."""
 LEAST_ARM_DEG: Final = 20.0
-"""Least height of the plot of an arm."""
+"""Smallest range (deg) of the vertical axis of an arm's plot."""
 LEAST_DIFFERENCE_DEG: Final = 2.0
-"""Least height of the plot of the difference."""
+"""Smallest range (deg) of the vertical axis of the difference plot."""
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
 SIGNS: Final = ("—", "– –", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""

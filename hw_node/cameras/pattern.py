@@ -67,7 +67,7 @@ class Pattern:
         self._timer = FrameTimer(HZ)
 
     def trouble(self) -> str:
-        """Empty: it is always available."""
+        """Return an empty text: the test picture is always available."""
         return ""
 
     def open(self) -> None:

@@ -38,7 +38,7 @@ SLICE_S: Final = 0.001
 ACTIVE_SLICE_S, ACTIVE_S = 10 / BAUD, 0.005
 """The same for ACTIVE_S after each input, while a reply is expected: the time of one byte (s)."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
-"""Most cycles that are simulated at once after a delay of this process, so that control lines are still read."""
+"""Largest number of cycles in one step after a delay of this process; control lines are read between steps."""
 DAMAGED_SHARE: Final = 0.01
 """Share of damaged bytes while there is noise."""
 PR_SET_TIMERSLACK: Final = 29

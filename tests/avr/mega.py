@@ -19,7 +19,7 @@ LOADER: Final = Path(
 )
 """The Mega's boot loader, from Debian's arduino-core-avr."""
 START_MS: Final = 30
-"""From reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
+"""Time from reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
 PULSE_MIN: Final = 16
 """Cycles: 1 us, high and low (A4988)."""
 SETUP_MIN: Final = 4

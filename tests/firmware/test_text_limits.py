@@ -31,7 +31,7 @@ def gaps(steps: Steps) -> list[int]:
 
 
 def tilt(steps: Steps) -> float:
-    """Tilt of the head, deg."""
+    """Tilt of the head (deg)."""
     return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
 
 

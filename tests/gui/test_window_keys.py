@@ -246,7 +246,7 @@ def test_enter_takes_the_number_that_is_typed(qtbot: QtBot, window: Window, inte
 
 
 def test_tab_reaches_every_control_and_comes_back(qtbot: QtBot, window: Window) -> None:
-    """In the order in which the window is read: header, left, middle, right, STOP."""
+    """Tab follows the order in which the window is read: header, left, middle, right, STOP."""
     start = window.panels.header.robots
     focus(qtbot, start)
     seen: list[QWidget] = []

@@ -90,7 +90,7 @@ def test_an_old_program_does_not_switch_a_robot_that_another_seat_drives(place: 
 
 
 def test_a_program_that_queries_continuously_delays_no_motion(place: Place) -> None:
-    """Its lines are no heartbeat: the node must keep sending its own."""
+    """The program's lines are no heartbeat: the node must continue to send its own."""
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=40, wait=False)

@@ -106,7 +106,7 @@ def test_the_emergency_latch_is_the_only_reason_in_the_warning(place: Place) -> 
 
 
 def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -> None:
-    """Each of its motions begins the pause again (last of the tests on `place`: the pause of its seat has just begun)."""
+    """Each motion restarts the pause (last test on `place`, because the pause of its seat has just begun)."""
     with place.program() as program:
         program.begin()
         program.port.write_timeout = 0.2

@@ -32,7 +32,7 @@ LOCAL, CONTROL = 3, 6
 
 
 class Listener:
-    """Records its calls; `opened` and `received` wait for a permit of `free`."""
+    """Records the calls of its methods; `opened` and `received` wait for a permit of `free`."""
 
     def __init__(self, terminal: Terminal) -> None:
         self.events: list[str] = []

@@ -272,7 +272,7 @@ def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
     driver.send("stop", robot="bea1", stop="8")
     until(lambda: not robot.status().moving, "stopped")
     assert abs(robot.positions().head.yaw) > 1.0
-    jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # the page that pressed STOP need not pause
+    jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # STOP makes only other pages pause
 
 
 def test_a_page_that_floods_stop_delays_no_stop_of_another_page(

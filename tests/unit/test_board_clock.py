@@ -23,7 +23,7 @@ def estimate_errors(
     at_ns: int = 10**12,
     seed: int = 1,
 ) -> Iterator[float]:
-    """Errors of the estimates, ms: telemetry every 10 ms, up to 5 ms late, one in fifty 50 ms."""
+    """Errors of the estimates (ms): telemetry every 10 ms, up to 5 ms late, one in fifty 50 ms."""
     chance = random.Random(seed)
     for n in range(int(seconds * 1000 / PERIOD_MS)):
         true_ns = at_ns + round(n * PERIOD_MS * MS * (1 + drift_ppm / 1e6))

@@ -15,7 +15,7 @@ ANA = Caller("ana", "s1")
 
 
 class Clock:
-    """Monotonic time of a test, s."""
+    """Monotonic time of a test (s)."""
 
     def __init__(self) -> None:
         self.now_s = 0.0

@@ -80,7 +80,7 @@ def test_a_much_less_exact_offset_does_not_replace_a_good_one_at_once() -> None:
     timebase.learn(BEA, 0, 1 * MS)
     timebase.learn(BEA, 9 * MS, 10 * MS)  # a round trip delayed by other traffic
     assert timebase.time_ns(BEA, 0) == 0
-    for _ in range(5):  # but clocks drift: after some measurements it is used
+    for _ in range(5):  # but clocks drift: the offset is used after some measurements
         timebase.learn(BEA, 9 * MS, 10 * MS)
     assert timebase.time_ns(BEA, 0) == -9 * MS
 

@@ -23,7 +23,7 @@ BEGAN_NS = 1_763_000_000_000_000_000
 
 
 def rows(place: tuple[str, str], yaw: float) -> list[Row]:
-    """Rows of a robot that looks aside, rad."""
+    """Rows of a robot that looks aside (rad)."""
     arms = Neck().inverse(yaw, 0.0, 0.0)
     turns = Figure().rotations(arms, rotation_of(yaw, 0.0, 0.0))
     poses: list[Row] = [

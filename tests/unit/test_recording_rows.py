@@ -29,7 +29,7 @@ NOW_NS = 1_763_000_000_123_456_789
 
 
 def positions(yaw: float = 0.0, measured: Head | None = None) -> Positions:
-    """Positions of a robot with a turned head, rad."""
+    """Positions of a robot with a turned head (rad)."""
     vector = Vector3(*Neck().inverse(yaw, 0.0, 0.0))
     return Positions(
         seq=0,

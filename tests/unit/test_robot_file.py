@@ -80,7 +80,7 @@ def test_the_bounds_of_each_range_are_allowed(tmp_path: Path) -> None:
         ("[geometry]\narm_angle = 20\n", r"tilt_max = 35.0, the default value: 5 to 19° is allowed"),
         ("[geometry]\nrod_twist = 50\n", r"arm_angle, rod_twist and mount_angle let the head tilt 5.0°"),
         ("[geometry]\nrod_twist = 45\n", r"\[geometry\] arm_angle, rod_twist and mount_angle: .*does not close"),
-        ("[geometry]\narm_angle = 65\nrod_twist = 80\nmount_angle = 108\n[limits]\ntilt_max = 54\n", "54: with these .* can snap .* at most 46°"),
+        ("[geometry]\narm_angle = 65\nrod_twist = 80\nmount_angle = 108\n[limits]\ntilt_max = 54\n", "54: with these .* can snap .* At most 46°"),
         ("a = " + "[" * 50_000, "cannot be read"),
         ("[head]\nmass = 0\n", r"\[head\] mass = 0.0: 0.05 to 5 kg is allowed"),
         ("[drive]\nefficiency = 2\n", r"\[drive\] efficiency = 2.0: 0.1 to 1 is allowed"),

@@ -204,7 +204,7 @@ class _Floors:
 
 
 def _lengths(trajectory: Trajectory) -> Arms:
-    """Upper bounds of the paths of the arms, rad."""
+    """Upper bounds of the paths of the arms (rad)."""
     x = y = z = 0.0
     for section in trajectory.sections:
         t, (u, v, w), (a, b, c) = section.duration, section.velocity, section.acceleration

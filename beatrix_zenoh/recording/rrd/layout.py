@@ -18,7 +18,7 @@ WINDOW_S: Final = 20.0
 """Time span of the plots in live mode."""
 BACKGROUND: Final = (236, 239, 243)
 EYE: Final = (0.46, -0.28, 0.13)
-"""Position of the viewpoint, m: in front of the head, to its right."""
+"""Position of the viewpoint (m): in front of the head, to its right."""
 CENTRE: Final = (0.0, 0.0, 0.005)
 TITLES: Final = {"sim": "simulation", "hw": "hardware"}
 ARMS_DEG: Final = (-60.0, 60.0)

@@ -15,7 +15,7 @@ SIZE: Final = "1456x819"
 SETTLE_S: Final = 2.5
 """Data arrive in a view some time after it is first shown; no event reports when."""
 NOTICE_S: Final = 5.0
-"""After its start the viewer covers the picture with a notice for this long."""
+"""Time for which the viewer covers the picture with a notice after its start."""
 TABS: Final = ("overlay", "side-by-side", "plots", "log")
 
 

@@ -32,7 +32,7 @@ class Column(NamedTuple):
 
 
 Columns = dict[tuple[str, str], Column]
-"""By entity and component."""
+"""Columns by entity and component."""
 
 
 def read(path: Path) -> Recorded:

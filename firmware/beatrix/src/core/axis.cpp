@@ -10,7 +10,7 @@ void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp 
   ramp->stopping_distance = stopping_distance_of(top, acceleration, ticks);
 }
 
-// 2^30 / ACCELERATION; speeds are multiplied by it with 12 fractional bits.
+// 2^30 / ACCELERATION, the factor for a speed with 12 fractional bits.
 static const uint16_t INVERSE = uint16_t((uint32_t(1) << 30) / ACCELERATION);
 static_assert(ACCELERATION > 1 << 14, "its inverse has 16 bits");
 static_assert(int64_t(SPEED_MAX) * 16777 / ACCELERATION < 0xFFFF, "the ticks of a stop are counted in 16 bits");

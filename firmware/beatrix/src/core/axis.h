@@ -16,13 +16,13 @@ struct Ramp {
 
 // Estimate of speed / ACCELERATION; the error is at most one.
 uint16_t ticks_to_rest(const Fixed &speed);
-// v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, in less time if
-// the estimate is better.
+// v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, and takes less
+// time if the estimate is better.
 Fixed stopping_distance_of(const Fixed &speed, const Fixed &acceleration, uint16_t ticks);
 void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp *ramp);
 
 // Every tick is planned first (plan or brake), can be checked (next_rest, next_rest_steps) and is then committed (commit).
-// A tick takes additions and comparisons only, because the rest position is updated incrementally: it is constant while
+// A tick needs only additions and comparisons, because the rest position is updated incrementally: it is constant while
 // the arm brakes, moves by v in a tick at constant speed v, and by v + (v + a) in a tick that accelerates by a.
 class Axis {
  public:
@@ -32,7 +32,7 @@ class Axis {
   void place_at_last_step() { place(steps_); }
   // Set the target: from rest, or in motion with an unchanged acceleration.
   void follow(int32_t target, const Ramp &ramp);
-  // Set the target in motion with another acceleration: compute the rest position for that acceleration, and pass it.
+  // Set the target in motion with another acceleration; `rest` must be rest_with() of that acceleration.
   Fixed rest_with(const Fixed &acceleration) const;
   void follow(int32_t target, const Ramp &ramp, const Fixed &rest);
 

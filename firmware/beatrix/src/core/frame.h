@@ -15,7 +15,7 @@ uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, 
 
 // COBS block of STOP and EMERGENCY_STOP, which have no payload: type, seq and CRC in five bytes.
 static const uint8_t STOP_BLOCK = 5;
-// Decodes such a block; false: not a stop frame, or a wrong CRC.
+// Decodes such a block; returns false if it is not a stop frame or has a wrong CRC.
 bool read_stop(const uint8_t block[STOP_BLOCK], uint8_t *type, uint8_t *seq);
 
 enum Received : uint8_t { RECEIVED_NOTHING, RECEIVED_FRAME, RECEIVED_LINE };

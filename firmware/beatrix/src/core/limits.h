@@ -1,4 +1,4 @@
-// Limits of the arms: gaps between neighbours, and the common turn.
+// Limits of the arms: gaps between neighbours, and yaw.
 #ifndef BEATRIX_LIMITS_H
 #define BEATRIX_LIMITS_H
 

@@ -192,7 +192,7 @@ void Machine::send_text(const char *line, bool last) {
   }
 }
 
-// Only for hosts: the text protocol has no warnings.
+// Sent only to hosts, because the text protocol has no warnings.
 void Machine::send_text_warning(uint8_t code) {
   TextWarning warning;
   warning.code = code;

@@ -42,8 +42,8 @@ void Motion::follow(const Plan &plan) {
   for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i]);
 }
 
-// A straight motion brakes in proportion, its successor with full ramps. If that would end outside the limits, the arms
-// brake first and the new motion starts from rest.
+// The arms of a straight motion brake in proportion to their paths; a new motion may brake them with another
+// acceleration. If that would end outside the limits, the arms brake first and the new motion starts from rest.
 void Motion::start(const Plan &plan) {
   if (moving_ && !same_accelerations(plan)) {
     follow_or_brake_first(plan);
@@ -139,7 +139,7 @@ void Motion::finish() {
     outcome_ = OUTCOME_DONE;
     return;
   }
-  // When all arms rest: this moves the exact position by less than a step.
+  // Only now, when all arms rest, because this changes the exact position by less than a step.
   for (uint8_t i = 0; i < ARMS; i++) axes_[i].place_at_last_step();
   braking_ = false;
   if (brake_reason_ == OUTCOME_NONE) {

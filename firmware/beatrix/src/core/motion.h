@@ -16,8 +16,8 @@ class Motion {
  public:
   // Distance of each arm to its target, for plan(); `resting`: all arms rest.
   void measure(const Move &move, uint32_t distance_to_go[ARMS], bool *resting) const;
-  // Straight: speed[0] is the speed of the arm with the longest distance, the others are slower in proportion. From rest
-  // their accelerations are, too, so that all start and arrive together.
+  // Straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
+  // rest they also accelerate less in proportion, so that all arms start and arrive together.
   void plan(const Move &move, bool straight, const uint32_t distance_to_go[ARMS], bool resting, Plan *plan) const;
   // Replaces a running motion.
   void start(const Plan &plan);

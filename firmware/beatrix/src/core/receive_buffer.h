@@ -45,11 +45,11 @@ class ReceiveBuffer {
   }
 
   bool has_unscanned() const { return scanned_ != head_; }
-  // Scans new bytes up to the end of the next stop frame; false: there is none.
+  // Scans new bytes up to the end of the next stop frame; returns false if there is none.
   bool find_stop(uint8_t *type, uint8_t *seq);
   // Store the frame just found. If the list is full, it replaces the newest; the host repeats that request.
   void add_stop(uint8_t type, uint8_t seq);
-  // Discards the oldest lines and frames beyond FILL_MAX; true: some were discarded, the incomplete one included.
+  // Discards the oldest lines and frames beyond FILL_MAX, even an incomplete one; returns whether any was discarded.
   bool discard_oldest();
   // Bytes lost or discarded since start, at most 255.
   uint8_t bytes_lost() const { return at_most_255(uint16_t(overruns_ + discarded_)); }

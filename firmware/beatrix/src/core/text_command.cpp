@@ -121,7 +121,8 @@ int32_t number(const Word &word) {
 
 bool fits(int32_t steps) { return steps <= STEPS_MAX && steps >= -STEPS_MAX; }
 
-// Extension of one laboratory: a common turn and a tilt over the short arm. False: out of range.
+// Extension of one laboratory: turn all arms, and tilt the head over the short arm.
+// Returns false if a step count is out of range.
 bool turn_and_tilt(WordReader &words, int32_t steps[ARMS]) {
   int32_t turn = number(words.next()), tilt = number(words.next());
   steps[0] = turn + tilt;

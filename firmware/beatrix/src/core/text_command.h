@@ -7,7 +7,7 @@
 namespace beatrix {
 
 enum CommandKind : uint8_t {
-  // Without a further effect: the queue only counts such commands in a row.
+  // Commands that need only a reply; the queue counts equal ones in a row instead of storing each.
   COMMAND_UNKNOWN,  // NACK
   COMMAND_REFUSED,  // ACK NACK: reserved words, bad arguments, cancelled motions, full queue
   COMMAND_STOP,     // ACK ACK: acts when its line arrives
@@ -33,7 +33,7 @@ enum CommandKind : uint8_t {
 
 struct TextCommand {
   CommandKind kind;
-  uint16_t repeats;        // repeatable commands: number of further ones
+  uint16_t repeats;        // repeatable commands: number of repetitions after the first
   int16_t steps[ARMS];  // motions: distance or target; 0 if the line has none
 
   bool repeatable() const { return kind <= COMMAND_LAST_REPEATABLE; }

@@ -80,7 +80,7 @@ void TextPort::begin(Machine &machine, const TextCommand &command) {
   }
 }
 
-// False: the second reply is not due yet.
+// Returns false if the second reply is not due yet.
 bool TextPort::advance(Machine &machine) {
   const Motion &motion = machine.motion();
   switch (phase_) {

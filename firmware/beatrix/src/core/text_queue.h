@@ -52,7 +52,7 @@ class TextQueue {
   static const uint8_t COMMANDS = 32;  // the other slots are for repeatable commands
   static const uint16_t REPEATS_MAX = 0xFFFF;
 
-  // If no slot is left either, after dozens of alternating kinds, the command gets the answer of the last one.
+  // If all slots are full (dozens of commands of alternating kinds), the command gets the answer of the last command.
   void put_repeatable(const TextCommand &command) {
     TextCommand &last = slots_[(first_ + used_ + SLOTS - 1) % SLOTS];
     bool same = used_ && last.kind == command.kind && last.repeats < REPEATS_MAX;

@@ -1,4 +1,4 @@
-// Times of the steps of one millisecond: from set points to cycles of Timer 1. Without hardware access.
+// Times of the steps of one millisecond: converts set points to cycles of Timer 1; does not access the hardware.
 #ifndef BEATRIX_MEGA_STEP_TIMES_H
 #define BEATRIX_MEGA_STEP_TIMES_H
 
@@ -10,8 +10,8 @@ namespace mega {
 
 static const uint16_t TICK_CYCLES = 16000;
 
-// The steps of an axis in its last tick, with `before` steps at its start; the millisecond starts at `begin`. False: no
-// steps.
+// Compute the steps of an axis in its last tick. `before`: step count at the start of the tick; `begin`: cycle at which
+// the millisecond starts. Returns false if there are no steps.
 bool next_train(const Axis &axis, int32_t before, uint16_t begin, StepTrain *train);
 
 }  // namespace mega

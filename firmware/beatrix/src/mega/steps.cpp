@@ -136,7 +136,7 @@ inline __attribute__((always_inline)) void make_step() {
 }
 
 // Starts a train from rest. A match of the idle channel may be pending, and its interrupt must not make the first step, so
-// it has to run first. True: the train has started.
+// it has to run first. Returns true if the train has started.
 template <uint8_t ARM>
 bool start_from_rest(const StepTrain &train) {
   volatile Queue &queue = queues[ARM];
