@@ -196,11 +196,11 @@ def nothing_left_behind() -> Iterator[None]:
     threads_before, children_before = running_threads(), running_children()
     yield
     deadline = time.monotonic() + SECONDS_TO_GO
-    for thread in running_threads() - threads_before:
-        thread.join(max(0.0, deadline - time.monotonic()))
     pause = threading.Event()
-    while (running_children().keys() - children_before) and time.monotonic() < deadline:
-        pause.wait(0.02)
+    while time.monotonic() < deadline and (
+        running_threads() - threads_before or running_children().keys() - children_before
+    ):
+        pause.wait(0.01)
     left = [f"thread {thread.name}" for thread in running_threads() - threads_before]
     left += [
         f"process {number}: {command}"
