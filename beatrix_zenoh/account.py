@@ -130,11 +130,7 @@ def _cause(table: dict[str, object], error: str) -> str:
     if missing:
         return f"it lacks {' and '.join(missing)}"
     wrong = PATH.search(error)
-    return (
-        f"the value of {wrong[1]} is none that an account has"
-        if wrong
-        else "a value is none that an account has"
-    )
+    return f"the value of {wrong[1]} is not allowed" if wrong else "one of its values is not allowed"
 
 
 def _wrong(called: str, text: str) -> WrongUsage:

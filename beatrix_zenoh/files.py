@@ -1,4 +1,7 @@
-"""Files: whole files whose path the user has given, with a limit of their length, and files that only their owner may read."""
+"""Read and write files.
+
+The user gives the path of a file to read; its length is limited. Private files may only be read by their owner.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,10 @@ def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -
 
 
 def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder of user settings on this platform: $XDG_CONFIG_HOME, %APPDATA% or ~/Library/Application Support."""
+    """Return the folder of user settings on this platform.
+
+    It is $XDG_CONFIG_HOME, %APPDATA% or ~/Library/Application Support.
+    """
     if platform == "win32":
         home = environment.get("APPDATA") or str(Path.home() / "AppData/Roaming")
     elif platform == "darwin":

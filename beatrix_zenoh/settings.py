@@ -85,9 +85,9 @@ def resolve_valid(
 
 
 def _account(environment: str | None, stored: str | None, endpoint: str | None) -> Account | None:
-    """Return the account in the named file, else the one that `beatrix join` has stored, unless the router is another one.
+    """Return the account in the named file, else the one that `beatrix join` has stored.
 
-    BEATRIX_ACCOUNT= (empty) means none.
+    An account that `beatrix join` has stored is not used for another router. BEATRIX_ACCOUNT= (empty) means none.
     """
     if environment is not None:
         return account.load(Path(environment)) if environment else None

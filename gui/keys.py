@@ -26,7 +26,10 @@ class Keys(QObject):
     page = pyqtSignal()
 
     def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
-        """Create the filter, not yet installed; `stop_bar` returns the STOP button, which also works while a popup is open."""
+        """Create the filter, not yet installed.
+
+        `stop_bar` returns the STOP button, which also works while a popup is open.
+        """
         super().__init__()
         self._stop_bar = stop_bar
 
@@ -84,7 +87,10 @@ class Keys(QObject):
         return None
 
     def _enter(self, focus: QWidget | None) -> Callable[[], object] | None:
-        """Return the action of Enter: press the focused button (Space, Qt's key for it, is STOP), or send from the pad."""
+        """Return the action of Enter.
+
+        Enter presses the focused button (Space, Qt's key for that, is STOP), or sends from the pad.
+        """
         popup = QApplication.activePopupWidget()
         if popup is not None or isinstance(QApplication.activeWindow(), QDialog):
             return None

@@ -28,7 +28,8 @@ from gui.window import Window
 SAVE_MS = 1000
 """Period of saving changed choices."""
 SIGNAL_MS = 100
-"""Period of checking for Ctrl-C: Python runs signal handlers only between its own instructions, and Qt's loop has none."""
+"""Period of checking for Ctrl-C: Python runs signal handlers only between its own instructions, and Qt's loop has
+none."""
 SIZE = (1366, 768)
 logger = logging.getLogger("beatrix.window")
 

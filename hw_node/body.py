@@ -81,7 +81,10 @@ class VirtualHardware(Hardware):
 def build(
     device: str, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
 ) -> Hardware:
-    """Create the body for `device`, or for a virtual board, without opening a port. `cameras`: None for the default cameras."""
+    """Create the body for `device`, or for a virtual board, without opening a port.
+
+    `cameras`: None for the default cameras.
+    """
     if device == VIRTUAL:
         return VirtualHardware(name, robot, cameras)
     return Hardware(device, robot, cameras or ())

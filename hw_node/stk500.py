@@ -1,7 +1,7 @@
 """STK500 version 2, the protocol of the Arduino Mega's boot loader (Atmel AVR068, "STK500 Communication Protocol").
 
-A message: 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply to a command
-has the same number, and a status.
+A message: 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply to a
+command has the same number, and a status.
 """
 
 from __future__ import annotations
@@ -108,7 +108,10 @@ class Programmer:
         self._command(bytes([LEAVE, 1, 1]))
 
     def _at(self, at: int, body: bytes) -> bytes:
-        """Send a command for this address. If a reply is lost, send both again: the boot loader has advanced its address."""
+        """Send a command for this address.
+
+        If a reply is lost, send both again: the boot loader has advanced its address.
+        """
         for _ in range(TRIES):
             if at == 0 and body[0] == PROGRAM:
                 # After each write, the boot loader erases the following page of its own counter: reset that counter.

@@ -88,7 +88,10 @@ class Simulation:
         self._advance(self._clock.due(time.monotonic(), host_is_late=self._board.host_is_late))
 
     def _advance(self, steps: int) -> None:
-        """Advance board and plant in turn; while the arms rest the board makes several steps at once, which halves the load."""
+        """Advance board and plant in turn.
+
+        While the arms rest the board makes several steps at once, which halves the load.
+        """
         while steps > 0:
             together = min(steps, RESTING_STEPS if self._resting else 1)
             with self._board.lock:
@@ -146,7 +149,7 @@ class Simulation:
         return simulate_motion(plant, copy, move)
 
     def plant(self) -> PlantStatus | None:
-        """Return the real-time factor and the numbers of late steps, slipped motor steps and reassemblies of the neck."""
+        """Return the real-time factor, and the numbers of late steps, slipped motor steps and neck reassemblies."""
         return PlantStatus(
             real_time_factor=self._clock.real_time_factor(time.monotonic()),
             late_steps=self._clock.late,

@@ -140,7 +140,10 @@ class Eyes(Component):
         return (gl.backend() if steady else None) or RayPainter.source
 
     def _fail(self, error: OSError) -> None:
-        """End a process that has ended by itself or hangs, and report it; it is restarted, for ray casting after a pause."""
+        """End a process that has ended by itself or hangs, and report it.
+
+        It is restarted, for ray casting after a pause.
+        """
         self._end_renderer()
         if self._closed.is_set():
             return

@@ -32,7 +32,8 @@ Vector = npt.NDArray[np.float64]
 TIMESTEP_MS: Final = 2
 """Length of a physics step (ms)."""
 FOLD_MARGIN: Final = math.radians(80.0)
-"""Angle of a rod's stops from the middle of its range (rad); at 90 deg arm and rod are in one plane, and the loop could snap."""
+"""Angle of a rod's stops from the middle of its range (rad); at 90 deg arm and rod are in one plane, and the loop could
+snap."""
 
 LINK_RADIUS: Final = 0.006
 

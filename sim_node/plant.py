@@ -125,7 +125,10 @@ class Plant:
         self.place(_UPRIGHT)
 
     def place(self, arms: Arms) -> None:
-        """Set all bodies at rest at these arm angles (rad); raises BeatrixError if the head cannot be assembled with them."""
+        """Set all bodies at rest at these arm angles (rad).
+
+        Raises BeatrixError if the head cannot be assembled with them.
+        """
         time = self.data.time
         mujoco.mj_resetData(self.model, self.data)
         self.data.time = time

@@ -46,8 +46,8 @@ _SEQ_PING: Final = 2
 def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> Preview:
     """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
 
-    `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it before
-    its end, or needs more than LONGEST_MS.
+    `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it
+    before its end, or needs more than LONGEST_MS.
     """
     run = _MotionSimulation(plant, firmware)
     run.send(move.kind, _SEQ_MOVE, move.pack())

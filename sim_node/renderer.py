@@ -1,7 +1,8 @@
 """The process that draws the pictures of the eyes and of the outside view, and the node's handle of it.
 
 `python -m sim_node.renderer ROBOT BACKEND` prints `ready`, then reads requests. A request contains the views to draw, a
-posture and the person's place. For each of these views the process writes the length of a JPEG picture, and the picture.
+posture and the person's place. For each of these views the process writes the length of a JPEG picture, and the
+picture.
 """
 
 from __future__ import annotations

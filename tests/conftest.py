@@ -66,7 +66,8 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
 
     Marks have no effect: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
 
-    The first process executes the tests that compute, at low priority, so that they do not delay the robots of the others.
+    The first process executes the tests that compute, at low priority, so that they do not delay the robots of the
+    others.
     """
 
     def _split_scope(self, nodeid: str) -> str:

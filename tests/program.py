@@ -1,4 +1,7 @@
-"""A program of 2023 at the text port, in virtual time: opening the board itself, or behind a node that passes lines on."""
+"""A program of 2023 at the text port, in virtual time.
+
+It opens the board itself, or is behind a node that passes lines on.
+"""
 
 from __future__ import annotations
 

@@ -36,8 +36,8 @@ ROOT = Path(__file__).resolve().parent.parent
 def untraced() -> dict[str, str]:
     """Environment of a process whose coverage is not counted.
 
-    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer leaves its lock taken
-    for ever.
+    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer leaves its lock
+    taken for ever.
     """
     return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 

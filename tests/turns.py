@@ -11,7 +11,8 @@ from pathlib import Path
 class Turns:
     """Lets tests run side by side, and a test that needs the computer alone run by itself.
 
-    Such a test waits for the running tests, and later tests wait for it. The system frees the locks of a process that is killed, and pytest-timeout ends one that hangs.
+    Such a test waits for the running tests, and later tests wait for it. The system frees the locks of a process that
+    is killed, and pytest-timeout ends one that hangs.
     """
 
     def __init__(self, folder: Path) -> None:

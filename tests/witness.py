@@ -1,7 +1,7 @@
 """A process that measures how long this computer keeps a process waiting that wants to run.
 
-Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of robots
-has no result: it is skipped if it fails, and the skip says how long the computer stood still.
+Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of
+robots has no result: it is skipped if it fails, and the skip says how long the computer stood still.
 
 `python tests/witness.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
 STALL_S.

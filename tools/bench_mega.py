@@ -203,7 +203,10 @@ def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms:
 
 
 def stop(robot: Robot, seen: Seen) -> None:
-    """Measure the delay of STOP: until the first step that comes later than in an equal run with PING instead of STOP."""
+    """Measure the delay of STOP.
+
+    It lasts until the first step that comes later than in an equal run with PING instead of STOP.
+    """
 
     def after(kind: FrameType) -> Callable[[Mega], tuple[int, NDArray[np.int64]]]:
         def measure(mega: Mega) -> tuple[int, NDArray[np.int64]]:
@@ -246,7 +249,10 @@ def answer_cycles(mega: Mega, kind: FrameType, payload: bytes) -> tuple[float, f
 
 
 def turn_round(robot: Robot, seen: Seen, kind: FrameType, payload: bytes) -> None:
-    """Measure the time to an acknowledgement at full speed; the longest ones wait for a TELEMETRY frame that has begun."""
+    """Measure the time to an acknowledgement at full speed.
+
+    The longest ones wait for a TELEMETRY frame that has begun.
+    """
 
     def last(mega: Mega) -> float:
         return answer_cycles(mega, kind, payload)[1] / CYCLES_PER_MS

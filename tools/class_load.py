@@ -2,7 +2,8 @@
 
 `class_load.py robot WHERE KEY` publishes positions at 50 Hz until the end of its input.
 `class_load.py seat WHERE` subscribes for each line `KEY SECONDS` of its input, and prints what has arrived as JSON.
-WHERE is the file of an account, or the endpoint of a router of bare Zenoh: then messages have the same length and no fields.
+WHERE is the file of an account, or the endpoint of a router of bare Zenoh: then messages have the same length and no
+fields.
 """
 
 from __future__ import annotations

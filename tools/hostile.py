@@ -1,7 +1,7 @@
 """Hostile and broken traffic at the port of a router, and a seat that floods a robot.
 
-Both run as processes of their own until they are ended: `python tools/hostile.py flood ROBOT` sends motions to a robot and
-publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` sends the
+Both run as processes of their own until they are ended: `python tools/hostile.py flood ROBOT` sends motions to a robot
+and publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` sends the
 bytes that a client has sent (FILE) again, unchanged and changed.
 """
 

@@ -3,8 +3,9 @@
     .venv/bin/python tools/mutate.py --minutes 10 --sample 60 beatrix_zenoh/node/planner.py
 
 Without paths it mutates the packages of the node and of the client. The project is copied to a temporary folder; only
-the copy is changed. A first run of the unit tests, and of the contract tests on the body `in-process`, records which test
-executes which line. Each mutant is then tested by the tests that execute its line, and survives if all of them pass:
+the copy is changed. A first run of the unit tests, and of the contract tests on the body `in-process`, records which
+test executes which line. Each mutant is then tested by the tests that execute its line, and survives if all of them
+pass:
 
     beatrix_zenoh/node/planner.py:107  roll + here[2] -> roll - here[2]
 
@@ -222,9 +223,9 @@ class Copy:
     def tests(self, path: str, line: int) -> list[str]:
         """Tests that execute a line.
 
-        A line that is executed on import, or only on threads that coverage does not trace (Zenoh's callbacks): the tests
-        that execute any line of its module. A line that a fixture executes: also all tests of that file that execute the
-        module, because a fixture may serve a whole file.
+        A line that is executed on import, or only on threads that coverage does not trace (Zenoh's callbacks): the
+        tests that execute any line of its module. A line that a fixture executes: also all tests of that file that
+        execute the module, because a fixture may serve a whole file.
         """
         data = CoverageData(str(self._contexts))
         data.read()

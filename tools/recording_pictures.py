@@ -1,4 +1,6 @@
-"""Make docs/images/recording-*.png: a lesson with a simulation and a virtual robot, recorded and drawn without a screen.
+"""Make docs/images/recording-*.png.
+
+They show a lesson with a simulation and a virtual robot, recorded and drawn without a screen.
 
 Usage: .venv/bin/python tools/recording_pictures.py [DIR]
 """

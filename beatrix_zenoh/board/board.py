@@ -34,9 +34,9 @@ REPLY_S: Final = wire.REPLY_TIMEOUT / 1000
 class Board:
     """A board on a port that may be unplugged and plugged in again.
 
-    `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is found or lost;
-    `on_text` for every line of text from the board, with its seq. All callbacks run on the board's own thread, never on
-    the thread that calls `request`. They must be quick and must not call the board.
+    `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is found or
+    lost; `on_text` for every line of text from the board, with its seq. All callbacks run on the board's own thread,
+    never on the thread that calls `request`. They must be quick and must not call the board.
 
     A motion may be acknowledged before older telemetry has arrived: use `wait_for`.
     """
@@ -100,7 +100,10 @@ class Board:
         self.request(move.kind, move.pack())
 
     def wake(self) -> None:
-        """Wake the threads of a virtual board, which `move` leaves asleep so that the reply to the client goes first."""
+        """Wake the threads of a virtual board.
+
+        `move` leaves them asleep so that the reply to the client goes first.
+        """
         self._connection.wake()
 
     def enable(self, *, on: bool) -> None:

@@ -51,7 +51,10 @@ class Handshake:
         self._next_s = min(self._next_s, self._hello_s + HELLO_S)
 
     def request_sent(self, now_s: float) -> None:
-        """Postpone HELLO after a request to a board whose contract is unknown: STOP and EMERGENCY_STOP are always sent."""
+        """Postpone HELLO after a request to a board whose contract is unknown.
+
+        STOP and EMERGENCY_STOP are sent even to such a board.
+        """
         self._next_s = max(self._next_s, now_s + LOADER_S)
 
     def lost(self, now_s: float) -> None:

@@ -117,7 +117,10 @@ class Firmware:
         return x, y, z
 
     def pulses(self) -> tuple[int, int, int]:
-        """Return the microsteps sent to the motors since start, forward minus backward; calibration does not reset them."""
+        """Return the microsteps sent to the motors since start, forward minus backward.
+
+        Calibration does not reset them.
+        """
         x, y, z = self._report()[9:12]
         return x, y, z
 

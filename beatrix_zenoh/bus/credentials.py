@@ -49,7 +49,10 @@ class Identity:
 
 
 def tls(identity: Identity, *, listens: bool) -> dict[str, object]:
-    """Return Zenoh's section `transport/link/tls`: both sides show a certificate. Zenoh gets the keys in memory, not in files."""
+    """Return Zenoh's section `transport/link/tls`: both sides show a certificate.
+
+    Zenoh gets the keys in memory, not in files.
+    """
     certificate, key = _encoded(identity.certificate), _encoded(identity.key)
     section: dict[str, object] = {
         "root_ca_certificate_base64": _encoded(identity.authority),

@@ -88,7 +88,10 @@ def _resolvable(host: str) -> bool:
 
 
 def is_local(text: str) -> bool:
-    """Return whether the host of each endpoint is an address of this computer; raises the errors of `parse_endpoint`."""
+    """Return whether the host of each endpoint is an address of this computer.
+
+    Raises the errors of `parse_endpoint`.
+    """
     return all(_is_local(endpoint) for endpoint in endpoints(text))
 
 

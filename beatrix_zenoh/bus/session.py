@@ -331,7 +331,10 @@ class Bus:
         return not self.closed and bool(self._session.info.routers_zid())
 
     def refusal(self) -> NoAnswer | None:
-        """Return why the router refuses a new session of this program; None if it does not, or if there is no router."""
+        """Return why the router refuses a new session of this program.
+
+        Returns None if the router accepts one, or if there is no router.
+        """
         try:
             self._open_session().close()
         except NoAnswer as error:

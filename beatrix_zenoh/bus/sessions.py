@@ -1,4 +1,7 @@
-"""The Zenoh sessions of a process, one for each traffic class, so that a flood in one class does not delay the others."""
+"""The Zenoh sessions of a process.
+
+Each traffic class has one, so that a flood in one class does not delay the others.
+"""
 
 from __future__ import annotations
 

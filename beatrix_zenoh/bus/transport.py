@@ -24,9 +24,10 @@ WAIT_CLOSE_US = 500_000
 flooding client that ends would delay the whole class for seconds."""
 RUNTIME = ("ZENOH_RUNTIME", "(rx: (worker_threads: 16), acc: (worker_threads: 16))")
 """Environment variable with the numbers of the router's threads. A receiving thread (rx) that waits for a client that
-does not read delays all clients of the same thread: with the default of three threads, one client disconnected robots for
-seconds (measured). With the default of one accepting thread (acc), STOP waited up to 0.6 s while 150 half-open connections
-timed out; with 16 threads it waited 0.03 s (measured). Zenoh reads the variable once, at the first session."""
+does not read delays all clients of the same thread: with the default of three threads, one client disconnected robots
+for seconds (measured). With the default of one accepting thread (acc), STOP waited up to 0.6 s while 150 half-open
+connections timed out; with 16 threads it waited 0.03 s (measured). Zenoh reads the variable once, at the first
+session."""
 _FIELD = r"(?:worker_threads|max_blocking_threads)\s*:\s*0*[1-9]\d{0,3}|handover\s*:\s*(?:app|acc|tx|rx|net)"
 _POOL = rf"(?:app|acc|tx|rx|net)\s*:\s*\(\s*(?:(?:{_FIELD})\s*(?:,\s*|(?=\))))*\)"
 RUNTIME_FORM = re.compile(
@@ -36,7 +37,8 @@ RUNTIME_FORM = re.compile(
 OPEN_MS = 2000
 """Time after which a router that accepts a connection and does not answer counts as frozen; the default is 10 s."""
 HALF_OPEN = 1000
-"""Largest number of connections that have not sent anything yet; at the default of 100 a port scan locks out a class."""
+"""Largest number of connections that have not sent anything yet; at the default of 100 a port scan locks out a
+class."""
 
 
 COMMON = {
@@ -57,7 +59,8 @@ def opened(
 
     Raises:
         WrongUsage: BAD_VALUE, the environment variable ZENOH_RUNTIME cannot be parsed.
-        NoAnswer: `reason`, with the text of `explain` and Zenoh's text without source locations.
+        NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is the text of `explain`, followed
+            by Zenoh's own text without source locations.
     """
     name, example = RUNTIME
     given = os.environ.get(name, example)

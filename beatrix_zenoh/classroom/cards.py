@@ -28,7 +28,10 @@ Then run: <code>beatrix join {name}.toml</code></p>
 
 
 def cards(classroom: Classroom, accounts: list[Account]) -> str:
-    """Return a page of HTML that loads nothing. Each code contains the text of an account file, so keep the page private."""
+    """Return a page of HTML that loads nothing.
+
+    Each code contains the text of an account file, so keep the page private.
+    """
     teacher = f" of {classroom.teacher}" if classroom.teacher else ""
     return PAGE.format(
         title=html.escape(f"BEATRIX, class {classroom.name}"),

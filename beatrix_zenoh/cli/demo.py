@@ -42,10 +42,10 @@ def demo(
 ) -> None:
     """Show simulation and robot moving together.
 
-    Starts a simulation and a second robot, which is the same firmware on a virtual board. Both nod, shake and look around.
-    The demo records both, prints their differences, and opens the recording if there is a display (not with --gui,
-    which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements differ
-    or a file could not be written.
+    Starts a simulation and a second robot, which is the same firmware on a virtual board. Both nod, shake and look
+    around. The demo records both, prints their differences, and opens the recording if there is a display (not with
+    --gui, which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements
+    differ or a file could not be written.
     """
     from beatrix_zenoh.cli.demo_files import begin_recording
 

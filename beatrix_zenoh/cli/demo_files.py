@@ -117,7 +117,10 @@ def write_picture(path: Path) -> None:
 
 
 class DemoRecording:
-    """A recorder that runs until `finish`; its file is in the supervisor's folder, which is deleted with the supervisor."""
+    """A recorder that runs until `finish`.
+
+    Its file is in the supervisor's folder, which is deleted with the supervisor.
+    """
 
     def __init__(self, supervisor: Supervisor, settings: Settings) -> None:
         """Start the recorder; raises Refused if Rerun is not installed."""

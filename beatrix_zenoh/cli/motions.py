@@ -147,7 +147,8 @@ def carry_out(
 def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
     """Send a motion that continues after this process has ended, and return the robot's message.
 
-    A robot stops the motion of a client whose seat token disappears; this session announces no seat, so it has no token.
+    A robot stops the motion of a client whose seat token disappears; this session announces no seat, so it has no
+    token.
 
     Raises:
         Refused: with the robot's reason.
@@ -179,7 +180,7 @@ def count_down(plan: Plan, lead_s: float) -> None:
         while not (motion.hardware_sent or motion.done()):
             left_s = motion.countdown_s
             if left_s > 0:
-                note(f"The hardware moves in {left_s:.1f} s; Ctrl-C before that keeps it unmoved.")
+                note(f"The hardware moves in {left_s:.1f} s; press Ctrl-C before then to prevent that.")
             next_s = left_s - COUNT_S * (math.ceil(left_s / COUNT_S) - 1)
             with contextlib.suppress(TimeoutError):
                 motion.exception(max(0.05, next_s))

@@ -79,10 +79,10 @@ def flash(context: typer.Context) -> None:
 
 
 def run(process: str, arguments: list[str]) -> int:
-    """Run a program of the group in this process and return its exit code.
+    """Run a program of the entry point group PROCESSES in this process and return its exit code.
 
     Raises:
-        Refused: BAD_VALUE, it is not installed.
+        Refused: BAD_VALUE, the program is not installed.
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
@@ -102,5 +102,5 @@ def missing(process: str, error: ModuleNotFoundError) -> Refused:
 
 
 def install(process: str) -> str:
-    """The command that installs a program of the group."""
+    """The command that installs the packages of `beatrix PROCESS`."""
     return f'pip install ".[{EXTRAS.get(process, process)}]" in the folder of BEATRIX'

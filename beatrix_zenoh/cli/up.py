@@ -192,7 +192,10 @@ def warnings(own: Mapping[str, Status | None]) -> list[str]:
 
 
 def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
-    """Commands to type next; calibrate only robots that are not calibrated, since it declares the present position home."""
+    """Commands to type next.
+
+    They calibrate a robot only if it is not known to be calibrated, since that declares the present position home.
+    """
     uncalibrated = [twin for twin, status in own.items() if status is None or not status.calibrated]
     one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
     both = BOTH if len(own) > 1 else ""

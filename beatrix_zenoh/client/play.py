@@ -37,8 +37,8 @@ def play(
     """Play a choreography on one robot, or on both with a preview of each pose.
 
     By the clock, each robot begins a pose at its time, but not before it has reached the pose before; the robots do not
-    wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins at its
-    time, but not before both robots have reached the pose before.
+    wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins at
+    its time, but not before both robots have reached the pose before.
 
     `check` is called before each pose and, by the clock, 100 times a second; an exception of it ends the play. If one
     robot fails, both are stopped and the play ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.

@@ -148,7 +148,8 @@ class Robot(RobotBase):
     def move_target(self, x: float, y: float, z: float) -> TargetReply:
         """Place the simulated person in front of the robot, and end the person's own path.
 
-        x forward, y left, z up: m from the neck's centre to the middle of the person's eyes. Raises Refused outside the room.
+        x forward, y left, z up: m from the neck's centre to the middle of the person's eyes. Raises Refused outside the
+        room.
         """
         query = TargetQuery(x=number("x", x, "m"), y=number("y", y, "m"), z=number("z", z, "m"))
         reply = self._ask_target(query)

@@ -40,8 +40,8 @@ class Client:
         self.token = ""
         """Liveliness token of the seat; empty: not announced."""
         self.replied_s: dict[Place, float] = {}
-        """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may not
-        show its effect."""
+        """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may
+        not show its effect."""
         self._reporter = tolerance.Reporter()
         self.dispatcher = Dispatcher()
         """The thread for the user's callbacks; it starts with the first callback."""

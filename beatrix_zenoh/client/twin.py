@@ -163,8 +163,8 @@ class Twin:
     ) -> TwinMotion:
         """Turn both heads without a preview, the simulation first (deg, deg/s; see `Robot.look`).
 
-        Returns when both have arrived or, with wait=False, when both have accepted the motion. A newer motion replaces a
-        running one, for example 20 times a second. Each robot checks its limits.
+        Returns when both have arrived or, with wait=False, when both have accepted the motion. A newer motion replaces
+        a running one, for example 20 times a second. Each robot checks its limits.
 
         Raises:
             Refused: one robot refused; the other is stopped.
@@ -201,7 +201,8 @@ class Twin:
             motion.start(wait=wait, begun=lambda: replace(before) if held else None)
         except BaseException:
             if held and before is not None:
-                before.cancel()  # The simulation has refused the new motion, so the old one must not reach the hardware alone.
+                # The simulation has refused the new motion, so the old one must not reach the hardware alone.
+                before.cancel()
             raise
 
     # -- state -----------------------------------------------------------------------------------

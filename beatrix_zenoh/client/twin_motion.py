@@ -135,8 +135,8 @@ class TwinMotion:
     def cancel(self) -> bool:
         """Stop both; during the lead stop the simulation and leave the hardware unmoved.
 
-        Returns when the arms rest; False if the motion had ended before. In a signal handler that interrupts the waiting
-        thread it returns at once, and the motion ends after the handler.
+        Returns when the arms rest; False if the motion had ended before. In a signal handler that interrupts the
+        waiting thread it returns at once, and the motion ends after the handler.
         """
         if self.done():
             return False
@@ -150,7 +150,10 @@ class TwinMotion:
         return True
 
     def add_done_callback(self, call: Callable[[Self], object]) -> None:
-        """Call `call(motion)` at the end in the client's thread for callbacks; at once in this thread if it has ended."""
+        """Call `call(motion)` at the end of the motion, in the client's thread for callbacks.
+
+        If the motion has ended, call it at once in this thread.
+        """
         if self.done():
             call(self)
         else:

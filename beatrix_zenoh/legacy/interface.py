@@ -25,7 +25,10 @@ class NodeInterface(Protocol):
         """Restart the pause after STOP: the text port refused a motion and did not call `authorize`."""
 
     def move_refused(self) -> bool:
-        """Note that the firmware refused or ended a motion; if no arm has moved, give the lease back and return True."""
+        """Note that the firmware refused or ended a motion.
+
+        If no arm has moved, give the lease back and return True.
+        """
 
     def moves_ended(self) -> None:
         """Note that no motion of the program runs or waits."""

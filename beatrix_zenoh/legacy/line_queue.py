@@ -77,7 +77,10 @@ class LineQueue:
         self._advance()
 
     def _full_for(self, line: Line) -> bool:
-        """Return whether the queue is full for `line`; a line that switches the motors off fits, but not twice in a row."""
+        """Return whether the queue is full for `line`.
+
+        A line that switches the motors off fits into a full queue, but not twice in a row.
+        """
         if len(self._lines) < CAPACITY:
             return False
         return line.effect is not Effect.DISABLE or self._last_queued is Effect.DISABLE

@@ -33,7 +33,8 @@ class TextLink:
         self.zero_forgotten = False
         """The firmware has forgotten the program's zero without a request of the program."""
         self._lines_lost = False
-        """The board may still answer lines for which this port no longer waits; it must drop them before the next line."""
+        """The board may still answer lines for which this port no longer waits; it must drop them before the next
+        line."""
         self._next_seq: int | None = None
         """Number of the board's next TEXT; None: any number."""
         self._before_switch: Telemetry | None = None
@@ -79,7 +80,10 @@ class TextLink:
         self._before_switch = self._board.telemetry
 
     def sets_home(self) -> bool:
-        """Return whether @CALNOW would set the robot's home: motors on, home unknown. May wait SHOWN_S for telemetry."""
+        """Return whether @CALNOW would set the robot's home: motors on, home unknown.
+
+        May wait SHOWN_S for telemetry.
+        """
         before, self._before_switch = self._before_switch, None
         if before is not None:
             self._board.wait_for(lambda new: new is not before, SHOWN_S)
@@ -92,7 +96,10 @@ class TextLink:
         return time.monotonic() - self._heard_s > SILENT_S
 
     def gave_up(self, under_way: Sequence[Line]) -> bool:
-        """Return whether the board will never answer these lines: the board was lost or reset, or the lines were lost."""
+        """Return whether the board will never answer these lines.
+
+        In that case the board was lost or reset, or the lines were lost.
+        """
         connected, state = self._board.connected, self._board.state
         if not connected:
             self._next_seq = None

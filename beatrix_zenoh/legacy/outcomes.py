@@ -1,4 +1,7 @@
-"""The outcome of each line: warnings in the status, events for lines that act on the robot, and why a line was refused."""
+"""The outcome of each line.
+
+It consists of warnings in the status, events for lines that act on the robot, and the reason why a line was refused.
+"""
 
 from __future__ import annotations
 

@@ -45,7 +45,10 @@ class Listener(Protocol):
     """Receives the lines of programs; called on the terminal's thread, in order."""
 
     def opened(self) -> None:
-        """Handle a program that has opened the terminal; `write` drops all answers until `begin_answers` is called once."""
+        """Handle a program that has opened the terminal.
+
+        `write` drops all answers until `begin_answers` is called once.
+        """
 
     def received(self, line: bytes) -> None:
         """Handle a line of the program; `line` has no line end and no leading blanks, and is never empty."""

@@ -131,8 +131,8 @@ class Access:
     ) -> None:
         """Raise Refused unless the caller may carry out the action now.
 
-        `resting`: whether the arms rest; `lease`: number of the lease in the request, 0 if none. A motion request during
-        a pause restarts the pause, also if it is refused for another reason.
+        `resting`: whether the arms rest; `lease`: number of the lease in the request, 0 if none. A motion request
+        during a pause restarts the pause, also if it is refused for another reason.
 
         Raises:
             Refused: CLIENT_LOST, TEACHER_ONLY, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
@@ -216,7 +216,10 @@ class Access:
 
     @_locked
     def stop_sent(self, now_s: float) -> None:
-        """Record that the board has acknowledged STOP, or does not answer; pause the seat of a motion that overtook STOP."""
+        """Record that the board has acknowledged STOP, or does not answer.
+
+        Also pause the seat of a motion that overtook STOP.
+        """
         self._stop_sent = True
         self._pauses.begin(self.lease.motion.driver(now_s), self._stopped_by, now_s)
         if self._latched_s is not None:

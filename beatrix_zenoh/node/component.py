@@ -32,8 +32,8 @@ class StatusFields:
 class Component(Protocol):
     """A part of a node; it implements the methods that it needs. Its constructor starts no thread and does not wait.
 
-    A node starts its components in the order of its list and closes them in reverse order. A new component needs a file,
-    a line in `node.components`, and rows in schemas for its publications and queries.
+    A node starts its components in the order of its list and closes them in reverse order. A new component needs a
+    file, a line in `node.components`, and rows in schemas for its publications and queries.
     """
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
@@ -45,7 +45,10 @@ class Component(Protocol):
         return
 
     def close(self) -> None:
-        """End threads and reply to every open request, also after a `start` that failed. The node undeclares the keys later."""
+        """End threads and reply to every open request, also after a `start` that failed.
+
+        The node undeclares the keys later.
+        """
         return
 
 

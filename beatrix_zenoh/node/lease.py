@@ -4,8 +4,8 @@ A seat holds the robot in one of two ways:
 
 * by moving it: from the start of a motion until LINGER_S after its end;
 * by taking it: until it gives the robot back, its session ends, the teacher takes the robot, or it is idle for IDLE_S
-  while another seat waits. Each lease that is taken has a number of its own, the fencing token: a request that names the
-  number of an earlier lease is refused.
+  while another seat waits. Each lease that is taken has a number of its own, the fencing token: a request that names
+  the number of an earlier lease is refused.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from beatrix_zenoh.names import TEACHER
 LINGER_S = 2.0
 """Time for which a seat holds the robot after its motion."""
 QUIET_S = 3.0
-"""Time without motion requests after which a stopped seat may move again, longer than a program pauses between motions."""
+"""Time without motion requests after which a stopped seat may move again, longer than a program pauses between
+motions."""
 IDLE_S = 60.0
 """Time after which a taken robot with an idle holder goes to a waiting seat."""
 WAITING_MAX = 64

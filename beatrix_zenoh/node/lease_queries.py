@@ -121,7 +121,10 @@ class LeaseHandler(Component):
         handle.end(self._reply(Reason.OK, text, handle.caller))
 
     def _take(self, caller: Caller, *, wait: bool) -> str:
-        """Let the caller take the robot or wait for it; stop a motion of another seat if the teacher takes the robot."""
+        """Let the caller take the robot or wait for it.
+
+        If the teacher takes the robot, stop a motion of another seat.
+        """
         access, controller = self._context.access, self._context.controller
         take(access, caller, time.monotonic(), wait=wait)
         now = standing(access, time.monotonic())

@@ -18,7 +18,10 @@ Reply = MotionReply | CommandReply | LeaseReply | PreviewReply
 
 @dataclass(frozen=True)
 class RequestHandle:
-    """A request of one caller. `reply` may be called several times; `end` sends the last reply. Replies become events."""
+    """A request of one caller.
+
+    `reply` may be called several times; `end` sends the last reply. Replies become events.
+    """
 
     caller: Caller
     action: str

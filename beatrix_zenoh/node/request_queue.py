@@ -13,8 +13,8 @@ from beatrix_zenoh import refusals
 from beatrix_zenoh.errors import BeatrixError, Refused
 
 CAPACITY = 64
-"""Entries that may wait. A motion takes about 1 ms, a command that waits for telemetry 10 ms: the last entry waits for some
-tenths of a second, STOP for one entry."""
+"""Entries that may wait. A motion takes about 1 ms, a command that waits for telemetry 10 ms: the last entry waits for
+some tenths of a second, STOP for one entry."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,10 @@ class RequestQueue:
     def post_urgent(
         self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
     ) -> None:
-        """Put an entry before all entries that are not urgent, for STOP and changes of the board; decline it once closed."""
+        """Put an entry before all entries that are not urgent; decline it once closed.
+
+        This is for STOP and changes of the board.
+        """
         self._queue(Task(run, decline), most=math.inf, urgent=True)
 
     def post_latest(self, key: Hashable, task: Task) -> None:

@@ -105,7 +105,10 @@ class StopHandler(Component):
         return Caller(self._context.seats.get(session, ""), session)
 
     def press(self, command: Command, handle: RequestHandle) -> None:
-        """Handle a requested STOP or EMERGENCY_STOP; once closed, send nothing, because the controller stops the arms."""
+        """Handle a requested STOP or EMERGENCY_STOP.
+
+        Once closed, send nothing, because the controller stops the arms.
+        """
         emergency = command is Command.EMERGENCY_STOP
         self._context.access.stop_pressed(handle.caller.session, time.monotonic(), emergency=emergency)
         with self._changed:

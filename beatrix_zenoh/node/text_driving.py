@@ -32,7 +32,10 @@ KINDS: Final = {Effect.MOVE: EventKind.MOTION, Effect.STOP: EventKind.STOP}
 
 
 class TextDriving:
-    """Implements `legacy.NodeInterface`; `has_router` returns whether a router is connected, without which no STOP arrives."""
+    """Implements `legacy.NodeInterface`.
+
+    `has_router` returns whether a router is connected, without which no STOP arrives.
+    """
 
     def __init__(
         self,

@@ -269,12 +269,12 @@ def arc(start: Vector, end: Vector, parts: int) -> list[Vector]:
 
 
 def ellipsoid(position: Vector, half_axes: Vector, colour: Colour) -> Solid:
-    """An ellipsoid along the axes of its body (m)."""
+    """An ellipsoid whose axes are parallel to those of its body; lengths in m."""
     return Solid(Form.ELLIPSOID, half_axes, position, IDENTITY, colour)
 
 
 def cylinder(position: Vector, axis: Vector, radius: float, length: float, colour: Colour) -> Solid:
-    """A cylinder centred at a position, its axis along a unit vector (m)."""
+    """A cylinder with its centre at `position` and its axis along the unit vector `axis`; lengths in m."""
     return Solid(Form.CYLINDER, (radius, length), position, towards(axis), colour)
 
 

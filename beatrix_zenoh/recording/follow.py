@@ -1,8 +1,8 @@
 """Targets that lead a robot along a path in time, planned and checked before anything moves.
 
-The firmware moves every arm to its target with the highest allowed acceleration. A robot follows a path by a target every
-40 ms: for each arm the furthest point before the arm turns back or has to brake, and the speed that brings the arm back
-onto the path two targets later. `trajectory.plan` calculates the resulting motion in advance.
+The firmware moves every arm to its target with the highest allowed acceleration. A robot follows a path by a target
+every 40 ms: for each arm the furthest point before the arm turns back or has to brake, and the speed that brings the
+arm back onto the path two targets later. `trajectory.plan` calculates the resulting motion in advance.
 """
 
 from __future__ import annotations

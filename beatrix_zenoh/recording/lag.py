@@ -33,7 +33,7 @@ UNEXPLAINED = 0.5
 """A lag is not reported if it leaves more than this share of the variance."""
 STEP_FINE_S = 0.001
 MOST = 20_000
-"""The largest number of times at which two recordings are compared; longer recordings are thinned."""
+"""The largest number of samples that are compared; of longer recordings every n-th sample is used."""
 
 
 class Shift(NamedTuple):

@@ -66,7 +66,10 @@ class LiveOutput:
             self.left_out += len(rows)
 
     def update(self, now_s: float) -> bool:
-        """Send the kept rows if 0.1 s have passed, probe the viewer if 1 s has; return True if this call connected it."""
+        """Send the kept rows if 0.1 s have passed; probe the viewer if 1 s has passed.
+
+        Returns True if this call connected the viewer.
+        """
         if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + PERIOD_S:
             self._sent_s = now_s
             self._send()
@@ -82,7 +85,10 @@ class LiveOutput:
         return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
 
     def close(self) -> bool:
-        """Send the rest; False if the viewer does not receive it: then the process must exit without waiting for Rerun."""
+        """Send the rest; return False if the viewer does not receive it.
+
+        The process must then exit without waiting for Rerun.
+        """
         if self.state is ViewerState.CONNECTED:
             self._send()
         if self._stream is None:

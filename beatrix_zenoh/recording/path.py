@@ -72,7 +72,10 @@ class ArmPath:
         )
 
     def at(self, t: Floats) -> Floats:
-        """Arms (m, 3) in deg at times t (m,) in s: cubic between points, without overshoot; at rest before and after."""
+        """Arms (m, 3) in deg at times t (m,) in s.
+
+        They are cubic between points, without overshoot, and at rest before and after.
+        """
         t = np.clip(t, self.t[0], self.t[-1])
         i = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
         h = (self.t[i + 1] - self.t[i])[:, None]

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = ("#d55e00", "#009e73", "#0072b2")
-"""Vermilion, green and blue of Okabe and Ito, distinguishable with colour blindness; close to those of the simulated arms."""
+"""Vermilion, green and blue of Okabe and Ito, distinguishable with colour blindness; close to those of the simulated
+arms."""
 NAMES = ("arms", "head")
 WIDTH_IN = 10.0
 

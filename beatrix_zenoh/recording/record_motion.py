@@ -64,9 +64,9 @@ def record_motion(
     points_hz: float = POINTS_HZ,
     going: Callable[[int], bool] = lambda _points: True,
 ) -> int:
-    """Write the set points of a robot to a motion file until Ctrl-C, or until `going` returns False; return their number.
+    """Write the set points of a robot to a motion file; return their number.
 
-    The file is complete after each point.
+    The recording ends with Ctrl-C, or when `going` returns False. The file is complete after each point.
 
     Args:
         robot: any client may drive it.

@@ -143,7 +143,10 @@ class RecordingThread:
             output.show(robots)
 
     def _fits(self, place: Place, arrival: Arrival[Value]) -> bool:
-        """Return whether the time stamps of a publication are possible: rows with wrong times would spoil the recording."""
+        """Return whether the time stamps of a publication are possible.
+
+        Rows with wrong times would spoil the recording.
+        """
         value = arrival.value
         return value.t_wall_ns >= 0 and self._timebase.fits(place, value.t_mono_ns, arrival.t_mono_ns)
 

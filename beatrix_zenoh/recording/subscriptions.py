@@ -20,8 +20,8 @@ PICTURES: Final = 64
 class RobotSubscriptions:
     """Subscriptions to all robots, or to those of some names.
 
-    Zenoh's threads only enqueue undecoded publications. Each queue is bounded: 3000 publications of each kind, 64 pictures
-    of each camera.
+    Zenoh's threads only enqueue undecoded publications. Each queue is bounded: 3000 publications of each kind, 64
+    pictures of each camera.
     """
 
     def __init__(self, client: Client, names: Sequence[str], *, cameras: bool) -> None:

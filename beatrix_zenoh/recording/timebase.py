@@ -11,8 +11,9 @@ FAR_NS = 2_000_000_000
 class Timebase:
     """Times of samples by the recording computer's clock.
 
-    Both sides use monotonic clocks, so that changes of a wall clock during the recording have no effect. Queries measure
-    the offset between them (client.clocks); the wall clock of the recording computer is read once, at the beginning.
+    Both sides use monotonic clocks, so that changes of a wall clock during the recording have no effect. Queries
+    measure the offset between them (client.clocks); the wall clock of the recording computer is read once, at the
+    beginning.
     """
 
     def __init__(self, mono_ns: int, wall_ns: int) -> None:

@@ -27,7 +27,8 @@ TEACHER_LIMIT: Final = "speed_limit"
 def render(reason: Reason, detail: Detail | None = None, language: str = "en") -> str:
     """Return the sentence of a refusal in the language of this code.
 
-    If the detail, perhaps of another version, lacks a value of the template, the general sentence of the reason is used.
+    If the detail, perhaps of another version, lacks a value of the template, the general sentence of the reason is
+    used.
 
     Raises:
         KeyError: there is no such language.

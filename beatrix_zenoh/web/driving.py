@@ -156,7 +156,10 @@ class Driver:
             self._over = max(self._over, self._last_hold.press)
 
     def close(self) -> None:
-        """End the session: the robot stops its motion, and the lease ends. Waits for the router; may be called twice."""
+        """End the session: the robot stops its motion, and the lease ends.
+
+        Waits for the router; may be called twice.
+        """
         with self._wake:
             self._closed = True
             self._wake.notify()

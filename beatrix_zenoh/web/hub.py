@@ -1,4 +1,7 @@
-"""The state behind all pages: session, robots, drivers, pictures. Its methods run on the thread of the server's loop."""
+"""The state behind all pages: session, robots, drivers, pictures.
+
+Its methods run on the thread of the server's loop.
+"""
 
 from __future__ import annotations
 

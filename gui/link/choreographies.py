@@ -20,7 +20,8 @@ from gui.link.playing import POSES
 from gui.state.actions import Play
 
 LARGEST_BYTES = 1 << 19
-"""Largest size of a file to play (bytes): about 15 000 lines. Their check takes seconds, and STOP ends a play only after it."""
+"""Largest size of a file to play (bytes): about 15 000 lines. Their check takes seconds, and STOP ends a play only
+after it."""
 
 
 def prepared(

@@ -50,7 +50,8 @@ class Link:
             settings: robot, router and seat to begin with.
             on_outcome: called on threads of the link; must return at once.
             on_image: called in the same way, for each picture of a camera.
-            name_given: the user chose the robot; false: the only name on line is selected, for the teacher one of several.
+            name_given: the user chose the robot; false: the only name on line is selected, for the teacher one of
+                several.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
         self._outcomes = Worker("window-outcomes")

@@ -44,7 +44,10 @@ class Processes(Supervisor):
         return ""
 
     def end_all(self, deadline_s: float) -> None:
-        """End all children at the same time; those that still run shortly before `deadline_s` (monotonic, s) are killed."""
+        """End all children at the same time.
+
+        Those that still run shortly before `deadline_s` (monotonic, s) are killed.
+        """
         with self._starting:
             self._closed = True
         grace_s = max(0.0, deadline_s - KILL_S - time.monotonic())

@@ -102,7 +102,7 @@ class Recordings(Worker):
                     self._trouble = processes.failure()
 
     def join(self, deadline_s: float) -> None:
-        """End the recording until `deadline_s` (monotonic clock, s)."""
+        """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
         if self._processes is not None:
             self._processes.end_all(deadline_s)
         super().join(deadline_s)

@@ -33,7 +33,10 @@ class SentStop(NamedTuple):
 
 
 class StopReplies:
-    """Waits for one robot's replies to STOP and reports them, so that a silent robot does not delay the reports of the other robot."""
+    """Waits for one robot's replies to STOP and reports them.
+
+    Thus a silent robot does not delay the reports of the other robot.
+    """
 
     def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
         self._twin, self._report = twin, report

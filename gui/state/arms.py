@@ -100,9 +100,10 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
 
 
 def _start(memory: Memory, world: World) -> ArmAngles | None:
-    """Return the angles that + or - start from: the set point, or the goal of the motion that simulation and hardware are making.
+    """Return the angles that + or - start from.
 
-    Both robots get one goal, so that robots that stand apart, as after STOP or during the lead, come together.
+    They are the set point, or the goal of the motion that simulation and hardware are making. Both robots get one goal,
+    so that robots that stand apart, as after STOP or during the lead, come together.
     """
     choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
     both = choices.relative and len(choices.twins) > 1

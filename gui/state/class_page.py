@@ -130,7 +130,10 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
 
 
 def _remarks(status: Status | None, found: pills.Finding, texts: Texts, *, limit_shown: bool) -> list[str]:
-    """Return facts that the other cells of a row do not show; the speed limit unless the page shows it for all robots."""
+    """Return facts that the other cells of a row do not show.
+
+    The speed limit is one of them, unless the page shows it for all robots.
+    """
     remarks = [found.reason] if found.condition in (Condition.SILENT, Condition.FAULT) else []
     if status is None:
         return remarks

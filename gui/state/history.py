@@ -168,7 +168,10 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
 
 
 def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
-    """Return the text of the first cause. If one robot refuses, the window stops the other robot; that STOP is no cause."""
+    """Return the text of the first cause.
+
+    If one robot refuses, the window stops the other robot; that STOP is no cause.
+    """
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
     if done := worst.robots - len(worst.failed):

@@ -68,7 +68,10 @@ def limit_text(status: Status, texts: Texts) -> str:
 
 
 def follow(memory: Memory, world: World) -> None:
-    """Compare the leases of this seat with those at the last call; note a turn that has come and a lease that was lost."""
+    """Compare the leases of this seat with those at the last call.
+
+    Note a turn that has come and a lease that was lost.
+    """
     kept: dict[tuple[str, str], Standing] = {}
     for twin in TWINS:
         place, status = (world.robot, twin), world.twin(twin).status

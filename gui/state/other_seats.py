@@ -31,7 +31,8 @@ WHATS: Final = {
 STREAM_S: Final = 1.0
 """Equal requests at one robot, each within this time of the one before, are one row."""
 LEAD_S: Final = 3.0
-"""If a seat sends equal requests to simulation and hardware within this time, they are one row: the hardware may follow with a lead."""
+"""If a seat sends equal requests to simulation and hardware within this time, they are one row: the hardware may follow
+with a lead."""
 
 
 @dataclass(frozen=True)

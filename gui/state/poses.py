@@ -147,9 +147,10 @@ def undo(memory: Memory, world: World) -> list[Action]:
 
 
 def note_accepted(memory: Memory, row: Row, outcome: Outcome) -> None:
-    """Add a motion to the undo list when the first robot accepts it; remove it when a robot accepts the motion that undoes it.
+    """Add a motion to the undo list when the first robot accepts it.
 
-    Angles are counted from home, so a request that may change home clears the list.
+    Remove it when a robot accepts the motion that undoes it. Angles are counted from home, so a request that may change
+    home clears the list.
     """
     if not outcome.accepted or row.accepted:
         return

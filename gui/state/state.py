@@ -90,7 +90,10 @@ class State:
         return history.view(self._memory, world), history.last(self._memory, world)
 
     def handle(self, intent: Intent, world: World) -> list[Action]:
-        """Return the actions of an intent; none if it changes the window only, or is refused with a reason in the view."""
+        """Return the actions of an intent.
+
+        There are none if it changes only the window, or if it is refused with a reason in the view.
+        """
         memory = self._memory
         if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # their keys work on every page

@@ -73,7 +73,8 @@ class ClassPage(QFrame):
             for name in ("rate", "age"):
                 head.setToolTip(COLUMNS.index(name), texts(f"tip.class_{name}"))
         found.currentItemChanged.connect(lambda *_: self._show_selected())
-        # Later, because Qt passes the same Enter on to the parents: with the focus on the pad it would send a motion.
+        # The button is clicked later, because Qt passes the same Enter on to the parent widgets: if the pad already had
+        # the focus, this Enter would send a motion.
         found.itemActivated.connect(lambda *_: QTimer.singleShot(0, self.show_robot.click))
         return found
 

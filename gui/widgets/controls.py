@@ -90,7 +90,10 @@ class IntentButton(QPushButton):
 
 
 class Check(QCheckBox):
-    """A check box that changes only with its view; it draws itself, because Fusion's box is invisible on a dark background."""
+    """A check box that changes only with its view.
+
+    It draws itself, because Fusion's box is invisible on a dark background.
+    """
 
     asked = pyqtSignal(bool)
     """the state that the user wants"""

@@ -39,7 +39,10 @@ class FileDialog(QFileDialog):
         self._clear_notice()
 
     def accept(self) -> None:
-        """Report the file. An existing file is overwritten only at the second press; a missing file cannot be opened."""
+        """Report the file.
+
+        An existing file is overwritten only at the second press; a missing file cannot be opened.
+        """
         selected = self.selectedFiles()
         file = Path(selected[0] if selected else "")
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave

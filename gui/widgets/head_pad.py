@@ -16,7 +16,8 @@ from gui.theme import DARK, Style, style_of
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 150
 BEYOND = 1.2
-"""Radius of the disc, divided by that of the limit: a target beyond the limit is possible, and the refusal explains it."""
+"""Radius of the disc, divided by that of the limit: a target beyond the limit is possible, and the refusal explains
+it."""
 RING = 0.13
 """Width of the ring, divided by the radius of the pad."""
 KEYS = {

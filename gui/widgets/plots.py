@@ -119,8 +119,8 @@ class Curves:
             column: layout of the plots.
             title: quantity and unit.
             least: least height of the plot (deg).
-            names: name of each curve, by a sign that looks like its line; a curve without a name is not in the legend. The
-                last curve is on top.
+            names: name of each curve, by a sign that looks like its line; a curve without a name is not in the legend.
+                The last curve is on top.
         """
         self._title, self._names, self._least = title, names, least
         self._label = QLabel()

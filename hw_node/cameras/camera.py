@@ -1,4 +1,7 @@
-"""A camera of the robot: a thread that takes pictures while a client subscribes, and reopens a camera that was unplugged."""
+"""A camera of the robot.
+
+A thread takes pictures while a client subscribes, and reopens a camera that was unplugged.
+"""
 
 from __future__ import annotations
 

@@ -47,7 +47,10 @@ class CameraChoice:
 
 
 def on_linux() -> bool:
-    """Return whether USB cameras have paths and linuxpy reads them; on other systems they have numbers and OpenCV reads them."""
+    """Return whether USB cameras have paths and linuxpy reads them.
+
+    On other systems they have numbers and OpenCV reads them.
+    """
     return sys.platform.startswith("linux")
 
 

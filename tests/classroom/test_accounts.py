@@ -255,7 +255,10 @@ def test_an_account_comes_from_standard_input(
         ("ana, please", "it is not written in TOML"),
         ('[project]\nname = "x"\n', "no account has a field 'project'"),
         ('name = "ana"\n', "it lacks class and role and connect"),
-        ('class = "8b"\nname = "ana"\nrole = "boss"\nconnect = "tcp/h:1"\n', "the value of role is none"),
+        (
+            'class = "8b"\nname = "ana"\nrole = "boss"\nconnect = "tcp/h:1"\n',
+            "the value of role is not allowed",
+        ),
         (
             'class = "8b"\nname = "ana"\nrole = "student"\nconnect = "tcp/h:1"\n',
             "it holds neither a password",

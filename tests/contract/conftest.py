@@ -11,7 +11,8 @@ from stage import Stage, ready
 from beatrix_zenoh import Robot
 
 BODIES = ("sim", "in-process", "mega")
-"""A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated Mega."""
+"""A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated
+Mega."""
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -34,7 +34,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
-    """Return a function that builds a target of firmware/Makefile in a folder of this session; skips without compiler."""
+    """Return a function that builds a target of firmware/Makefile in a folder of this session.
+
+    Skips the test if there is no compiler.
+    """
     folder = tmp_path_factory.mktemp("firmware")
 
     def make(target: str, compiler: str, *settings: str) -> Path:

@@ -95,8 +95,8 @@ def test_a_target_on_the_limit_is_reached(ready: Rig, target: Steps) -> None:
 
 @pytest.mark.parametrize("ms", range(1900, 2000, 20))
 def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -> None:
-    # With full ramps, as in a motion that replaces another, the slow arm ahead would rest so early that the fast one behind
-    # comes too close. So the arms brake on their line first, then start the new motion.
+    # With full ramps, as in a motion that replaces another, the slow arm ahead would rest so early that the fast one
+    # behind comes too close. So the arms brake on their line first, then start the new motion.
     assert ready.move((2100, 1050, 1575), straight=True) == Error.OK
     for _ in range(ms // 20):
         ready.ask(FrameType.PING)

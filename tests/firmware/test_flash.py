@@ -35,7 +35,7 @@ Fault = Callable[[bytes], bytes]
 class BenchWire:
     """Serial line of the simulated board, in virtual time; can damage bytes in both directions.
 
-    The fault affects the `nth` message of its command.
+    `fault` receives the `nth` message with the command `at`; it returns a changed message or raises.
     """
 
     def __init__(

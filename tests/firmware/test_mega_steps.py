@@ -16,7 +16,10 @@ from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
 
 @pytest.fixture(params=["shipped", "sketch"])
 def ready(request: pytest.FixtureRequest) -> Iterator[Mega]:
-    """A Mega with either build of the firmware, enabled and calibrated; the end checks its pins and interrupt budgets."""
+    """A Mega with either build of the firmware, enabled and calibrated.
+
+    The end checks its pins and interrupt budgets.
+    """
     with Mega(HEX if request.param == "shipped" else request.getfixturevalue("sketch")) as mega:
         mega.ready()
         yield mega

@@ -16,7 +16,8 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
 IN_TICK = 550
-"""Cycles after a tick was due: the tick is running, and the main loop handles a byte that arrives now right after it."""
+"""Cycles after a tick was due: the tick is running, and the main loop handles a byte that arrives now right after
+it."""
 AHEAD_MS = 2
 """A tick plans the millisecond that begins one millisecond after it was due."""
 STOP_MS = 660

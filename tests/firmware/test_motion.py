@@ -175,7 +175,8 @@ def test_an_arm_slowed_for_a_straight_line_brakes_with_its_full_ramp_afterwards(
     watched.run()
     moves = watched.moves()[begin:]
     last = max(tick for tick, move in enumerate(moves) if move[1])
-    # Distance 100 from half speed: accelerate, brake; at best sqrt(2 (2 a distance + v^2)) / a - v / a ticks.
+    # The arm starts at half speed, accelerates and brakes over a distance of 100 steps. With acceleration a this takes
+    # at least sqrt(2 (2 a distance + v^2)) / a - v / a ticks.
     best = (math.sqrt(2 * (2 * ACCELERATION * 100 + 0.25)) - 0.5) / ACCELERATION
     assert last == pytest.approx(best, abs=3)
 

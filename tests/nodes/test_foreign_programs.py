@@ -32,7 +32,7 @@ def robot(stage: Stage) -> Iterator[Robot]:
     """The robot, ready, without a holder."""
     robot = stage.robot("bea", "hw")
     robot.stop()
-    robot.disable()  # then `ready` calibrates wherever an earlier test has stopped
+    robot.disable()  # makes `ready` calibrate the robot in the position where the test before has left it
     yield ready(robot)
     robot.stop()
     robot.client.close()

@@ -78,8 +78,8 @@ def test_a_truncated_frame_is_rejected(frame: Frame, data: st.DataObject) -> Non
     assert decoder.feed(half) == []
     *before, last = decoder.feed(wire)
     assert last == frame
-    # One of 256 truncated frames is a frame with a payload one byte shorter and a correct CRC (a property of CRCs without
-    # a final xor); the check of the payload's length rejects it.
+    # One of 256 truncated frames is a frame with a payload one byte shorter and a correct CRC (a property of CRCs
+    # without a final xor); the check of the payload's length rejects it.
     assert [cut.payload for cut in before] in ([], [frame.payload[:-1]])
     assert len(before) + decoder.rejected == 1
 

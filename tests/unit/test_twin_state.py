@@ -145,7 +145,10 @@ class FakeRobot(MotionBegin):
         self.begin_ns = self.delay_ns = None
 
     def path(self, begin_s: float, clock_s: float, delay_s: float) -> FakeRobot:
-        """Process positions of a robot that turns at 1 rad/s from `begin_s` on; its clock is `clock_s` ahead of ours."""
+        """Process positions of a robot that turns at 1 rad/s from `begin_s` on.
+
+        Its clock is `clock_s` ahead of ours.
+        """
         for index in range(100):
             now_s = index * 0.02
             source = positions(round((now_s + clock_s) * 1e9), max(0.0, now_s - begin_s))

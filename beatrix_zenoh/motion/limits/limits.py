@@ -100,7 +100,10 @@ class Limits:
         return in_single((x, y, z))
 
     def head_at(self, arms: Arms) -> tuple[float, float, float]:
-        """Yaw, pitch and roll (rad) for arm angles (rad); raises Refused (OUT_OF_REACH) if no orientation is possible."""
+        """Yaw, pitch and roll (rad) for arm angles (rad).
+
+        Raises Refused (OUT_OF_REACH) if no orientation is possible.
+        """
         try:
             return self._neck.forward(arms)
         except BeatrixError:

@@ -1,7 +1,7 @@
 """Check a trajectory against the limits everywhere, not only at sampled points.
 
-Six margins must not become negative: one of tilt, two of yaw, three of gaps. At each point the check knows them and their
-derivatives by the arms, and for a displacement d of the arms (Taylor)
+Six margins must not become negative: one of tilt, two of yaw, three of gaps. At each point the check knows them and
+their derivatives by the arms, and for a displacement d of the arms (Taylor)
 
     margin(arms + d) >= margin + gradient . d - curvature / 2 * |d'|^2
 
@@ -144,7 +144,10 @@ class PathChecker:
         return Violation(found, trajectory.duration, trajectory.target) if isinstance(found, int) else None
 
     def _is_short(self, floors: _Floors, start: Clearance, trajectory: Trajectory) -> bool:
-        """Return whether the path is too short to use up any margin; streams of targets then need only one evaluation."""
+        """Return whether the path is too short to use up any margin.
+
+        Streams of targets then need only one evaluation.
+        """
         x, y, z = _lengths(trajectory)
         square = x * x + y * y + z * z
         for value, floor, (a, b, c), bend in zip(

@@ -35,7 +35,10 @@ STATE_COLOURS = {
 
 
 def of_place(place: Place, figure: Figure) -> Iterator[Item]:
-    """Yield the items of one robot that stay the same for a whole recording: its solids, curve styles and state colours."""
+    """Yield the items of one robot that stay the same for a whole recording.
+
+    These are its solids, curve styles and state colours.
+    """
     for body in figure.bodies:
         path = of_model(place, body.path)
         for form in Form:

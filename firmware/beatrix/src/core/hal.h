@@ -16,8 +16,8 @@
 // Interrupts on the AVR, 16 000 cycles per millisecond, by priority:
 //   step (a compare match per arm)   at most 150 cycles: sets a pin, counts, loads the next compare time; no planning.
 //                                    Up to 300 where steps are sparse: it waits for the exact cycle. The UART holds two
-//                                    bytes, so three of these in a row lose none
-//   receive, transmit (a byte)       at most 100 cycles: ring buffer only; at 250 000 baud a byte comes every 640
+//                                    bytes, so no byte is lost if three of these interrupts follow one another
+//   receive, transmit (a byte)       at most 100 cycles: ring buffer only; a byte comes every 640 cycles (250 000 baud)
 //   tick (1 kHz)                     at most 8 000 cycles, with interrupts on: plans one millisecond ahead of the steps
 //   main loop                        the rest; one action, a MOVE or a line of text, takes at most 2.5 ms, of which the
 //                                    tick is disabled for at most 8 000 cycles. A received stop frame waits no longer, and

@@ -139,7 +139,7 @@ void Motion::finish() {
     outcome_ = OUTCOME_DONE;
     return;
   }
-  // Only now, when all arms rest, because this changes the exact position by less than a step.
+  // This changes the exact positions by less than a step, so it is done only now, when all arms rest.
   for (uint8_t i = 0; i < ARMS; i++) axes_[i].place_at_last_step();
   braking_ = false;
   if (brake_reason_ == OUTCOME_NONE) {

@@ -13,14 +13,14 @@ struct StepTrain {
   uint16_t interval;
   uint8_t count;
   bool forward;
-  bool sparse;  // so far apart that each can be made in its exact cycle
+  bool sparse;  // the steps are so far apart that each can be made in its exact cycle
 };
 
 void start_steps();
 // Cycle counter, wraps every 4 ms. Call with interrupts disabled.
 uint16_t now();
-// Queue these steps; there is room for one train beside the current one. Dropped while the drivers are off, since
-// switching them off has ended every motion.
+// Queue these steps; there is room for one train beside the current one. While the drivers are off the train is
+// dropped, since switching them off has ended every motion.
 void queue_train(uint8_t arm, const StepTrain &train);
 
 }  // namespace mega
