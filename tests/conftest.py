@@ -193,7 +193,7 @@ def running_children() -> dict[int, str]:
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
-    """Fail a test that leaves a thread or a process running."""
+    """Fail a test that leaves a thread, a process or a signal handler."""
     threads_before, children_before = running_threads(), running_children()
     yield
     deadline = time.monotonic() + SECONDS_TO_GO
@@ -208,4 +208,5 @@ def nothing_left_behind() -> Iterator[None]:
         for number, command in running_children().items()
         if number not in children_before
     ]
-    assert not left, f"left running {SECONDS_TO_GO} s after the test: {left}"
+    left += ["a handler of Ctrl-C"] * (signal.getsignal(signal.SIGINT) is not signal.default_int_handler)
+    assert not left, f"left {SECONDS_TO_GO} s after the test: {left}"

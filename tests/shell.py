@@ -10,6 +10,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import unittest.mock
 from collections.abc import Iterator
@@ -22,9 +23,25 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh._generated.messages import EventKind
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.node.lease import QUIET_S
+from beatrix_zenoh.shutdown import SIGNALS
 
 CLI = ("-m", "beatrix_zenoh.cli")
 NAME = "bea1"
+
+
+@contextlib.contextmanager
+def settings_of_this_process() -> Iterator[None]:
+    """Restore at the end what a serving program changes in its process and does not restore: it ends with it."""
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+    hook, interval_s = threading.excepthook, sys.getswitchinterval()
+    try:
+        yield
+    finally:
+        threading.excepthook = hook
+        sys.setswitchinterval(interval_s)
+        if threading.current_thread() is threading.main_thread():
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
 
 
 def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
@@ -38,6 +55,7 @@ def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
             unittest.mock.patch.object(sys, "stdin", io.StringIO(answers)),
             contextlib.redirect_stdout(stdout),
             contextlib.redirect_stderr(stderr),
+            settings_of_this_process(),
         ):
             code = app.run(list(words))
     finally:
