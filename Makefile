@@ -20,7 +20,7 @@ demo: ## the robot's twin on this computer, doing what it can (needs Python 3.11
 
 test: ## all tests, in parallel, with branch coverage
 	@$(SETUP) test
-	$(BIN)/pytest -n 3 --dist loadgroup --cov --cov-report=term --cov-fail-under=90
+	$(BIN)/pytest -n 5 --dist loadgroup --cov --cov-report=term --cov-fail-under=90
 
 check: ## everything that can be said without running BEATRIX: style, types, layers, contract, links, firmware
 	@$(SETUP) test

@@ -169,6 +169,7 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage,
     script.write_text(SUSPENDED, encoding="utf-8")
     program = stage.script(script, stage.endpoint)
     program.expect("moving")
+    until(lambda: node.context.snapshot.status().moving, "the robot moves")
     program.send(signal.SIGSTOP)
     until(lambda: not node.context.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
     program.send(signal.SIGCONT)
