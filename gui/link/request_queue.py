@@ -87,7 +87,7 @@ class RequestQueue(Worker):
             self._report(failed(task.row, self._twin, stopped()))
 
     def release(self) -> None:
-        """Like `stop`, and stop the running motion: later STOPs of the window go to another robot."""
+        """Like `stop`, and stop the running motion, because later STOPs of the window go to another robot."""
         self.stop()
         if (running := self._running) is not None:
             robot, _ = running

@@ -101,7 +101,7 @@ def test_the_border_is_close_to_the_tilt_limit() -> None:
         ((300, 0, -300), None),  # the limit of the planner of 2023
         ((-300, 0, 300), None),
         ((300, 0, 300), None),
-        ((2100, 2100, 2100), None),  # requested by sound followers
+        ((2100, 2100, 2100), None),  # a goal of programs of 2023 that turn the head towards a sound
         ((-2100, -2100, -2100), None),
         ((700, 0, 0), WarningCode.TILT),
         ((0, 900, -900), WarningCode.TILT),
