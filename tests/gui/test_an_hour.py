@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import threading
 import tracemalloc
 from dataclasses import replace
@@ -72,6 +73,7 @@ def picture(number: int, passed_s: float) -> CameraImage:
 
 def held() -> int:
     """Return the number of bytes that modules of this project have allocated and still use."""
+    gc.collect()  # in a process with many objects it runs too seldom by itself
     snapshot = tracemalloc.take_snapshot().filter_traces(
         [tracemalloc.Filter(inclusive=True, filename_pattern=GUI)]
     )
