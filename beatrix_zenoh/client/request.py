@@ -24,6 +24,8 @@ STALE_S = 0.02
 """Time after the restart of a node in which queries of an open session may find no queryable (zenoh#2767)."""
 LATE_S = 2.0
 """Extra lifetime of a query after its caller's time limit: a motion that is accepted late must be stopped."""
+LOSS_CHECK_S = 0.5
+"""Period of the check whether the router was lost: Zenoh does not end a query that it sent just before it noticed."""
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
 """Name and twin of a robot."""
@@ -88,7 +90,7 @@ class Request:
         """Return the result of `next`, but raise TimeoutError if no reply came within `timeout_s`."""
         deadline = time.monotonic() + timeout_s
         while True:
-            answer = self._query.next(deadline - time.monotonic())
+            answer = self._next(deadline)
             if answer is None and not (self._heard or self._repeated or self._client.bus.closed):
                 answer = self._again(deadline)
             if answer is None:
@@ -107,7 +109,19 @@ class Request:
         time.sleep(STALE_S)
         self._query.close()
         self._query = self._ask()
-        return self._query.next(deadline - time.monotonic())
+        return self._next(deadline)
+
+    def _next(self, deadline: float) -> Reply | None:
+        """Return the next reply, None at the end of the query; raises NoAnswer after a loss of the router."""
+        while True:
+            left_s = deadline - time.monotonic()
+            try:
+                return self._query.next(min(left_s, LOSS_CHECK_S))
+            except TimeoutError:
+                if left_s <= LOSS_CHECK_S:
+                    raise
+                if self._client.losses != self._unanswered.losses:
+                    raise self._unanswered.explain(heard=self._heard) from None
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after every reply; it must not block."""
