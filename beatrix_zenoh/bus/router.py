@@ -52,7 +52,8 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"Cannot listen at {listen}: this is the address of another computer. A router can listen at 127.0.0.1 "
-            "(for this computer only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses.",
+            "(for this computer only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses. "
+            "For a class, correct `addresses` in class.toml and run `beatrix classroom init class.toml` again.",
         )
     os.environ.setdefault(*RUNTIME)
     settings: dict[str, object] = {

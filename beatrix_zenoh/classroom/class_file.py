@@ -14,7 +14,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Role
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.errors import WrongUsage, quoted
 
 SEATS_MAX = 99
 EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
@@ -88,6 +88,21 @@ class Classroom:
         return found
 
 
+def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
+    """Check fields and types; raises WrongUsage."""
+    for given, kind, section in ((table, _ClassFile, ""), (table.get("router"), _Router, " of [router]")):
+        known = [field.encode_name for field in msgspec.structs.fields(kind)]
+        unknown = sorted(set(given) - set(known)) if isinstance(given, dict) else []
+        if unknown:
+            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {', '.join(known)}")
+    if (auth := table.get("auth", "password")) not in ("password", "certificate"):
+        raise wrong(path, f'auth is {quoted(str(auth))}: "password" or "certificate" is allowed')
+    try:
+        return msgspec.convert(table, _ClassFile)
+    except msgspec.ValidationError as error:
+        raise wrong(path, f"a field is wrong: {error}. A class file holds for example {EXAMPLE}") from error
+
+
 def read(path: Path) -> Classroom:
     """Read a class file and check it.
 
@@ -96,8 +111,8 @@ def read(path: Path) -> Classroom:
     """
     try:
         text = path.read_text(encoding="utf-8")
-        file = msgspec.convert(tomllib.loads(text), _ClassFile)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        file = _converted(path, tomllib.loads(text))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise wrong(path, f"cannot be read: {error}. A class file holds for example {EXAMPLE}") from error
     count = file.seats if isinstance(file.seats, int) else len(file.seats)
     if not 1 <= count <= SEATS_MAX:

@@ -32,6 +32,8 @@ class Made:
     """accounts with a new secret, whose files must be handed out"""
     left: list[str]
     """files of accounts that the class no longer has"""
+    moved: bool
+    """whether the address or port of the router has changed, so that all files must be handed out again"""
 
 
 def folder_of(role: str) -> str:
@@ -102,6 +104,7 @@ class _Signer:
 def _accounts(classroom: Classroom, folder: Path, signer: _Signer | None) -> Made:
     made: list[Account] = []
     new: list[str] = []
+    moved = False
     for name, role in classroom.accounts.items():
         path = folder / folder_of(role) / f"{name}.toml"
         old = account.load(path) if path.is_file() else None
@@ -111,10 +114,11 @@ def _accounts(classroom: Classroom, folder: Path, signer: _Signer | None) -> Mad
         else:
             password = old.password if old is not None else ""
             made.append(msgspec.structs.replace(bare, password=password or _password()))
+        moved = moved or (old is not None and old.connect != classroom.connect)
         if old is None or (old.password, old.key) != (made[-1].password, made[-1].key):
             new.append(name)
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
-    return Made(made, new, [str(path) for path in present if path.stem not in classroom.accounts])
+    return Made(made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved)
 
 
 def _routers(

@@ -57,6 +57,10 @@ def classroom(
         f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
     say(f"  cards to print     {folder / 'cards.html'}")
+    if made.moved:
+        note(
+            "The address of the router has changed: copy every file again, and run beatrix join on each computer."
+        )
     for path in made.left:
         note(
             f"{path}: the class has no seat or robot of this name, so the router refuses it. You can delete the file."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Sequence
 from enum import StrEnum
@@ -16,7 +15,6 @@ from beatrix_zenoh.cli.output import exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.govern import govern
-from beatrix_zenoh.client.queries import number
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import title
@@ -101,13 +99,13 @@ def limit(
     as_json: Json = False,
 ) -> None:
     """Limit the speed of every robot. For the seat `teacher`."""
-    most = 0.0 if speed == "off" else math.radians(_number(speed))
+    most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
     _govern(LeaseAction.LIMIT, most, name, connect, who, as_json=as_json)
 
 
 def _number(text: str) -> float:
     try:
-        return number("speed", float(text), "deg/s")
+        return float(text)
     except ValueError:
         raise WrongUsage(
             Reason.BAD_VALUE, f"{text!r} is not a speed: give a number of deg/s, for example 20, or off."

@@ -15,7 +15,7 @@ from beatrix_zenoh.cli.options import Connect, Json, Which, Who
 from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, is_named
 from beatrix_zenoh.client.group_stop import STOP_S, request_stop
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.request import GroupRequest, Place
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import absent_reason, publishing
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
@@ -86,6 +86,8 @@ def stop(
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
         present = client.robots()  # STOP goes first; later a frozen robot would have lost its token
         found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
+        if emergency:
+            requests = [*stop_simulations(client, asked, twin), *requests, *emergency_by_name(client, found)]
         deadline = time.monotonic() + STOP_S
         replies = dict(
             reply for request in requests for reply in request.replies(deadline - time.monotonic())
@@ -96,6 +98,16 @@ def stop(
         raise nothing_to_stop(settings.connect, asked, present)
     missing = absent(asked, twin, {*found, *replies}, present, settings.connect)
     show([*outcomes_of(replies, found, busy), *missing, *wrong_names], as_json=as_json)
+
+
+def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[GroupRequest[CommandReply]]:
+    """Send STOP to simulations, because the router of a class passes no EMERGENCY_STOP to those of other seats."""
+    return [] if twin == "hw" else [request_stop(client, robot, "sim") for robot in asked]
+
+
+def emergency_by_name(client: Client, places: Sequence[Place]) -> list[GroupRequest[CommandReply]]:
+    """Send EMERGENCY_STOP to each robot, because the router of a class passes a student's query with wildcards to none."""
+    return [request_stop(client, *place, emergency=True) for place in places]
 
 
 @contextlib.contextmanager

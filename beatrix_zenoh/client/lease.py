@@ -11,7 +11,7 @@ from beatrix_zenoh import refusals
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.client.queries import number
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.robot import Robot
@@ -87,9 +87,19 @@ def unfreeze(robot: Robot) -> LeaseReply:
 
 
 def limit_speed(robot: Robot, speed: float | None) -> LeaseReply:
-    """Limit the speed of every arm to `speed` (deg/s), None ends the limit; raises Refused."""
-    limit = 0.0 if speed is None else math.radians(number("speed", speed, "deg/s"))
-    return ask(robot, LeaseAction.LIMIT, limit)
+    """Limit the speed of every arm to `speed` (deg/s), None ends the limit; raises Refused, and WrongUsage for 0."""
+    return ask(robot, LeaseAction.LIMIT, 0.0 if speed is None else limit_of(speed))
+
+
+def limit_of(speed: float) -> float:
+    """Return a speed limit in rad/s from one in deg/s; raises WrongUsage (BAD_VALUE) unless it is above 0."""
+    if number("speed", speed, "deg/s") <= 0:
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"A speed limit of {speed:g}°/s is not allowed: give more than 0. `beatrix freeze` stops all robots, "
+            "`beatrix limit off` ends the limit.",
+        )
+    return math.radians(speed)
 
 
 def ask(robot: Robot, action: LeaseAction, speed: float = 0.0) -> LeaseReply:

@@ -59,7 +59,7 @@ def read(client: Client) -> list[Program]:
         NoAnswer: ACCESS_DENIED, the router does not let this seat read its admin space.
     """
     declared = _declarations(client)
-    if not any(declared.values()):
+    if declared is None:
         raise NoAnswer(
             Reason.ACCESS_DENIED,
             f"The router at {client.bus.endpoint} does not let this seat list its programs. In a class only the seat `teacher` may.",
@@ -80,14 +80,16 @@ def read(client: Client) -> list[Program]:
     return _merged(list(programs.values()))
 
 
-def _declarations(client: Client) -> dict[str, list[tuple[str, str]]]:
-    """Session and key expression of every declaration, by kind."""
+def _declarations(client: Client) -> dict[str, list[tuple[str, str]]] | None:
+    """Session and key expression of every declaration, by kind; None if the router does not reply to this seat."""
+    answered = False
     found: dict[str, list[tuple[str, str]]] = defaultdict(list)
     query = client.bus.query("@/*/router/**", None, None)
     deadline_s = time.monotonic() + ANSWER_S
     try:
         with contextlib.suppress(TimeoutError):
             while (reply := query.next(deadline_s - time.monotonic())) is not None:
+                answered = True
                 record = RECORDS.fullmatch(reply.key)
                 if record is None:
                     continue
@@ -95,7 +97,7 @@ def _declarations(client: Client) -> dict[str, list[tuple[str, str]]]:
                 found[record[1]] += [(session, record[2]) for session in sources.clients]
     finally:
         query.close()
-    return found
+    return found if answered else None
 
 
 def _seats(client: Client) -> dict[str, str]:

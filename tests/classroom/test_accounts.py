@@ -210,7 +210,7 @@ def test_stop_needs_no_readable_account(
     assert "is not an account file" in done.stderr
     done = beatrix("stop")
     assert "is not an account file" in done.stderr
-    assert done.returncode == 3, "the program tried the default router, which does not run"
+    assert done.returncode in (3, 7), "the program tried the default router; any program may listen there"
 
 
 def test_leaving_and_an_empty_variable_forget_the_class(

@@ -90,6 +90,7 @@ def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
         ({"robots": "robot"}, "robot"),
         ({'"password"': '"none"'}, "auth"),
         ({"teacher =": "teacher"}, "cannot be read"),
+        ({"robots =": "robot ="}, "'robot' is not a field"),
     ],
 )
 def test_the_refusal_of_a_wrong_class_file_names_the_field(

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 from class_router import ClassRouter, start_node
+from shell import beatrix
 from stage import ready, until
 from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
@@ -74,3 +75,14 @@ def test_pages_of_a_seat_drive_one_at_a_time(router: ClassRouter, clients: dict[
         assert "account ben" in second.outcome("drive")["text"]
         second.send("stop", robot="bea1", stop="1")
         assert second.outcome("stop")["ok"]
+
+
+def test_a_student_stops_all_robots_in_an_emergency(
+    router: ClassRouter, clients: dict[str, Client], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robots = [Robot(name, "hw", client=clients["teacher"]) for name in ("bea1", "ana")]
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("ana")))
+    done = beatrix("stop", "--emergency")
+    assert (done.returncode, [robot.status().fault for robot in robots]) == (0, [Fault.EMERGENCY] * 2), done
+    for robot in robots:
+        robot.reset()

@@ -51,6 +51,8 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
     assert (refused.returncode, "frozen" in refused.stderr) == (1, True)
     free.good("unfreeze", "--who", "teacher")
     assert "at most 20°/s" in free.good("limit", "20", "--who", "teacher")
+    nothing = free.run("limit", "0", "--who", "teacher")
+    assert (nothing.returncode, "`beatrix limit off` ends the limit" in nothing.stderr) == (2, True)
     refused = free.run("look", "--yaw", "5", "--speed", "60", "--on", "sim")
     assert (refused.returncode, "20.0°/s" in refused.stderr) == (1, True)
     free.good("limit", "off", "--who", "teacher")

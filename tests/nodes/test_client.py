@@ -5,12 +5,10 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import msgspec
 import pytest
-import zenoh
 from stage import Stage, free_endpoint, ready, until
 from statuses import READY
 
@@ -308,23 +306,6 @@ def test_events_are_read_in_order(stage: Stage) -> None:
             bus.put(keys.events("bea", "hw"), codec.encode(event), codec.MSGPACK)
         of_ben = (event.seq for event in events if event.seat == "ben")
         assert [next(of_ben), next(of_ben)] == [1, 2]
-
-
-def test_a_request_ends_with_the_loss_of_the_router_even_if_zenoh_does_not_end_it(stage: Stage) -> None:
-    held: list[zenoh.Query] = []
-    config = zenoh.Config.from_json5(f'{{mode: "client", connect: {{endpoints: ["{stage.endpoint}"]}}}}')
-    with zenoh.open(config) as foreign:
-        foreign.declare_queryable(keys.status("silent", "hw"), held.append)
-        client = stage.client()
-        robot = Robot("silent", "hw", client=client, timeout_s=2 * PATIENCE_S)
-        with ThreadPoolExecutor(1) as pool:
-            reply = pool.submit(robot.status)
-            until(lambda: bool(held), "the query has arrived")
-            client.losses += 1
-            error = reply.exception(PATIENCE_S)
-        held.clear()
-    assert isinstance(error, NoAnswer)
-    assert error.reason is Reason.NO_ROUTER
 
 
 # -- monitor and clocks -------------------------------------------------------------------------

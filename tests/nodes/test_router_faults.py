@@ -7,6 +7,7 @@ import re
 import signal
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from stage import Stage, free_endpoint, ready, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import Client
@@ -209,3 +211,20 @@ def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, traffi
     assert robot.status().warnings
     assert stream.take(2.0)
     assert robot.client.bus.robots() == [("bea", "hw")]
+
+
+def test_a_request_ends_with_the_loss_of_the_router_even_if_zenoh_does_not_end_it(stage: Stage) -> None:
+    held: list[zenoh.Query] = []
+    config = zenoh.Config.from_json5(f'{{mode: "client", connect: {{endpoints: ["{stage.endpoint}"]}}}}')
+    with zenoh.open(config) as foreign:
+        foreign.declare_queryable(keys.status("silent", "hw"), held.append)
+        client = stage.client()
+        robot = Robot("silent", "hw", client=client, timeout_s=60.0)
+        with ThreadPoolExecutor(1) as pool:
+            reply = pool.submit(robot.status)
+            until(lambda: bool(held), "the query has arrived")
+            client.losses += 1
+            error = reply.exception(10.0)
+        held.clear()
+    assert isinstance(error, NoAnswer)
+    assert error.reason is Reason.NO_ROUTER
