@@ -144,7 +144,11 @@ class LeaseHandler(Component):
             planner.limit_speed(query.speed)
             if not planner.speed_limit:
                 return "The speed limit of the teacher has ended; the robot's own limit applies."
-            return f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
+            text = f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
+            if controller.running is None or not planner.exceeds_limit(controller.running.goal):
+                return text
+            controller.stop(Reason.STOPPED)
+            return f"{text} A faster motion was stopped."
         access.freeze(on=query.action is LeaseAction.FREEZE)
         if query.action is LeaseAction.UNFREEZE:
             return "Every seat may move the robot again."

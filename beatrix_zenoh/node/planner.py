@@ -82,6 +82,11 @@ class Planner:
         self.limits = Limits(structs.replace(self.robot, limits=limits))
         self.speed_limit = speed
 
+    def exceeds_limit(self, goal: Goal) -> bool:
+        """Return whether a motion, which may have begun before the teacher's limit, is faster than that limit."""
+        fastest = max(self.gear.quarters_to_speed(goal.quarters))
+        return 0 < self.speed_limit < fastest * 0.999
+
     def goal(self, query: MotionQuery | PoseQuery, telemetry: Telemetry) -> Goal:
         """Return the goal of a query, checked over the whole path from the state in the telemetry.
 

@@ -97,7 +97,13 @@ def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
     with pytest.raises(Refused) as refused:
         lease.limit_speed(teacher, 2.0)
     assert reason_of(refused) is Reason.SPEED_LIMIT
-    lease.limit_speed(teacher, 10.0)
+    motion = robot.look(yaw=60, speed=30, wait=False)
+    assert "A faster motion was stopped" in lease.limit_speed(teacher, 10.0).message
+    with pytest.raises(Interrupted):
+        motion.wait()
+    home = robot.look(yaw=0, wait=False)
+    assert "stopped" not in lease.limit_speed(teacher, 10.0).message, "this motion is slow enough"
+    home.wait()
     with pytest.raises(
         Refused, match=r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
     ) as refused:
