@@ -271,7 +271,10 @@ def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch
         found = doctor(lesson, case, monkeypatch)
     assert found["account"][0]["found"] == "ana of class 8b, accepted"
     assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
-    assert "restart it" in found["bea2 (hw)"][0]["todo"]
+    todo = found["bea2 (hw)"][0]["todo"]
+    assert "restart it" in todo or "is not on line" in todo, (
+        "the router drops it after 2 s, which doctor may exceed"
+    )
     assert found["bea1 (hw)"][0]["found"].startswith("answers")
 
 

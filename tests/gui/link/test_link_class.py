@@ -29,7 +29,10 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             linked.do(StopAll(2))
             for row in (1, 2):
                 end = linked.end_of(row)
-                assert (end.accepted, end.reason) == (False, Reason.TIMED_OUT)
+                assert not end.accepted
+                assert end.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
+                    "its lease and the time limit are 2 s"
+                )
                 assert (end.robots, end.failed) == (2, ("bea (hw)",))
             hung.send(signal.SIGCONT)
             linked.do(WatchClass(on=False))
