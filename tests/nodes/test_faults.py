@@ -282,9 +282,11 @@ def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage
         robot.look()  # before its first motion a client queries the limits
         before = watcher.status().motion
         process.send(signal.SIGSTOP)
+        wake_up = threading.Timer(1.0, process.send, (signal.SIGCONT,))  # before its lease of 2 s ends
+        wake_up.start()
         with pytest.raises(NoAnswer, match="did not answer within"):
             robot.look(yaw=60)
-        process.send(signal.SIGCONT)
+        wake_up.join()
         until(
             lambda: watcher.status().motion != before and not watcher.status().moving,
             "begun late, and stopped",
