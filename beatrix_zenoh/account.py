@@ -122,10 +122,9 @@ def _cause(table: dict[str, object], error: str) -> str:
         return "it is that of the class's router, which stays on the router's computer"
     if "addresses" in table:
         return "it is the class file, from which the teacher makes the accounts"
-    fields = msgspec.structs.fields(Account)
-    unknown = sorted(set(table) - {field.encode_name for field in fields})
-    if unknown:
+    if unknown := files.unknown_fields(table, Account):
         return f"no account has a field {quoted(unknown[0])}"
+    fields = msgspec.structs.fields(Account)
     missing = [field.encode_name for field in fields if field.required and field.encode_name not in table]
     if missing:
         return f"it lacks {' and '.join(missing)}"

@@ -14,6 +14,8 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import msgspec
+
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 
@@ -37,6 +39,11 @@ def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -
     if len(held) > longest:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} is longer than {longest} bytes: {nothing}.")
     return held
+
+
+def unknown_fields(table: Mapping[str, object], kind: type[msgspec.Struct]) -> list[str]:
+    """Return the names in a TOML table that are not fields of `kind`, sorted."""
+    return sorted(set(table) - {field.encode_name for field in msgspec.structs.fields(kind)})
 
 
 def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:

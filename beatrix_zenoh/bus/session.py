@@ -330,15 +330,12 @@ class Bus:
         """Whether a router is connected; false after `close`."""
         return not self.closed and bool(self._session.info.routers_zid())
 
-    def refusal(self) -> NoAnswer | None:
-        """Return why the router refuses a new session of this program.
-
-        Returns None if the router accepts one, or if there is no router.
-        """
+    def connection_error(self) -> NoAnswer | None:
+        """Return the error of a new session with the same account; None if the router accepts one."""
         try:
             self._open_session().close()
         except NoAnswer as error:
-            return error if error.reason is Reason.ACCOUNT_REFUSED else None
+            return error
         return None
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 
 from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.session import HEALTH, HEALTHY, Bus
 from beatrix_zenoh.bus.sessions import Sessions
 from beatrix_zenoh.errors import NoAnswer
@@ -63,9 +64,12 @@ class SessionWatchdog:
         if control.connected:
             self._refusals = 0
         elif self._refusals < FAILURES:
-            error = control.refusal()
-            self._refusals = 0 if error is None else self._refusals + 1
-            if error is not None and self._refusals == FAILURES:
+            error = control.connection_error()
+            if error is None or error.reason is not Reason.ACCOUNT_REFUSED:
+                self._refusals = 0
+                return
+            self._refusals += 1
+            if self._refusals == FAILURES:
                 self._refused(error)
 
     def close(self) -> None:

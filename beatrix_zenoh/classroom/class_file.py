@@ -6,16 +6,17 @@ import tomllib
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import msgspec
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import names
+from beatrix_zenoh import files, names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Role
 from beatrix_zenoh.errors import WrongUsage, quoted
 
+Auth = Literal["password", "certificate"]
 SEATS_MAX = 99
 EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
 
@@ -32,7 +33,7 @@ class _ClassFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     seats: int | list[str]
     robots: list[str] = []
     teacher: str = ""
-    auth: Literal["password", "certificate"] = "password"
+    auth: Auth = "password"
     router: _Router = _Router()
 
 
@@ -91,11 +92,10 @@ class Classroom:
 def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     """Check fields and types; raises WrongUsage."""
     for given, kind, section in ((table, _ClassFile, ""), (table.get("router"), _Router, " of [router]")):
-        known = [field.encode_name for field in msgspec.structs.fields(kind)]
-        unknown = sorted(set(given) - set(known)) if isinstance(given, dict) else []
-        if unknown:
-            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {', '.join(known)}")
-    if (auth := table.get("auth", "password")) not in ("password", "certificate"):
+        if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
+            known = ", ".join(kind.__struct_fields__)
+            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}")
+    if (auth := table.get("auth", "password")) not in get_args(Auth):
         raise wrong(path, f'auth is {quoted(str(auth))}: "password" or "certificate" is allowed')
     try:
         return msgspec.convert(table, _ClassFile)

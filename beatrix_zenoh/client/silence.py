@@ -113,13 +113,9 @@ class Unanswered:
 
     def _not_back(self) -> NoAnswer:
         """Return the error of a connection that does not return: the accounts may have changed with the router."""
-        bus, account = self.client.bus, self.client.settings.account
-        try:
-            if account is not None:
-                zbus.connect(bus.endpoint, account=account).close()
-        except NoAnswer as error:
-            return error
-        return NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+        bus = self.client.bus
+        error = None if self.client.settings.account is None else bus.connection_error()
+        return error or NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
 
     # -- the robot ----------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from beatrix_zenoh._generated.messages import LeaseAction, Status
 from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.client.queries import number
+from beatrix_zenoh.client.lease import limit_of
 from beatrix_zenoh.errors import WrongUsage
 from gui.state import history, pills, refusals
 from gui.state.actions import Action, Govern, StopAll, WatchCameras, WatchClass
@@ -201,12 +201,10 @@ def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
     """Limit the speed of all robots to the number (deg/s) that was typed; an empty text ends the limit."""
     text = typed.strip().removesuffix("°/s").strip().replace(",", ".")
     try:
-        speed = number("speed", float(text), "deg/s") if text else 0.0
+        speed = limit_of(float(text)) if text else 0.0
     except (ValueError, WrongUsage):
-        speed = -1.0
-    if speed < 0:
         return memory.refuse(PLACE, "cannot.limit", text=typed)
-    return _send(memory, world, LeaseAction.LIMIT, (), math.radians(speed))
+    return _send(memory, world, LeaseAction.LIMIT, (), speed)
 
 
 def _send(

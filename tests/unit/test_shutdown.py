@@ -9,21 +9,20 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from shell import settings_of_this_process
 
-from beatrix_zenoh.shutdown import SIGNALS, Shutdown
+from beatrix_zenoh.shutdown import Shutdown
 
 EVERY_S = 20e-6
 
 
 @pytest.fixture
 def signals_as_before() -> Iterator[None]:
-    before = [(number, signal.getsignal(number)) for number in SIGNALS]
-    yield
-    signal.setitimer(signal.ITIMER_REAL, 0)
-    # Keep a handler for SIGALRM: an alarm that is already pending would end Python without one.
-    signal.signal(signal.SIGALRM, lambda _signal, _frame: None)
-    for number, handler in before:
-        signal.signal(number, handler)
+    with settings_of_this_process():
+        yield
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        # Keep a handler for SIGALRM: an alarm that is already pending would end Python without one.
+        signal.signal(signal.SIGALRM, lambda _signal, _frame: None)
 
 
 def test_a_request_stays() -> None:
