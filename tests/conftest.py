@@ -108,8 +108,8 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Let tests that are marked `alone` run while no test runs in another process."""
-    if config.cache is not None:
-        config.stash[TURNS] = Turns(config.cache.mkdir("turns"))
+    if cache := getattr(config, "cache", None):  # missing with `-p no:cacheprovider`
+        config.stash[TURNS] = Turns(cache.mkdir("turns"))
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

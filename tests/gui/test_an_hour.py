@@ -31,14 +31,14 @@ from gui.window import Window
 HOUR_S = 3600
 HZ = 2
 """Refreshes a second; a tenth of the window's, which fill the same rows several times."""
-ROUNDS = 300
+ROUNDS = 500
 """Requests of this window in the hour."""
-COUNTED = (60, 180, ROUNDS)
-"""Rounds at which counting starts, and at which memory is measured."""
+COUNTED = (60, 280, ROUNDS)
+"""Rounds at which counting starts, and at which memory is measured: every list is full of counted rows at the first."""
 EVENTS = 70
 """Events kept of each robot; every third request has one of another seat."""
-GROWTH = 150_000
-"""Bytes by which the memory of our modules may grow in the second half of the hour."""
+GROWTH = 100_000
+"""Bytes by which the memory of our modules may grow between both measurements."""
 JPEG: bytes = simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8))
 GUI = str(Path(__file__).resolve().parents[2] / "gui" / "*")
 

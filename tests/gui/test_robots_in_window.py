@@ -261,7 +261,7 @@ def leading(user: Windowed, sim: Robot) -> None:
     user.type_number(panels.sending.lead, 60)
     user.press(panels.arms.rows["all"].plus)
     user.until_at(sim, 5, 5, 5)
-    assert "follows in 5" in panels.sending.countdown.text(), panels.sending.countdown.text()
+    user.until(lambda: "follows in 5" in panels.sending.countdown.text(), "the countdown")
 
 
 def test_send_now(user: Windowed, sim: Robot, hw: Robot) -> None:
