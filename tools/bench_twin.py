@@ -165,6 +165,7 @@ def main() -> None:
     """Compare both robots, then replay."""
     with signals_interrupt(), Supervisor() as supervisor:
         settings = start(supervisor)
+        supervisor.wait_ready()
         with Twin("demo", connect=settings.connect, who=settings.who) as twin, suppress(KeyboardInterrupt):
             robots = Timed(twin.sim), Timed(twin.hw)
             twin.sim, twin.hw = robots

@@ -15,16 +15,20 @@ void Machine::start() {
 // A stop frame acts twice: when it is found, and in its turn, when it is acknowledged. In between, requests that arrived
 // before it can neither start a motion (start_motion) nor clear the latch (reset).
 void Machine::process(ReceiveBuffer &buffer, uint8_t most) {
-  if (buffer.has_unscanned()) act_on_stops(buffer);
+  scan(buffer);
   for (; most && hal::transmit_room() >= REPLY_ROOM; most--) {
     if (stop_pending_ && buffer.stop_is_due()) {
       finish_stop(buffer);
     } else if (buffer.empty()) {
       return;
     } else if (receive(buffer.take())) {
-      act_on_stops(buffer);
+      scan(buffer);
     }
   }
+}
+
+inline void Machine::scan(ReceiveBuffer &buffer) {
+  if (buffer.find_candidate() || buffer.too_full()) act_on_stops(buffer);
 }
 
 __attribute__((noinline)) void Machine::act_on_stops(ReceiveBuffer &buffer) {

@@ -44,6 +44,7 @@ class Machine {
   void send_text_warning(uint8_t code);
 
  private:
+  void scan(ReceiveBuffer &buffer);
   void act_on_stops(ReceiveBuffer &buffer);
   void finish_stop(ReceiveBuffer &buffer);
   bool receive(uint8_t byte);

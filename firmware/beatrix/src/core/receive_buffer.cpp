@@ -4,26 +4,15 @@
 
 namespace beatrix {
 
-static_assert(FRAME_EMERGENCY_STOP == (FRAME_STOP | 1) && !(FRAME_STOP & 1), "find_stop() finds both with one comparison");
-
 // The bytes of a block that has just ended are still in the ring, even if the main loop has read them.
 bool ReceiveBuffer::find_stop(uint8_t *type, uint8_t *seq) {
-  uint8_t scanned = scanned_, block = block_, head = head_;
   bool found = false;
-  while (scanned != head && !found) {
-    if (bytes_[scanned++]) continue;
-    if (uint8_t(scanned - block) == STOP_BLOCK + 1 && (bytes_[uint8_t(block + 1)] | 1) == FRAME_EMERGENCY_STOP && in_block_) {
-      uint8_t copy[STOP_BLOCK];
-      for (uint8_t i = 0; i < STOP_BLOCK; i++) copy[i] = bytes_[uint8_t(block + i)];
-      found = read_stop(copy, type, seq);
-    }
-    block = scanned;
-    in_block_ = true;
+  while (!found && find_candidate()) {
+    uint8_t copy[STOP_BLOCK];
+    for (uint8_t i = 0; i < STOP_BLOCK; i++) copy[i] = bytes_[uint8_t(block_ + i)];
+    found = read_stop(copy, type, seq);
+    block_ = ++scanned_;
   }
-  // Limit the length of a long block: its start may be overwritten, and its length would wrap.
-  if (uint8_t(scanned - block) > STOP_BLOCK + 1) block = uint8_t(scanned - STOP_BLOCK - 2);
-  scanned_ = scanned;
-  block_ = block;
   return found;
 }
 
@@ -51,9 +40,8 @@ bool ReceiveBuffer::within_stop(uint8_t at) const {
 
 // Discards up to the end of a frame or line. Stop frames among the discarded bytes are marked as lost.
 bool ReceiveBuffer::discard_oldest() {
-  uint8_t fill = waiting();
-  if (fill <= FILL_MAX) return false;
-  uint8_t tail = tail_, discarded = 0, excess = uint8_t(fill - FILL_MAX);
+  if (!too_full()) return false;
+  uint8_t tail = tail_, discarded = 0, excess = uint8_t(waiting() - FILL_MAX);
   bool ends = false;
   while (tail != scanned_ && (discarded < excess || !ends)) {
     uint8_t byte = bytes_[tail++];

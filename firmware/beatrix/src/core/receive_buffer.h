@@ -36,6 +36,7 @@ class ReceiveBuffer {
 
   bool empty() const { return head_ == tail_; }
   bool full() const { return waiting() >= FILL_MAX; }
+  bool too_full() const { return waiting() > FILL_MAX; }
   // The oldest byte; the buffer must not be empty.
   uint8_t take() {
     uint8_t tail = tail_;
@@ -45,6 +46,9 @@ class ReceiveBuffer {
   }
 
   bool has_unscanned() const { return scanned_ != head_; }
+  // Scans new bytes up to a delimiter that may end a stop frame; returns false if there is none. Inlined, because it runs
+  // for every byte: other frames cost no call.
+  inline bool find_candidate();
   // Scans new bytes up to the end of the next stop frame; returns false if there is none.
   bool find_stop(uint8_t *type, uint8_t *seq);
   // Store the frame just found. If the list is full, it replaces the newest; the host repeats that request.
@@ -68,6 +72,7 @@ class ReceiveBuffer {
  private:
   static const uint8_t FILL_MAX = 191;  // leaves 64 bytes, 2.5 ms
   static const uint8_t STOPS = 16;
+  static const uint8_t BLOCK_LONG = STOP_BLOCK + 2;  // lengths are counted up to here: the start of a longer block may be overwritten
 
   static uint8_t at_most_255(uint16_t count) { return uint8_t(count > 255 ? 255 : count); }
   bool within_stop(uint8_t at) const;
@@ -78,15 +83,31 @@ class ReceiveBuffer {
   volatile uint8_t overruns_ = 0;  // 0 while the main loop keeps its budget (hal.h)
   // Written by the main loop.
   volatile uint8_t tail_ = 0;
-  uint8_t scanned_ = 0;       // end of the scanned bytes
-  uint8_t block_ = 0;      // start of the block being scanned
-  bool in_block_ = false;  // false before the first delimiter
+  uint8_t scanned_ = 0;                   // end of the scanned bytes
+  uint8_t block_ = uint8_t(-BLOCK_LONG);  // start of the block being scanned; before the first delimiter, as of a long one
   uint8_t discarded_ = 0;
   uint8_t first_ = 0;
   uint8_t stop_count_ = 0;
   EarlyStop stops_[STOPS] = {};
   uint8_t bytes_[256] = {};  // indices wrap by themselves
 };
+
+static_assert(FRAME_EMERGENCY_STOP == (FRAME_STOP | 1) && !(FRAME_STOP & 1), "one comparison finds both");
+
+bool ReceiveBuffer::find_candidate() {
+  uint8_t scanned = scanned_, block = block_;
+  const uint8_t head = head_;
+  bool found = false;
+  for (; scanned != head; scanned++) {
+    if (bytes_[scanned]) continue;
+    found = uint8_t(scanned - block) == STOP_BLOCK && (bytes_[uint8_t(block + 1)] | 1) == FRAME_EMERGENCY_STOP;
+    if (found) break;
+    block = uint8_t(scanned + 1);
+  }
+  scanned_ = scanned;
+  block_ = uint8_t(scanned - block) > BLOCK_LONG ? uint8_t(scanned - BLOCK_LONG) : block;
+  return found;
+}
 
 }  // namespace beatrix
 
