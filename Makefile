@@ -9,9 +9,9 @@ FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
 # The first Python that is new enough and really starts: a name on PATH may be an empty shim.
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
-# Tests mostly wait for robots, so five processes suit two cores. A CI computer may be slow and shared: with three, robots
-# that move in real time get enough of it.
-PROCESSES := $(if $(CI),3,5)
+# Tests often wait for robots, so four processes suit two cores; with more, robots get too little of them, and tests wait
+# longer. A CI computer may be slow and shared: there three are enough.
+PROCESSES := $(if $(CI),3,4)
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH))
 
 help: ## this list
