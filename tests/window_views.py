@@ -42,7 +42,7 @@ PATH = Path(
 
 
 def ready() -> World:
-    """Both robots are ready, at nearly the same position."""
+    """Return the world in which both robots are ready, at nearly the same position."""
     sim = posed("sim", ARMS, HeadAngles(12.0, -6.0, 4.0))
     hw = posed("hw", (11.2, -4.1, 6.9), HeadAngles(9.0, -4.5, 3.1))
     return world(sim, hw, names=("bea1", "bea2"))

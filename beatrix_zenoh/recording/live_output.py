@@ -95,7 +95,7 @@ class LiveOutput:
             return True
         if not self._stream.flush(CLOSE_S) and not self._stream.broken:
             return False
-        # A viewer that froze just now has the rest in its socket buffer and would still block the disconnect.
+        # If the viewer froze just now, the remaining data in its socket buffer would still block the disconnect.
         closing = threads.start(self._stream.close, "disconnect-viewer")
         closing.join(CLOSE_S)
         return not closing.is_alive()

@@ -18,7 +18,7 @@ from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.web.messages import Outcome, refused
 
 REPLIES_MAX: Final = 16
-"""STOPs whose replies are awaited at once; further ones are sent, and their replies are not reported."""
+"""Largest number of STOPs whose replies are awaited at the same time; replies to further STOPs are not reported."""
 NO_REPLY: Final = "STOP was sent. {} did not answer: if it moves, switch its power off."
 
 Report = Callable[[Outcome], object]

@@ -111,7 +111,7 @@ class Connection:
         self._tasks.put(old.twin.close)  # on the connection's thread, because it may wait for a robot
 
     def states(self) -> tuple[RobotState, RobotState]:
-        """Simulation and hardware of the chosen name now."""
+        """Simulation and hardware of the name that is chosen at present."""
         session = self.session
         if session is None:
             return absent(self.robot, "sim"), absent(self.robot, "hw")

@@ -44,7 +44,7 @@ class Link:
     def __init__(
         self, settings: Settings, on_outcome: OnOutcome, on_image: OnImage, *, name_given: bool = True
     ) -> None:
-        """Connect to nothing yet.
+        """Create the link; nothing is connected yet.
 
         Args:
             settings: robot, router and seat to begin with.

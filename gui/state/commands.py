@@ -31,7 +31,7 @@ def view(memory: Memory) -> CommandsView:
 
 
 def stop_button(memory: Memory) -> ButtonView:
-    """Return the STOP button, which is always enabled; on the page of the class it stops all robots."""
+    """Return the STOP button, which is always enabled; on the page *Class* it stops all robots."""
     texts = memory.choices.texts
     if memory.choices.page is Page.CLASS:
         return ButtonView(texts("stop_all"), texts("stop_all_tip"), Stop())
@@ -70,7 +70,7 @@ def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady |
 
 
 def stop(memory: Memory, world: World) -> list[Action]:
-    """Send STOP to both robots, or on the page of the class to all, even if none is on line."""
+    """Send STOP to both robots, or on the page *Class* to all robots, even if none is on line."""
     memory.mark_dropped()
     if memory.choices.page is Page.CLASS:
         return begin(memory, world, StopAll(memory.next_row()), CLASS)

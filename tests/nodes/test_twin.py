@@ -160,7 +160,7 @@ def test_the_verdict_of_a_preview_mentions_hardware_that_may_not_move(twin: Twin
     assert "But the hardware may not move now: The motors are off" in twin.preview(yaw=10).verdict
 
 
-def test_neither_is_switched_while_another_seat_drives_one(stage: Stage, twin: Twin) -> None:
+def test_neither_robot_is_switched_while_another_seat_drives_one_of_them(stage: Stage, twin: Twin) -> None:
     teacher = stage.robot("bea", "hw", "teacher")
     teacher.look(yaw=2, speed=60)
     calibrations = twin.sim.status().calibrations

@@ -60,7 +60,7 @@ def test_a_path_goes_through_its_points_and_never_beyond_them(given_points: tupl
     assert found.at(np.array([-1.0, t[-1] + 1.0])) == pytest.approx(arms[[0, -1]])
 
 
-def test_a_path_begins_at_zero_and_knows_its_lines() -> None:
+def test_a_path_begins_at_zero_and_keeps_its_line_numbers() -> None:
     found = path("5,0,0,0\n6,10,0,0\n\n8,0,5,0\n")
     assert found.t.tolist() == [0, 1, 3]
     assert [found.where(t) for t in (0.0, 0.5, 1.0, 2.5, 9.0)] == [

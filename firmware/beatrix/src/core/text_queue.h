@@ -1,4 +1,4 @@
-// Queue of text commands. Replies keep the order of the lines, also for lines that find the queue full.
+// Queue of text commands. Replies keep the order of the lines, also of lines that arrive when the queue is full.
 #ifndef BEATRIX_TEXT_QUEUE_H
 #define BEATRIX_TEXT_QUEUE_H
 
