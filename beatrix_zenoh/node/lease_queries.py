@@ -15,6 +15,7 @@ from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.component import Component, Context, StatusFields
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.own_key import check_own_key
+from beatrix_zenoh.node.replies import StopCause
 from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
 from beatrix_zenoh.node.request_queue import Task
 
@@ -133,7 +134,7 @@ class LeaseHandler(Component):
             return f"{now.holder} holds the robot; you are number {place} of {len(now.waiting)} in the queue."
         running = controller.running
         if running is not None and running.caller.seat != caller.seat:
-            controller.stop(Reason.STOPPED)
+            controller.stop(StopCause.TAKEN)
         return f"{caller.seat} holds the robot until it is given back."
 
     def _govern(self, query: LeaseQuery, caller: Caller) -> str:
@@ -147,13 +148,13 @@ class LeaseHandler(Component):
             text = f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
             if controller.running is None or not planner.exceeds_limit(controller.running.goal):
                 return text
-            controller.stop(Reason.STOPPED)
+            controller.stop(StopCause.TOO_FAST)
             return f"{text} A faster motion was stopped."
         access.freeze(on=query.action is LeaseAction.FREEZE)
         if query.action is LeaseAction.UNFREEZE:
             return "Every seat may move the robot again."
         if controller.driven and not self._teacher_drives():
-            controller.stop(Reason.STOPPED)
+            controller.stop(StopCause.FROZEN)
         return "Frozen: only the teacher may move the robot."
 
     def _teacher_drives(self) -> bool:

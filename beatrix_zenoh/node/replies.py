@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 from beatrix_zenoh._generated.messages import (
     CommandReply,
     Detail,
@@ -18,12 +20,18 @@ from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.hardware import Preview
 from beatrix_zenoh.node.planner import degrees, vector
 
-STOPPED_BY = {
-    Reason.STOPPED: OUTCOME_TEXT[Outcome.STOPPED],
-    Reason.SHUTDOWN: "by its node, which is closing",
-    Reason.CLIENT_LOST: "by its node, because the client that requested it is gone",
-}
-"""Sender of the STOP that has ended a motion, by the cause of the STOP."""
+
+class StopCause(Enum):
+    """Why the node has stopped a motion: the reason in its last reply, and the words after `Ended`."""
+
+    STOP = Reason.STOPPED, OUTCOME_TEXT[Outcome.STOPPED]
+    TAKEN = Reason.STOPPED, "by the teacher, who has taken the robot"
+    FROZEN = Reason.STOPPED, "by the teacher, who has frozen the robot"
+    TOO_FAST = Reason.STOPPED, "by the teacher, whose new speed limit is lower"
+    SHUTDOWN = Reason.SHUTDOWN, "by its node, which is closing"
+    CLIENT_LOST = Reason.CLIENT_LOST, "by its node, because the client that requested it is gone"
+
+
 POWERLESS = (Outcome.DISABLED, Outcome.EMERGENCY)
 RESET = (
     "The board was reset: its motors are off, and home is not known. Set the head upright, enable, calibrate."
@@ -106,8 +114,8 @@ def preview_refusal(error: BeatrixError) -> PreviewReply:
     )
 
 
-def motion_end(code: int, cause: Reason, arms: Arms) -> tuple[Reason, str]:
-    """Return reason and sentence for an outcome other than NONE; `cause`: why the node sent STOP; arms in rad."""
+def motion_end(code: int, cause: StopCause, arms: Arms) -> tuple[Reason, str]:
+    """Return reason and sentence for an outcome other than NONE; `cause`: of the STOP; arms in rad."""
     where = degrees(arms)
     if code not in OUTCOME_TEXT:
         return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
@@ -121,7 +129,8 @@ def motion_end(code: int, cause: Reason, arms: Arms) -> tuple[Reason, str]:
             f"upright, {first}, calibrate."
         )
     if outcome is Outcome.STOPPED:
-        return cause, f"Ended {STOPPED_BY[cause]}; the arms rest at {where}."
+        reason, words = cause.value
+        return reason, f"Ended {words}; the arms rest at {where}."
     return OUTCOME_REASON[outcome], f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {where}."
 
 

@@ -154,7 +154,7 @@ class StopHandler(Component):
             callback()
         self._context.access.stop_sent(time.monotonic())
         if error is None and controller.driven:
-            controller.stop(Reason.STOPPED)  # a motion may have overtaken STOP
+            controller.stop(replies.StopCause.STOP)  # a motion may have overtaken STOP
         if error is None and command is Command.EMERGENCY_STOP:
             error = self._check_latch()
         if error is None:

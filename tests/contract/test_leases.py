@@ -81,7 +81,7 @@ def test_the_teacher_freezes_and_unfreezes(body: Body, robot: Robot) -> None:
     assert reason_of(refused) is Reason.TEACHER_ONLY
     motion = robot.look(yaw=25, wait=False)
     lease.freeze(teacher)
-    with pytest.raises(Interrupted):
+    with pytest.raises(Interrupted, match="by the teacher, who has frozen the robot"):
         motion.wait()
     assert robot.status().frozen
     with pytest.raises(Refused) as refused:
@@ -99,7 +99,7 @@ def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
     assert reason_of(refused) is Reason.SPEED_LIMIT
     motion = robot.look(yaw=60, speed=30, wait=False)
     assert "A faster motion was stopped" in lease.limit_speed(teacher, 10.0).message
-    with pytest.raises(Interrupted):
+    with pytest.raises(Interrupted, match="by the teacher, whose new speed limit is lower"):
         motion.wait()
     home = robot.look(yaw=0, wait=False)
     assert "stopped" not in lease.limit_speed(teacher, 10.0).message, "this motion is slow enough"

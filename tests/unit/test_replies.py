@@ -7,6 +7,7 @@ import pytest
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.serial import Outcome
 from beatrix_zenoh.node import replies
+from beatrix_zenoh.node.replies import StopCause
 
 ARMS = (0.1, 0.0, -0.1)
 WHERE = "5.7°, 0.0°, -5.7°"
@@ -15,30 +16,36 @@ WHERE = "5.7°, 0.0°, -5.7°"
 @pytest.mark.parametrize(
     ("outcome", "cause", "reason", "expected"),
     [
-        (Outcome.DONE, Reason.STOPPED, Reason.OK, f"Arrived; the arms rest at {WHERE}."),
-        (Outcome.STOPPED, Reason.STOPPED, Reason.STOPPED, f"Ended by STOP; the arms rest at {WHERE}."),
+        (Outcome.DONE, StopCause.STOP, Reason.OK, f"Arrived; the arms rest at {WHERE}."),
+        (Outcome.STOPPED, StopCause.STOP, Reason.STOPPED, f"Ended by STOP; the arms rest at {WHERE}."),
         (
             Outcome.STOPPED,
-            Reason.SHUTDOWN,
+            StopCause.FROZEN,
+            Reason.STOPPED,
+            "Ended by the teacher, who has frozen the robot; the arms rest",
+        ),
+        (
+            Outcome.STOPPED,
+            StopCause.SHUTDOWN,
             Reason.SHUTDOWN,
             "Ended by its node, which is closing; the arms rest",
         ),
         (
             Outcome.STOPPED,
-            Reason.CLIENT_LOST,
+            StopCause.CLIENT_LOST,
             Reason.CLIENT_LOST,
             "because the client that requested it is gone",
         ),
         (
             Outcome.HOST_LOST,
-            Reason.STOPPED,
+            StopCause.STOP,
             Reason.HOST_LOST,
             "received no frame of its node for half a second",
         ),
-        (Outcome.GAP, Reason.STOPPED, Reason.ARM_GAP, "Ended by the guard: arms came too close"),
+        (Outcome.GAP, StopCause.STOP, Reason.ARM_GAP, "Ended by the guard: arms came too close"),
     ],
 )
-def test_reason_and_sentence_agree(outcome: Outcome, cause: Reason, reason: Reason, expected: str) -> None:
+def test_reason_and_sentence_agree(outcome: Outcome, cause: StopCause, reason: Reason, expected: str) -> None:
     actual, text = replies.motion_end(outcome, cause, ARMS)
     assert actual is reason
     assert expected in text
@@ -46,14 +53,14 @@ def test_reason_and_sentence_agree(outcome: Outcome, cause: Reason, reason: Reas
 
 @pytest.mark.parametrize("outcome", [Outcome.DISABLED, Outcome.EMERGENCY])
 def test_the_sentence_about_arms_without_power_does_not_claim_that_they_rest(outcome: Outcome) -> None:
-    _, text = replies.motion_end(outcome, Reason.STOPPED, ARMS)
+    _, text = replies.motion_end(outcome, StopCause.STOP, ARMS)
     assert "rest" not in text
     first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
     assert f"The arms were at {WHERE}; without power the head may have sunk: set it upright, {first}" in text
 
 
 def test_an_unknown_outcome_is_a_contract_mismatch() -> None:
-    reason, text = replies.motion_end(99, Reason.STOPPED, ARMS)
+    reason, text = replies.motion_end(99, StopCause.STOP, ARMS)
     assert reason is Reason.CONTRACT_MISMATCH
     assert "(99)" in text
 
@@ -61,7 +68,7 @@ def test_an_unknown_outcome_is_a_contract_mismatch() -> None:
 def test_every_outcome_has_a_sentence() -> None:
     for outcome in Outcome:
         if outcome is not Outcome.NONE:
-            _, text = replies.motion_end(outcome, Reason.STOPPED, ARMS)
+            _, text = replies.motion_end(outcome, StopCause.STOP, ARMS)
             assert text[0].isupper()
             assert text.endswith(".")
 
