@@ -19,7 +19,7 @@ def table(head: list[str], lines: list[list[object]]) -> str:
 
 def messages(contract: Contract) -> str:
     out = NOTE.format(source="messages.toml") + "# Messages\n\n"
-    out += f"Contract `{contract.bus_hash:08x}`. SI units. A message is a msgpack map with these names and floats in single precision, or a JSON object with these names.\n"
+    out += f"Contract `{contract.bus_hash:08x}`. SI units. A message is a msgpack map or a JSON object; its keys are the names of the fields below. Floats in msgpack have single precision; requests may also have double precision.\n"
     for name, message in contract.messages["message"].items():
         request = " Unknown fields are refused." if message.get("request") else ""
         out += f"\n## {name}\n\n{message['doc']}{request}\n\n"

@@ -280,7 +280,7 @@ def flood(robot: Robot, seen: Seen) -> None:
         mega.tick(30)
         figures = f"{mega.avr.overruns} lost, {len(mega.others)} of {count} answered"
         show(
-            f"{robot.name}: wire two thirds full, bytes lost by the UART",
+            f"{robot.name}: PINGs on two thirds of the link, bytes lost",
             figures,
             "0",
             good=mega.avr.overruns == 0 and len(mega.others) == count,

@@ -140,7 +140,7 @@ class Twin:
 
     def _start(self) -> Start:
         hardware: PlanPosition | None = None
-        # A preview needs only the simulation; commit reports a missing robot.
+        # A preview needs only the simulation; commit reports missing hardware.
         with contextlib.suppress(NoAnswer):
             hardware = self.state.plan_position(self.hw)
         return self.state.plan_position(self.sim), hardware

@@ -70,13 +70,13 @@ _Profile = tuple[_Piece, ...]
 def plan(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, acceleration: float, *, straight: bool
 ) -> Trajectory:
-    """Return the trajectory of arms at `start` (rad) with `velocity` (rad/s) to rest at `target` (rad).
+    """Return the trajectory of arms that start at `start` (rad) with `velocity` (rad/s) and come to rest at `target` (rad).
 
     speed: top speed of each arm (rad/s), > 0. acceleration: rad/s2, > 0. An arm that cannot stop before its target
     stops beyond it and returns; an arm above its new top speed slows down to it.
     straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
     rest their accelerations are lower in the same proportion, so that all arms start and arrive together on a straight
-    line. In motion that is impossible, and every arm brakes and accelerates at its limit.
+    line. Arms that move at the start cannot stay on a line: each of them brakes and accelerates with `acceleration`.
     """
     travel = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
     longest = max(map(abs, travel))

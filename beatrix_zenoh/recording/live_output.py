@@ -36,8 +36,8 @@ class LiveOutput:
     """Sends rows to the viewer on a port of this computer while the viewer receives them.
 
     Rerun keeps up to 200 MB for a frozen viewer and then blocks, and it sends nothing to a viewer that starts after the
-    stream. So this class tries the port first, checks once a second with a time-limited flush whether data arrive, and
-    sends everything again to a viewer that has returned.
+    stream. So this class tries the port first, and checks once a second with a time-limited flush whether data arrive.
+    A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are counted, not sent again.
     """
 
     def __init__(self, port: int, say: Say) -> None:

@@ -133,7 +133,7 @@ def path_of(read: MotionFile, neck: Neck) -> ArmPath:
 
 
 def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]:
-    """Arms (deg) of a point; raises Refused, which names the line, if no arms reach it."""
+    """Arm angles (deg) of a point; raises Refused, which names the line, if no arm angles turn the head there."""
     try:
         return arms_of(point.place, neck)
     except BeatrixError as error:
@@ -142,7 +142,7 @@ def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]
 
 
 def arms_of(place: Place, neck: Neck) -> tuple[float, float, float]:
-    """Arms (deg) of a place (deg); raises Refused if no arms reach it."""
+    """Arm angles (deg) for angles of the head or the arms (deg); raises Refused if no arm angles turn the head there."""
     if not isinstance(place, HeadAngles):
         return place
     x, y, z = neck.inverse(*(math.radians(angle) for angle in place))

@@ -72,7 +72,7 @@ class Picture(QWidget):
         return QSize(120, 90 + self._strip())
 
     def show_view(self, view: EyeView) -> None:
-        """Show title and text, and update the age of the picture."""
+        """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
         if view.text or not view.watched:
             self._newest = self._image = None
             self._numbers.clear()

@@ -1,4 +1,4 @@
-"""The bodies of every contract test."""
+"""Fixtures of the contract tests: the kinds of robot (bodies) on which each test runs, unless a mark selects fewer."""
 
 from __future__ import annotations
 

@@ -177,7 +177,7 @@ MOVES = st.tuples(st.sampled_from(["@MOVAALL", "@MOVRALL"]), st.tuples(ANYWHERE,
 
 @settings(max_examples=15)
 @given(st.lists(MOVES, min_size=1, max_size=5))
-def test_random_programs_stay_within_the_limits(script: list[tuple[str, Steps]]) -> None:
+def test_random_programs_never_move_the_arms_beyond_the_limits(script: list[tuple[str, Steps]]) -> None:
     program = Program(framed=True).ready()
     for word, (x, y, z) in script:
         program.send(f"{word} {x} {y} {z}\r".encode("ascii"))

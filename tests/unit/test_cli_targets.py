@@ -60,7 +60,7 @@ def test_the_error_for_no_robot_on_line_suggests_to_start_one() -> None:
         (None, None, names.default_robot(), False),
     ],
 )
-def test_option_environment_or_file_name_the_robot(
+def test_the_robot_is_named_by_option_environment_or_file(
     monkeypatch: pytest.MonkeyPatch,
     option: str | None,
     environment: str | None,

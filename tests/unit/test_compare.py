@@ -37,7 +37,7 @@ FEW = settings(max_examples=25)
 
 
 def movement(targets: list[tuple[float, float, float]], t: Floats) -> Floats:
-    """Angles (n, 6) in deg of a head that turns to each target and rests between them, from t = 1 s."""
+    """Angles (n, 6) in deg of a robot that turns to one target after another from t = 1 s, and rests at each."""
     here, begin = (0.0, 0.0, 0.0), 1.0
     arms = np.zeros((len(t), 3))
     for target in targets:

@@ -57,8 +57,8 @@ void Axis::follow(int32_t target, const Ramp &ramp, const Fixed &rest) {
   rest_ = rest;
 }
 
-// Largest distance to rest, in microsteps: the speed is less than 130 microsteps/s, and a motor can start at ten times
-// that speed.
+// Largest stopping distance, in microsteps, at which an arm may stop at once: so near, it turns slower than 130
+// microsteps/s, and a motor can start or stop without a ramp at ten times that speed.
 static const int32_t STOP_AT_ONCE_MAX = 4;
 
 bool Axis::may_stop_at_once() const {

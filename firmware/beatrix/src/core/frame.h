@@ -28,7 +28,7 @@ class Receiver {
   Received feed(uint8_t byte);
   // Discard an incomplete frame or line after a timeout.
   void abandon();
-  // The bytes so far may be the start of a frame.
+  // Whether the bytes received so far may be the start of a frame.
   bool in_frame() const { return mode_ == LINE_END_FIRST || mode_ == FRAME; }
 
   uint8_t type() const { return body_[0]; }
