@@ -131,7 +131,7 @@ def without_rights(endpoint: str, account: Account) -> str:
 def _refused(endpoint: str, account: Account, cause: str) -> str:
     return (
         f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
-        f"{account.name}.toml, then `beatrix join {account.name}.toml`."
+        f"{account.name}.toml, then `beatrix join {account.name}.toml`; if the account has just been made, restart the router."
     )
 
 

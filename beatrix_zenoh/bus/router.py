@@ -66,7 +66,10 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         "transport/unicast/accept_pending": HALF_OPEN,
         "transport/unicast/accept_timeout": LEASE_MS,
     }
-    trouble = f"Cannot listen at {listen}: is another router running there? Choose another with --listen."
+    trouble = (
+        f"Cannot listen at {listen}: is this router running already? For a second one choose another "
+        "address with --listen."
+    )
     if access is None:
         return opened(settings, lambda: trouble)
     settings |= _access_settings(access)

@@ -94,7 +94,8 @@ def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     for given, kind, section in ((table, _ClassFile, ""), (table.get("router"), _Router, " of [router]")):
         if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
             known = ", ".join(kind.__struct_fields__)
-            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}")
+            hint = ". Write it below a line [router]" if unknown[0] in _Router.__struct_fields__ else ""
+            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}{hint}")
     if (auth := table.get("auth", "password")) not in get_args(Auth):
         raise wrong(path, f'auth is {quoted(str(auth))}: "password" or "certificate" is allowed')
     try:

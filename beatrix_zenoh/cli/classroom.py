@@ -49,7 +49,7 @@ def classroom(
     made = provision.init(described, folder)
     say(f"Class {described.name}: {len(described.seats)} seats, {len(described.robots)} robots, in {folder}")
     say(f"  new accounts       {', '.join(made.new) or 'none'}")
-    say(f"  start the router   beatrix router --class {file if out is None else folder / 'router.toml'}")
+    say(f"  (re)start router   beatrix router --class {file if out is None else folder / 'router.toml'}")
     if described.standby:
         standby = folder / "standby.toml"
         say(f"  on {described.standby}    beatrix router --class {standby.name}   (copy {standby} there)")

@@ -76,6 +76,8 @@ def _hold(robots: Sequence[Robot]) -> None:
                 continue
             robot.lease_number = 0  # nothing to give back
             now = f"{status.holder} holds it now" if status.holder else "it is free now"
+            if status.holder == robot.client.settings.who:
+                now = "it is free two seconds after the last motion of this seat"
             raise Refused(
                 Reason.NOT_HOLDER, f"{robot}: your lease has ended; {now}. `beatrix ls` shows the state."
             )

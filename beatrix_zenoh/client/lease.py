@@ -61,7 +61,11 @@ def take(robot: Robot, wait_s: float) -> int:
 
 
 def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
-    """Wait for the lease; return empty, or the seat that still holds the robot at `deadline_s` (monotonic clock, s)."""
+    """Wait for the lease; return empty, or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
+
+    The robot forgets who waits when its node restarts, or when this session is disconnected: wait again then.
+    """
+    seat = robot.client.settings.who
     with robot.status_stream() as statuses:
         while (left_s := deadline_s - time.monotonic()) > 0:
             try:
@@ -70,9 +74,11 @@ def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
                 if error.reason is not Reason.TIMED_OUT:
                     raise
                 break
-            if status.holder == robot.client.settings.who and status.lease:
+            if status.holder == seat and status.lease:
                 return ""
             holder = status.holder
+            if seat not in status.waiting and ask(robot, LeaseAction.WAIT).lease:
+                return ""
     return holder
 
 

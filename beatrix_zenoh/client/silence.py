@@ -92,8 +92,8 @@ class Unanswered:
     def _no_router(self) -> NoAnswer:
         return NoAnswer(
             Reason.NO_ROUTER,
-            f"The router at {self.client.bus.endpoint} is lost, so the robots stop their motions. This program reconnects "
-            "when the router returns.",
+            f"The router at {self.client.bus.endpoint} is lost, so the robots stop their motions. When the router is "
+            "back, send the request again.",
         )
 
     def _interrupted(self) -> NoAnswer:

@@ -124,7 +124,7 @@ class LeaseHandler(Component):
     def _take(self, caller: Caller, *, wait: bool) -> str:
         """Let the caller take the robot or wait for it.
 
-        If the teacher takes the robot, stop a motion of another seat.
+        If the teacher takes the robot, stop a motion of another seat or of an old program.
         """
         access, controller = self._context.access, self._context.controller
         take(access, caller, time.monotonic(), wait=wait)
@@ -132,8 +132,7 @@ class LeaseHandler(Component):
         if caller.seat in now.waiting:
             place = now.waiting.index(caller.seat) + 1
             return f"{now.holder} holds the robot; you are number {place} of {len(now.waiting)} in the queue."
-        running = controller.running
-        if running is not None and running.caller.seat != caller.seat:
+        if controller.driven and not self._drives(caller.seat):
             controller.stop(StopCause.TAKEN)
         return f"{caller.seat} holds the robot until it is given back."
 
@@ -153,13 +152,13 @@ class LeaseHandler(Component):
         access.freeze(on=query.action is LeaseAction.FREEZE)
         if query.action is LeaseAction.UNFREEZE:
             return "Every seat may move the robot again."
-        if controller.driven and not self._teacher_drives():
+        if controller.driven and not self._drives(names.TEACHER):
             controller.stop(StopCause.FROZEN)
         return "Frozen: only the teacher may move the robot."
 
-    def _teacher_drives(self) -> bool:
+    def _drives(self, seat: str) -> bool:
         running = self._context.controller.running
-        return running is not None and running.caller.seat == names.TEACHER
+        return running is not None and running.caller.seat == seat
 
     def _reply(self, reason: Reason, text: str, caller: Caller, detail: Detail | None = None) -> LeaseReply:
         now = standing(self._context.access, time.monotonic())

@@ -116,7 +116,7 @@ ENGLISH: Final = Language(
             Reason.TEACHER_ONLY,
             None,
             "seat",
-        ): "{holder} is not the teacher's seat: only `teacher` may send this request.",
+        ): "{holder} is not the teacher's seat: only `teacher` may send this request. As the teacher, set BEATRIX_WHO=teacher, or in a class `beatrix join` with teacher.toml.",
         (Reason.NOT_HOLDER, None, "wait"): (
             "{holder} drives this robot, which is at rest. Try again in {wait_s}; STOP is open to every seat."
         ),

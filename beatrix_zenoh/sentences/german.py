@@ -157,7 +157,7 @@ GERMAN: Final = Language(
             Reason.TEACHER_ONLY,
             None,
             "seat",
-        ): "{holder} ist nicht der Platz der Lehrkraft: das darf nur `teacher`.",
+        ): "{holder} ist nicht der Platz der Lehrkraft: das darf nur `teacher`. Als Lehrkraft BEATRIX_WHO=teacher setzen, oder in einer Klasse `beatrix join` mit teacher.toml.",
         (Reason.NOT_HOLDER, None, "wait"): (
             "{holder} steuert diesen Roboter, der ruht. Versuche es in {wait_s} wieder; STOP darf jeder Platz senden."
         ),

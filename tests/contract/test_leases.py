@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 
 import pytest
@@ -58,6 +59,23 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
     until(lambda: robot.status().holder == "dora", "handed over", 4.0)
     with dora.lease(wait_s=1.0):
         dora.look(yaw=2, speed=60)
+
+
+def test_a_seat_that_the_robot_has_forgotten_waits_again(body: Body, robot: Robot) -> None:
+    """Another program of the seat gives up, the node restarts, or the router disconnects a suspended computer."""
+    holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
+    held = holder.lease()
+    taken: list[int] = []
+    waiter = threading.Thread(target=lambda: taken.append(lease.take(dora, 15.0)))
+    waiter.start()
+    until(lambda: robot.status().waiting == ["dora"], "dora waits")
+    lease.ask(another, LeaseAction.GIVE_BACK)
+    until(lambda: robot.status().waiting == ["dora"], "dora waits again")
+    held.close()
+    waiter.join(10.0)
+    assert taken
+    assert robot.status().holder == "dora"
+    lease.ask(dora, LeaseAction.GIVE_BACK)
 
 
 def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) -> None:

@@ -69,6 +69,18 @@ def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place
         assert 0.3 < events[3].duration < 3.0
 
 
+def test_a_teacher_who_takes_the_robot_stops_a_running_motion(place: Place) -> None:
+    teacher = place.stage.robot("bea", "hw", "teacher")
+    with place.program() as program:
+        program.begin()
+        program.port.write(place.turn(600))
+        until(place.far, "moving")
+        with teacher.lease():
+            until(lambda: not place.robot.status().moving, "stopped", 1.5)
+            assert abs(place.robot.positions().commanded.short - place.start) < 40, "600 steps are 52 deg"
+    until(lambda: place.robot.status().holder in ("", "ana"), "free", 5.0)
+
+
 def test_a_motion_that_is_stopped_or_not_accepted_is_in_the_event_log(place: Place) -> None:
     with place.program() as program:
         program.begin()
