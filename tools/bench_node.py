@@ -369,7 +369,8 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
             robot = Robot(NAME, "hw", client=client)
             robot.enable()
             robot.calibrate()
-            # A query for positions needs Zenoh and threads, but no check and no board: it shows how fast this computer is now.
+            # A query for positions needs Zenoh and threads, but no check and no board: it shows how fast this computer
+            # is now.
             yield (
                 "the same minutes: a query's answer, no board [ms]",
                 spread_ms(paced(robot.positions)),

@@ -109,7 +109,7 @@ def refusal(endpoint: str, account: Account | None) -> str:
             endpoint,
             account,
             "it does not know the account, or the password is wrong: it is the router of another class, it was started "
-            "before the account was made, or all accounts were made again",
+            "before the account was made (then restart it), or all accounts were made again",
         )
     causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
@@ -124,14 +124,14 @@ def without_rights(endpoint: str, account: Account) -> str:
         endpoint,
         account,
         "it accepts the certificate but drops all messages: the class has no seat or robot of this name any more, or "
-        "the router was started before the account was made",
+        "the router was started before the account was made (then restart it)",
     )
 
 
 def _refused(endpoint: str, account: Account, cause: str) -> str:
     return (
         f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
-        f"{account.name}.toml, then `beatrix join {account.name}.toml`; if the account has just been made, restart the router."
+        f"{account.name}.toml, then `beatrix join {account.name}.toml`."
     )
 
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from beatrix_zenoh._generated.messages import LeaseAction, Reason, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
 from beatrix_zenoh.cli.output import exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
@@ -75,12 +75,22 @@ def _hold(robots: Sequence[Robot]) -> None:
             if status.lease == robot.lease_number:
                 continue
             robot.lease_number = 0  # nothing to give back
-            now = f"{status.holder} holds it now" if status.holder else "it is free now"
-            if status.holder == robot.client.settings.who:
-                now = "it is free two seconds after the last motion of this seat"
             raise Refused(
-                Reason.NOT_HOLDER, f"{robot}: your lease has ended; {now}. `beatrix ls` shows the state."
+                Reason.NOT_HOLDER,
+                f"{robot}: your lease has ended; {_holder_now(status, robot.client.settings.who)}. `beatrix ls` shows "
+                "the state.",
             )
+
+
+def _holder_now(status: Status, seat: str) -> str:
+    """Return which seat holds the robot after the lease of `seat` has ended."""
+    if not status.holder:
+        return "it is free now"
+    if status.holder != seat:
+        return f"{status.holder} holds it now"
+    if status.lease:
+        return "another program of this seat holds it now"
+    return "it is free two seconds after the last motion of this seat"
 
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:

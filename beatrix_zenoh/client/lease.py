@@ -63,7 +63,8 @@ def take(robot: Robot, wait_s: float) -> int:
 def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
     """Wait for the lease; return empty, or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
-    The robot forgets who waits when its node restarts, or when this session is disconnected: wait again then.
+    The robot forgets a waiting seat when its node restarts, the session is disconnected, or another program of the seat
+    gives up: wait again then.
     """
     seat = robot.client.settings.who
     with robot.status_stream() as statuses:

@@ -127,7 +127,8 @@ class EventLog:
         while self._coming:
             event = self._client.read(Reply(self._key, self._coming.popleft(), "", error=False), Event)
             found += [] if event is None else [event]
-        # Events published during the query are in the robot's list and among those received; a restarted node counts from 0 again.
+        # Events published during the query are in the robot's list and among those received; a restarted node counts
+        # from 0 again.
         self._read = list({(event.t_mono_ns, event.seq): event for event in found}.values())[-self._length :]
         return tuple(self._read)
 

@@ -70,7 +70,7 @@ _Profile = tuple[_Piece, ...]
 def plan(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, acceleration: float, *, straight: bool
 ) -> Trajectory:
-    """Return the trajectory of arms that start at `start` (rad) with `velocity` (rad/s) and come to rest at `target` (rad).
+    """Return the trajectory of arms from `start` (rad), where they have `velocity` (rad/s), to rest at `target` (rad).
 
     speed: top speed of each arm (rad/s), > 0. acceleration: rad/s2, > 0. An arm that cannot stop before its target
     stops beyond it and returns; an arm above its new top speed slows down to it.

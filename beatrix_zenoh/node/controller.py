@@ -18,7 +18,6 @@ from beatrix_zenoh.node.diagnostics import Diagnostics
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.planner import Goal, Planner
 from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.replies import StopCause
 
 NUMBERS = 65535
 """The highest number of a motion."""
@@ -54,7 +53,7 @@ class MotionController:
         self._access, self._diagnostics = access, diagnostics
         self._running: Running | None = None
         self._number = secrets.randbelow(NUMBERS)  # differs from the last number of an earlier node
-        self._stop_cause = StopCause.STOP
+        self._stop_cause = replies.StopCause.STOP
         self._lost = True
         self.text_moves = False
         """A motion of the text port is under way or about to begin."""
@@ -103,7 +102,7 @@ class MotionController:
             raise
         replaced = self._running
         self._running = Running(number, caller, goal, boot, now_s, now_s + goal.duration + LATE_S, ended)
-        self._stop_cause = StopCause.STOP
+        self._stop_cause = replies.StopCause.STOP
         accepted(number, goal)
         self._board.wake()
         if replaced is not None:
@@ -119,11 +118,11 @@ class MotionController:
             self._board.move(goal.frame(self._number))
         except NoAnswer:
             # The board may have received the motion, although the client gets a refusal.
-            self.stop(StopCause.STOP)
+            self.stop(replies.StopCause.STOP)
             raise
         return self._number, 0 if telemetry is None else telemetry.boot
 
-    def stop(self, cause: StopCause) -> None:
+    def stop(self, cause: replies.StopCause) -> None:
         """Decelerate; a board that does not answer stops by itself, because it misses the heartbeat."""
         self._stop_cause = cause
         try:
@@ -134,7 +133,7 @@ class MotionController:
     def client_lost(self) -> None:
         """The holder or the router was lost: stop the motion and free the robot."""
         if self.driven:
-            self.stop(StopCause.CLIENT_LOST)
+            self.stop(replies.StopCause.CLIENT_LOST)
             self._access.release(time.monotonic())
 
     def overdue(self) -> bool:
@@ -180,7 +179,7 @@ class MotionController:
     def close(self) -> None:
         """Stop the arms, wait until they rest, and end the running motion."""
         if self.driven:
-            self.stop(StopCause.SHUTDOWN)
+            self.stop(replies.StopCause.SHUTDOWN)
             self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, CLOSE_S)
             self.observe()
         if self._running is not None:

@@ -37,7 +37,8 @@ class LiveOutput:
 
     Rerun keeps up to 200 MB for a frozen viewer and then blocks, and it sends nothing to a viewer that starts after the
     stream. So this class tries the port first, and checks once a second with a time-limited flush whether data arrive.
-    A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are counted, not sent again.
+    A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are counted, not sent
+    again.
     """
 
     def __init__(self, port: int, say: Say) -> None:

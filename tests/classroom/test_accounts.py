@@ -208,9 +208,8 @@ def test_stop_needs_no_readable_account(
     done = beatrix("ls")
     assert done.returncode == 2
     assert "is not an account file" in done.stderr
-    monkeypatch.setenv(
-        "BEATRIX_CONNECT", free_endpoint()
-    )  # robots of the developer may be at the default router
+    # Robots of the developer may be at the default router.
+    monkeypatch.setenv("BEATRIX_CONNECT", free_endpoint())
     done = beatrix("stop")
     assert "is not an account file" in done.stderr
     assert done.returncode == 3, "the program looked for a router"

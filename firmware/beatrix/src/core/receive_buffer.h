@@ -72,7 +72,8 @@ class ReceiveBuffer {
  private:
   static const uint8_t FILL_MAX = 191;  // leaves 64 bytes, 2.5 ms
   static const uint8_t STOPS = 16;
-  static const uint8_t BLOCK_LONG = STOP_BLOCK + 2;  // lengths are counted up to here: the start of a longer block may be overwritten
+  // Lengths are counted up to here: the start of a longer block may be overwritten.
+  static const uint8_t BLOCK_LONG = STOP_BLOCK + 2;
 
   static uint8_t at_most_255(uint16_t count) { return uint8_t(count > 255 ? 255 : count); }
   bool within_stop(uint8_t at) const;
@@ -83,8 +84,9 @@ class ReceiveBuffer {
   volatile uint8_t overruns_ = 0;  // 0 while the main loop keeps its budget (hal.h)
   // Written by the main loop.
   volatile uint8_t tail_ = 0;
-  uint8_t scanned_ = 0;                   // end of the scanned bytes
-  uint8_t block_ = uint8_t(-BLOCK_LONG);  // start of the block being scanned; before the first delimiter, as of a long one
+  uint8_t scanned_ = 0;  // end of the scanned bytes
+  // Start of the block being scanned. Bytes before the first delimiter count as a long block.
+  uint8_t block_ = uint8_t(-BLOCK_LONG);
   uint8_t discarded_ = 0;
   uint8_t first_ = 0;
   uint8_t stop_count_ = 0;
