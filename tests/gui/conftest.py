@@ -110,6 +110,8 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 
 
 def is_at_rest(robot: Robot) -> bool:
-    """Whether the pause after a STOP of another session has ended."""
+    """Whether the arms rest, and the pause after a STOP of another session has ended."""
+    if robot.status().moving:
+        return False  # the STOP of a window that closes may not be an event yet
     stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]
     return time.time_ns() - max(stops_ns, default=0) > QUIET_S * 1e9

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -62,8 +63,11 @@ def without_opengl(tmp_path: Path) -> Path:
 def children(process: int) -> dict[int, str]:
     """Living children of a process: numbers and command lines."""
     listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
-    numbers = [int(number) for listing in listings for number in listing.split()]
-    return {number: Path(f"/proc/{number}/cmdline").read_bytes().decode() for number in numbers}
+    found = {}
+    for number in (int(word) for listing in listings for word in listing.split()):
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
+            found[number] = Path(f"/proc/{number}/cmdline").read_bytes().decode()
+    return found
 
 
 def renderers(process: int) -> list[int]:
