@@ -89,12 +89,13 @@ def join(
         say("This computer is in no class now.")
         return
     account = accounts.parse(sys.stdin.read(), "The text") if file == STDIN else accounts.load(file)
+    before = f" It replaces the account that was stored in {place}." if place.exists() else ""
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         write_private(place, account.text())
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot store the account: {error}.") from error
-    say(f"Joined class {account.class_name} as {account.name}. Router: {account.connect}")
+    say(f"Joined class {account.class_name} as {account.name}. Router: {account.connect}.{before}")
     _check(account)
 
 

@@ -33,7 +33,7 @@ def doctor(
         return
     settings = resolve(None, connect, who)
     with graphics_probe() as graphics:  # it runs in a process of its own during the checks
-        found = list(network(settings))
+        found = list(network(settings, name))
         sections = [(settings.connect, found), ("this computer", [*this_computer(), graphics()])]
     findings = [finding for _, section in sections for finding in section]
     wrong = [finding for finding in findings if finding.todo]

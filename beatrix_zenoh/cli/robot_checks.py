@@ -28,8 +28,11 @@ SLOW = 0.9
 """Fraction of the contract's rate of positions; a lower rate is reported."""
 
 
-def network(settings: Settings) -> Iterator[Finding]:
-    """Findings about router, account and robots; the checks end at the first step that fails."""
+def network(settings: Settings, name: str | None = None) -> Iterator[Finding]:
+    """Findings about router, account and robots; the checks end at the first step that fails.
+
+    With `name`, a robot of this name must be on line.
+    """
     try:
         client = Client(settings)
     except NoAnswer as error:
@@ -45,7 +48,7 @@ def network(settings: Settings) -> Iterator[Finding]:
             account = accepted(client)
             yield account
             if not account.todo:
-                yield from robots(client)
+                yield from robots(client, name)
         except NoAnswer as error:
             yield Finding("router", "was lost during the checks", error.message)
 
@@ -62,20 +65,27 @@ def accepted(client: Client) -> Finding:
     return Finding("account", f"{account.name} of class {account.class_name}, accepted{until}")
 
 
-def robots(client: Client) -> Iterator[Finding]:
-    """Findings about every robot on line."""
+def robots(client: Client, name: str | None) -> Iterator[Finding]:
+    """Findings about every robot on line, and about `name` if it is not."""
     with Monitor(client) as monitor:
         began_s = time.monotonic()
         found = listed(client, monitor)
-        if not found:
+        if name is not None and all(robot.place[0] != name for robot in found):
+            yield missing(name, [str(robot) for robot in found])
+        elif not found:
             yield Finding("robots", "none on line", advice="to start one: beatrix sim, or beatrix up")
-            return
         time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
         rates = {robot.place: monitor.robot(*robot.place).hz for robot in found}
     nodes = Counter(client.bus.claims())
     for robot in found:
         yield from one_robot(client, robot, rates[robot.place], nodes[robot.place])
     yield from unlike_twins({robot.place: robot.info for robot in found if robot.info is not None})
+
+
+def missing(name: str, others: list[str]) -> Finding:
+    """The finding about a named robot that is not on line."""
+    found = f"not on line; on line: {', '.join(others) or 'no robot'}"
+    return Finding(name, found, "look at the output of its node, or start it: beatrix sim or beatrix hw")
 
 
 def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) -> Iterator[Finding]:

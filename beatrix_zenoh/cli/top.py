@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
+LOST = "The router at {} is lost, or this computer has lost the network. The table returns with the router."
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
 """Time for which `--once` collects data before it prints; also the period of the tables in a pipe (s)."""
@@ -59,11 +60,11 @@ def top(
             if as_json:
                 print_json({"result": True, "robots": [as_dict(row) for row in rows], "seats": seats.names()})
             else:
-                say(text(rows, seats))
+                say(text(client, rows, seats))
         elif os.isatty(STDOUT):
-            live(monitor, seats, client.bus.endpoint)
+            live(client, monitor, seats)
         else:
-            print_tables(monitor, seats)
+            print_tables(client, monitor, seats)
 
 
 def rows_of(monitor: Monitor) -> list[Row]:
@@ -101,16 +102,22 @@ def notes(rows: list[Row]) -> list[str]:
     return found + unfrozen_note({row.place: bool(row.lease["frozen"]) for row in rows if row.lease})
 
 
+def messages(client: Client, rows: list[Row]) -> list[str]:
+    """The lines below the table: the loss of the router, no robot, or the problems of the robots."""
+    if not client.bus.connected:
+        return [LOST.format(client.bus.endpoint)]
+    return notes(rows) if rows else [NO_ROBOT]
+
+
 def seats_line(seats: Seats) -> str:
     """The seats that are connected to the router, on one line."""
     return f"seats: {', '.join(seats.names())}"
 
 
-def text(rows: list[Row], seats: Seats) -> str:
+def text(client: Client, rows: list[Row], seats: Seats) -> str:
     """The table as text, for a pipe."""
-    if not rows:
-        return f"{NO_ROBOT}\n{seats_line(seats)}"
-    return "\n".join([columns(HEADS, [cells(row) for row in rows]), *notes(rows), seats_line(seats)])
+    table = [columns(HEADS, [cells(row) for row in rows])] if rows else []
+    return "\n".join([*table, *messages(client, rows), seats_line(seats)])
 
 
 def as_dict(row: Row) -> dict[str, object]:
@@ -130,40 +137,41 @@ def as_dict(row: Row) -> dict[str, object]:
     }
 
 
-def print_tables(monitor: Monitor, seats: Seats) -> None:
+def print_tables(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Print table after table until Ctrl-C, or until the reader closes the pipe."""
     while True:
         time.sleep(TABLE_S)
-        say(f"{text(rows_of(monitor), seats)}\n")
+        say(f"{text(client, rows_of(monitor), seats)}\n")
 
 
-def live(monitor: Monitor, seats: Seats, endpoint: str) -> None:
+def live(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Redraw the table until Ctrl-C."""
     from rich.live import Live
 
-    with Live(screen_table(rows_of(monitor), seats, endpoint), auto_refresh=False, screen=True) as screen:
+    with Live(screen_table(client, rows_of(monitor), seats), auto_refresh=False, screen=True) as screen:
         while True:
             time.sleep(REFRESH_S)
-            screen.update(screen_table(rows_of(monitor), seats, endpoint), refresh=True)
+            screen.update(screen_table(client, rows_of(monitor), seats), refresh=True)
 
 
-def screen_table(rows: list[Row], seats: Seats, endpoint: str) -> RenderableType:
+def screen_table(client: Client, rows: list[Row], seats: Seats) -> RenderableType:
     """The table with colours, for a terminal."""
     from rich.console import Group
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=f"BEATRIX robots at {endpoint}", box=None, pad_edge=False, title_justify="left")
+    table = Table(
+        title=f"BEATRIX robots at {client.bus.endpoint}", box=None, pad_edge=False, title_justify="left"
+    )
     for index, head in enumerate(HEADS):
         table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
     for row in rows:
         table.add_row(*cells(row), style=colour(row))
-    lines = notes(rows) if rows else [NO_ROBOT]
     foot = Text(
         f"\n{seats_line(seats)}\nsilent: time since the last positions of the robot. Ctrl-C ends.",
         style="dim",
     )
-    return Group(table, *(Text(line, style="yellow") for line in lines), foot)
+    return Group(table, *(Text(line, style="yellow") for line in messages(client, rows)), foot)
 
 
 def colour(row: Row) -> str:

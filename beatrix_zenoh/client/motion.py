@@ -14,8 +14,8 @@ from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
 
 MARGIN_S = 3.0
 """Time after the announced end of a motion until its final reply counts as lost."""
-SILENT = (
-    "{} did not report that the motion has ended: it is frozen or not on line, or this computer is very busy."
+NO_END = (
+    "{} did not report that the motion has ended, although it is on line: it or this computer is very busy."
 )
 
 
@@ -27,6 +27,9 @@ class Replies(Protocol):
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` after every reply."""
+
+    def explain(self, limit_s: float) -> NoAnswer:
+        """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
 
     def close(self) -> None:
         """Receive no more replies."""
@@ -166,7 +169,14 @@ class Motion:
         except NoAnswer as error:
             return error
         except TimeoutError:
-            return None if self._left() else NoAnswer(Reason.TIMED_OUT, SILENT.format(self._robot))
+            return None if self._left() else self._overdue()
+
+    def _overdue(self) -> NoAnswer:
+        """Return the error of a motion whose end was not reported in time."""
+        error = self._replies.explain(self.duration + MARGIN_S)
+        return (
+            NoAnswer(error.reason, NO_END.format(self._robot)) if error.reason is Reason.TIMED_OUT else error
+        )
 
     def _settle(self, end: MotionReply | BeatrixError | None) -> None:
         if end is None:

@@ -16,6 +16,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import CommandReply, MotionReply
 from beatrix_zenoh.bus import Query, Reply
 from beatrix_zenoh.client.silence import Unanswered
+from beatrix_zenoh.errors import NoAnswer
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
@@ -84,7 +85,11 @@ class Request:
         try:
             return self.reply(kind, timeout_s)
         except TimeoutError:
-            raise self._unanswered.explain(timeout_s, heard=self._heard) from None
+            raise self.explain(timeout_s) from None
+
+    def explain(self, limit_s: float) -> NoAnswer:
+        """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
+        return self._unanswered.explain(limit_s, heard=self._heard)
 
     def reply(self, kind: type[M], timeout_s: float) -> M:
         """Return the result of `next`, but raise TimeoutError if no reply came within `timeout_s`."""

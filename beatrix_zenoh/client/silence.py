@@ -63,7 +63,9 @@ class Unanswered:
             return self._interrupted()
         if self.place not in present:
             return self._lost_node() if known else self._absent(present)
-        return self._refused() if limit_s is None else self._late(limit_s)
+        if limit_s is not None:
+            return self._late(limit_s)
+        return self._lost_node(back=True) if heard or waited_s > ABSENT_S else self._refused()
 
     # -- the router ---------------------------------------------------------------------------------
 
@@ -119,12 +121,14 @@ class Unanswered:
 
     # -- the robot ----------------------------------------------------------------------------------
 
-    def _lost_node(self) -> NoAnswer:
-        return NoAnswer(Reason.NODE_LOST, detail=Detail(field=title(self.place)))
+    def _lost_node(self, *, back: bool = False) -> NoAnswer:
+        """Return the error of a node that received the query and did not answer; `back`: it is on line again."""
+        name = title(self.place)
+        return NoAnswer(Reason.NODE_LOST, detail=Detail(field=name, known=[name] if back else []))
 
     def _absent(self, present: Collection[Place]) -> NoAnswer:
         refused = None if present else without_rights(self.client)
-        return refused or absence(self.place, present, self.client.bus.endpoint)
+        return refused or absence(self.client, self.place, present)
 
     def _refused(self) -> NoAnswer:
         """Return the error of a query that ended without a reply although the robot is on line."""
@@ -188,8 +192,12 @@ def absent_reason(name: str, present: Collection[Place]) -> Reason:
     return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
 
 
-def absence(place: Place, present: Collection[Place], endpoint: str) -> NoAnswer:
+def absence(client: Client, place: Place, present: Collection[Place]) -> NoAnswer:
     """Return the error of a robot that is not on line, with the robots that are."""
-    reason = absent_reason(place[0], present)
-    detail = Detail(field=title(place), known=[title(other) for other in present])
-    return NoAnswer(reason, f"{sentences.render(reason, detail)} The router is {endpoint}.", detail)
+    reason, account = absent_reason(place[0], present), client.settings.account
+    others = account is not None and account.role == "student" and place[0] != account.robot
+    holder = account.name if account is not None and others else ""
+    detail = Detail(field=title(place), known=[title(other) for other in present], holder=holder)
+    return NoAnswer(
+        reason, f"{sentences.render(reason, detail)} The router is {client.bus.endpoint}.", detail
+    )

@@ -94,7 +94,8 @@ def _field_case(detail: Detail) -> str:
 def _absence_case(detail: Detail) -> str:
     if detail.field in detail.known:
         return "present"
-    return "absent" if detail.known else "alone"
+    case = "absent" if detail.known else "alone"
+    return f"{case} in class" if detail.holder else case
 
 
 def _needs_case(detail: Detail) -> str:
@@ -126,7 +127,7 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.STOPPED, None): _seat_case,
     (Reason.NO_ANSWER, None): _absence_case,
     (Reason.NO_SUCH_ROBOT, None): lambda _: "absent",
-    (Reason.NODE_LOST, None): lambda _: "robot",
+    (Reason.NODE_LOST, None): lambda detail: "back" if detail.field in detail.known else "robot",
     (Reason.NODE_FROZEN, None): lambda _: "robot",
     (Reason.TIMED_OUT, None): lambda _: "robot",
     (Reason.ACCESS_DENIED, None): lambda _: "robot",

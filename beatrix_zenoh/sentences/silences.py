@@ -13,9 +13,16 @@ ENGLISH: Final[Mapping[Key, str]] = {
     (Reason.NO_ANSWER, None, "alone"): (
         "{field} is not on line, and no other robot is. Start it with `beatrix sim` or `beatrix hw`."
     ),
+    (Reason.NO_ANSWER, None, "alone in class"): (
+        "{field} is not on line, and no other robot is. Account {holder} may not start it: ask the teacher."
+    ),
+    (Reason.NO_ANSWER, None, "absent in class"): (
+        "{field} is not on line. On line: {known}. Account {holder} may not start it: ask the teacher, or choose with "
+        "--name and --on (in Python: name and twin of Robot)."
+    ),
     (Reason.NO_ANSWER, None, "absent"): (
         "{field} is not on line. On line: {known}. Start it with `beatrix sim` or `beatrix hw`, or choose with --name "
-        "and --on."
+        "and --on (in Python: name and twin of Robot)."
     ),
     (Reason.NO_ANSWER, None, "present"): (
         "{field} is on line but did not answer: it is just starting or closing, or it has another version. Try again; "
@@ -34,6 +41,10 @@ ENGLISH: Final[Mapping[Key, str]] = {
     (Reason.NODE_LOST, None, "robot"): (
         "{field} is no longer on line: its node has crashed, ended or frozen, or has lost the router. Its arms stop by "
         "themselves. Look at the output of the node, then start it again."
+    ),
+    (Reason.NODE_LOST, None, "back"): (
+        "{field} lost this request and is on line again: its node was frozen or was restarted, or had lost the router. "
+        "Its arms have stopped by themselves. Look at the output of the node, then try again."
     ),
     (Reason.NODE_FROZEN, None, ""): (
         "The robot is on line, but its node is frozen. End the node and start it again."
@@ -67,9 +78,17 @@ GERMAN: Final[Mapping[Key, str]] = {
     (Reason.NO_ANSWER, None, "alone"): (
         "{field} ist nicht da, und kein anderer Roboter ist es. Starte ihn mit `beatrix sim` oder `beatrix hw`."
     ),
+    (Reason.NO_ANSWER, None, "alone in class"): (
+        "{field} ist nicht da, und kein anderer Roboter ist es. Das Konto {holder} darf ihn nicht starten: Frage die "
+        "Lehrkraft."
+    ),
+    (Reason.NO_ANSWER, None, "absent in class"): (
+        "{field} ist nicht da. Da sind: {known}. Das Konto {holder} darf ihn nicht starten: Frage die Lehrkraft, oder "
+        "wähle mit --name und --on (in Python: name und twin von Robot)."
+    ),
     (Reason.NO_ANSWER, None, "absent"): (
         "{field} ist nicht da. Da sind: {known}. Starte ihn mit `beatrix sim` oder `beatrix hw`, oder wähle mit --name "
-        "und --on."
+        "und --on (in Python: name und twin von Robot)."
     ),
     (Reason.NO_ANSWER, None, "present"): (
         "{field} ist da, hat aber nicht geantwortet: Er startet oder schließt gerade, oder er hat eine andere Version. "
@@ -88,6 +107,11 @@ GERMAN: Final[Mapping[Key, str]] = {
     (Reason.NODE_LOST, None, "robot"): (
         "{field} ist nicht mehr da: Sein Knoten ist abgestürzt, beendet oder eingefroren, oder er hat den Router "
         "verloren. Seine Arme halten von selbst an. Sieh dir die Ausgabe des Knotens an, dann starte ihn wieder."
+    ),
+    (Reason.NODE_LOST, None, "back"): (
+        "{field} hat diese Anfrage verloren und ist wieder da: Sein Knoten war eingefroren oder wurde neu gestartet, oder "
+        "er hatte den Router verloren. Seine Arme haben von selbst angehalten. Sieh dir die Ausgabe des Knotens an, dann "
+        "versuche es wieder."
     ),
     (Reason.NODE_FROZEN, None, ""): (
         "Der Roboter ist da, aber sein Knoten ist eingefroren. Beende den Knoten und starte ihn wieder."

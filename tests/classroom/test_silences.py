@@ -26,6 +26,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.silence import ABSENT_S
 from beatrix_zenoh.settings import Settings
 from gui.state.actions import StopBoth
 from gui.state.state import State
@@ -187,7 +188,11 @@ TABLE = [
         Reason.ACCESS_DENIED,
         "ana (hw) is on line, but this request was refused by the router: account ben",
     ),
-    (absent, Reason.NO_ANSWER, "bea1 (sim) is not on line. On line: bea1 (hw)"),
+    (
+        absent,
+        Reason.NO_ANSWER,
+        "bea1 (sim) is not on line. On line: bea1 (hw). Account ana may not start it",
+    ),
     (
         unknown,
         Reason.NO_SUCH_ROBOT,
@@ -227,6 +232,24 @@ def test_the_command_line_ends_with_the_exit_code_of_each_silence(
         done = beatrix("enable", "--name", case.name, "--on", case.twin)
     assert (done.returncode, sentence in done.stderr) == (exit_code(reason), True), done.stderr
     assert done.stdout == ""
+
+
+def test_a_robot_that_lost_the_request_and_is_on_line_again_is_not_called_new(lesson: Lesson) -> None:
+    received: list[threading.Timer] = []
+
+    def lose(incoming: Incoming) -> None:
+        received.append(threading.Timer(ABSENT_S + 0.1, incoming.finish))
+        received[-1].start()
+
+    with connected(lesson, "bea2") as bus:
+        bus.serve(keys.command("bea2", HW, "*"), lose)
+        bus.declare_token(keys.alive("bea2", HW))
+        settled(bus)
+        with pytest.raises(NoAnswer, match="lost this request and is on line again") as caught:
+            enable(Case(lesson.router.account("ana"), "bea2"), PATIENCE_S)
+        for timer in received:
+            timer.join()
+    assert caught.value.reason is Reason.NODE_LOST
 
 
 def test_a_seat_without_its_simulation_does_not_move_the_only_robot_of_the_class(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import signal
+import threading
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -21,6 +22,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.motion import MARGIN_S
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
@@ -151,12 +153,29 @@ def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -
         node.close()
 
 
+def test_top_reports_the_loss_of_the_router(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
+    router.expect("ready")
+    top = Shell(endpoint).start("top")
+    assert top.stdout is not None
+    try:
+        assert top.stdout.readline().startswith("No robot is on line.")
+        router.end(signal.SIGKILL)
+        lost = f"The router at {endpoint} is lost"
+        assert any(top.stdout.readline().startswith(lost) for _ in range(10))
+    finally:
+        top.stdout.close()
+        top.kill()
+        top.wait(5)
+
+
 SUSPENDED = """
 import sys
 from beatrix_zenoh import NoAnswer, Robot
 with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
     robot.make_ready()
-    motion = robot.look(yaw=100, speed=10, wait=False)
+    motion = robot.look(yaw=float(sys.argv[2]), speed=10, wait=False)
     print("moving", flush=True)
     try:
         motion.wait()
@@ -165,15 +184,18 @@ with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
 """
 
 
-def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("yaw", "more_s"), [(100, 0.0), (5, MARGIN_S)], ids=["long", "overdue"])
+def test_the_error_of_a_suspended_program_does_not_name_the_router(
+    stage: Stage, tmp_path: Path, yaw: int, more_s: float
+) -> None:
     node = stage.node("bea")
     script = tmp_path / "suspended.py"
     script.write_text(SUSPENDED, encoding="utf-8")
-    program = stage.script(script, stage.endpoint)
+    program = stage.script(script, stage.endpoint, str(yaw))
     program.expect("moving")
-    until(lambda: node.context.snapshot.status().moving, "the robot moves")
     program.send(signal.SIGSTOP)
     until(lambda: not node.context.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
+    threading.Event().wait(more_s)  # the fault itself: the program does not run until the motion is overdue
     program.send(signal.SIGCONT)
     output = program.expect("refused")
     assert "was lost although the router is running: this program was suspended" in output

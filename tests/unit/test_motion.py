@@ -43,6 +43,8 @@ class Replies:
         self._notify: Callable[[], None] | None = None
         self.waiting = threading.Event()
         self.closed = False
+        self.cause = NoAnswer(Reason.TIMED_OUT)
+        self.limit_s = 0.0
 
     def send(self, reply: MotionReply | NoAnswer) -> None:
         self._inbox.put(reply)
@@ -64,6 +66,10 @@ class Replies:
         self._notify = notify
         if not self._inbox.empty():
             notify()
+
+    def explain(self, limit_s: float) -> NoAnswer:
+        self.limit_s = limit_s
+        return self.cause
 
     def close(self) -> None:
         self.closed = True
@@ -130,7 +136,17 @@ def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(NoAnswer, match="did not report") as caught:
         setting.motion.result()
     assert caught.value.reason is Reason.TIMED_OUT
+    assert setting.replies.limit_s == 0.05
     assert setting.motion.done()
+
+
+def test_the_cause_of_a_missing_end_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
+    setting = Setting(duration=0.0)
+    setting.replies.cause = NoAnswer(Reason.NO_ROUTER, "The connection was lost.")
+    with pytest.raises(NoAnswer, match="was lost") as caught:
+        setting.motion.result()
+    assert caught.value is setting.replies.cause
 
 
 def test_two_threads_wait_for_one_motion(setting: Setting) -> None:
