@@ -5,7 +5,7 @@
 1. STOP, EMERGENCY_STOP and RESET are allowed for every client.
 2. Requests of a session that has ended are refused.
 3. Under the emergency latch motions, ENABLE and CALIBRATE are refused.
-4. While the teacher has frozen the robot, the same requests are refused for all other seats.
+4. While the teacher has frozen the robot, the same requests and DISABLE are refused for all other seats.
 5. While a seat holds the robot, requests of all other seats except the teacher are refused.
 6. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
 """
@@ -51,7 +51,9 @@ class Action(Enum):
 
 ALWAYS = (Action.STOP, Action.EMERGENCY_STOP, Action.RESET)
 MOVING = (Action.MOVE, Action.ENABLE, Action.CALIBRATE)
-"""Refused under the emergency latch and while the robot is frozen."""
+"""Refused under the emergency latch."""
+FROZEN = (*MOVING, Action.DISABLE)
+"""Refused while the robot is frozen: without motor power the head may sink."""
 
 
 @dataclass
@@ -146,11 +148,10 @@ class Access:
             if caller.seat != TEACHER:
                 raise refusals.teacher_only(caller.seat)
             return
-        if action in MOVING:
-            if self._latched_s is not None:
-                raise refusals.emergency_latched()
-            if self.frozen and caller.seat != TEACHER:
-                raise refusals.frozen()
+        if action in MOVING and self._latched_s is not None:
+            raise refusals.emergency_latched()
+        if action in FROZEN and self.frozen and caller.seat != TEACHER:
+            raise refusals.frozen()
         self.lease.check(caller, lease, now_s)
         if action is not Action.MOVE:
             return
