@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ipaddress
+import re
 import tomllib
 from collections import Counter
 from dataclasses import dataclass
@@ -120,6 +122,13 @@ def read(path: Path) -> Classroom:
         raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
     if not file.addresses:
         raise wrong(path, 'addresses is empty: give the address of the router, for example ["192.168.1.20"]')
+    if wrong_address := next(filter(_impossible, [*file.addresses, file.router.standby]), None):
+        raise wrong(path, f"{wrong_address} is not an address: give an IP address or the name of a computer")
+    if file.router.standby in file.addresses:
+        raise wrong(
+            path,
+            f"standby {file.router.standby} is also in addresses: the second router runs on a computer of its own",
+        )
     if not 0.1 <= file.router.pictures_hz <= 60:
         raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
     seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else file.seats
@@ -159,6 +168,17 @@ def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
 def wrong(path: Path, text: str) -> WrongUsage:
     """Return the error of a wrong class file."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
+
+
+def _impossible(address: str) -> bool:
+    """Return whether a text that only an IP address can be, such as 192.168.300.20, is none."""
+    if not re.fullmatch(r"[0-9.]+|.*:.*", address):
+        return False
+    try:
+        ipaddress.ip_address(address.strip("[]"))
+    except ValueError:
+        return True
+    return False
 
 
 def _host(address: str) -> str:

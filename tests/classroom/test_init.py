@@ -85,6 +85,8 @@ def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
         ({'["ana", "ben"]': '["legacy"]'}, "legacy"),
         ({'"127.0.0.1"': '"a b..c"'}, "is not an endpoint"),
         ({'["127.0.0.1"]': "[]"}, "addresses is empty"),
+        ({'"127.0.0.1"': '"192.168.300.20"'}, "192.168.300.20 is not an address"),
+        ({'standby = ""': 'standby = "127.0.0.1"'}, "standby 127.0.0.1 is also in addresses"),
         ({"7447": "70000"}, "is not an endpoint"),
         ({'"password"': '"certificate"', '"127.0.0.1"': '"::1"'}, "IPv4"),
         ({"robots": "robot"}, "robot"),
