@@ -15,7 +15,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 
 LONGEST = 16 * 1024
-"""Bytes of an account file; one with certificates has 2 kB."""
+"""Largest size of an account file (bytes); one with certificates has 2 kB."""
 PATH = re.compile(r"\$\.(\w+)")
 """The field in the path of a validation error of msgspec."""
 Role = Literal["student", "teacher", "robot"]
@@ -26,7 +26,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
 
     class_name: str = msgspec.field(name="class")
     name: str
-    """the seat, and the name of its own robot"""
+    """name of the seat, and of its own robot"""
     role: Role
     connect: str
     """endpoints of the router and, if there is one, of the second router; separated by commas"""
@@ -39,7 +39,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     key: str = ""
 
     def __repr__(self) -> str:
-        """Leave out the credentials: logs contain reprs."""
+        """Return name and class without the credentials, because logs contain reprs."""
         return f"<account {self.name} of class {self.class_name}>"
 
     @property
@@ -48,9 +48,9 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         return "" if self.role == "teacher" else self.name
 
     def text(self) -> str:
-        """The content of its file."""
+        """Return the text of the account file."""
         fields = msgspec.to_builtins(self)
-        head = f"# BEATRIX account {self.name} of class {self.class_name}. Keep it private. On its computer: beatrix join FILE\n"
+        head = f"# BEATRIX account {self.name} of class {self.class_name}. Keep it private. To use it: beatrix join FILE\n"
         return head + files.toml_text(fields)
 
     def check_seat(self, seat: str) -> str:
@@ -77,8 +77,9 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         if self.expires is not None and today > self.expires:
             raise WrongUsage(
                 Reason.BAD_VALUE,
-                f"The certificate of account {self.name} expired on {self.expires}, and this computer's clock says "
-                f"{today}. Ask for a new {self.name}.toml, which `beatrix classroom init` writes, then `beatrix join` it.",
+                f"The certificate of account {self.name} expired on {self.expires}; the date of this computer is "
+                f"{today}. If this date is right, ask the teacher for a new {self.name}.toml and run `beatrix join` "
+                "with it.",
             )
 
 
@@ -97,7 +98,7 @@ def load(path: Path) -> Account:
     except OSError as error:
         raise _wrong(str(path), f"it cannot be read ({error.strerror})") from error
     except UnicodeDecodeError as error:
-        raise _wrong(str(path), "it holds no text") from error
+        raise _wrong(str(path), "it is not text in UTF-8") from error
 
 
 def parse(text: str, called: str) -> Account:
@@ -117,9 +118,9 @@ def parse(text: str, called: str) -> Account:
 
 
 def _cause(table: dict[str, object], error: str) -> str:
-    """Return why a table is no account, from it and from msgspec's error, which names the path of the wrong field."""
+    """Return why a table is not an account; `error`: msgspec's message, which names the path of the wrong field."""
     if table.get("role") in ("router", "standby"):
-        return "it is that of the class's router, which stays on the router's computer"
+        return "it is the account of the class's router, which stays on the router's computer"
     if "addresses" in table:
         return "it is the class file, from which the teacher makes the accounts"
     if unknown := files.unknown_fields(table, Account):

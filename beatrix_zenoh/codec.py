@@ -18,7 +18,7 @@ JSON = "application/json"
 UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 """Errors of decoders for bytes that are not a message; RecursionError for thousands of brackets."""
 LONGEST = 200
-"""Characters of a decoder's error in a refusal; the error may quote the request."""
+"""Largest number of characters of a decoder's error that a refusal repeats; the error may quote the request."""
 _AT: Final = re.compile(r" - at `\$\.?([^`]*)`\s*$")
 """The path of a field at the end of a decoder's error."""
 _FLOAT32: Final = re.compile(r"`float` [<>]= -?3\.4\d+e\+38")
@@ -109,17 +109,17 @@ def is_request(kind: type[msgspec.Struct]) -> bool:
 
 
 def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
-    """Return the refusal of a message that cannot be decoded; `what`: the decoder's error."""
+    """Return the refusal of a message of `kind` that cannot be decoded; `what`: the decoder's error."""
     text = what[:LONGEST].replace(" - at `$.", " - at `").replace(" - at `$`", "")
     text = _FLOAT32.sub("a finite number up to 3.4e38", text)
     at, name = _AT.search(what), _FIELD.search(what)
     path = ".".join(filter(None, (at and at[1], name and name[1])))
     fields = msgspec.structs.fields(kind)
     known = [field.encode_name for field in fields] if name is not None and "." not in path else []
-    allowed = f"It holds: {outline(kind)}."
+    allowed = f"Its fields are: {outline(kind)}."
     values = next((_values(field.type) for field in fields if field.encode_name == path), [])
     if values and name is None:
-        known, allowed = values, f"Known: {', '.join(values)}."
+        known, allowed = values, f"Allowed are: {', '.join(values)}."
     return Refused(
         Reason.BAD_VALUE,
         f"{kind.__name__}: {text}. {allowed}",
@@ -128,7 +128,7 @@ def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
 
 
 def _values(kind: object) -> list[str]:
-    """Values of an enumeration; empty for other types."""
+    """Return the values of an enumeration; empty for other types."""
     return [member.value for member in kind] if isinstance(kind, type) and issubclass(kind, StrEnum) else []
 
 
@@ -152,7 +152,7 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
 
 
 def _check_names(value: object, kind: type[msgspec.Struct]) -> None:
-    """Raise Refused if a map of a decoded message, a tuple of pairs here, names a field twice."""
+    """Raise Refused if a map in a decoded message, given as a tuple of pairs, contains a field twice."""
     path = _repeated(value, "")
     if path is not None:
         raise Refused(

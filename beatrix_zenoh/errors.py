@@ -9,15 +9,15 @@ from beatrix_zenoh import sentences
 from beatrix_zenoh._generated.messages import Detail, Reason
 
 QUOTED = 60
-"""Characters of a request that an error message repeats."""
+"""Largest number of characters of a request or an argument that an error message quotes."""
 
 
 class BeatrixError(Exception):
     """Base class of all errors of this package.
 
-    `reason` is the entry of the contract's table, `detail` its data if any (rad, as on the wire), and `message` the
-    sentence for the user, which SDK, command line, window and replies share. `beatrix_zenoh.suggestion(error)` returns
-    the alternative in degrees.
+    `reason` is an entry of the contract's table of reasons and `detail` its data, if any (rad, as in messages).
+    `message` is the sentence for the user, the same in SDK, command line, window and replies.
+    `beatrix_zenoh.suggestion(error)` returns the alternative in degrees.
     """
 
     def __init__(self, reason: Reason, message: str = "", detail: Detail | None = None) -> None:
@@ -42,7 +42,7 @@ class Interrupted(BeatrixError):
 
 
 class NoAnswer(BeatrixError):
-    """A request without an answer; `reason` is the cause: see docs/how-to/no-answer.md."""
+    """A request without an answer; `reason` is the cause, explained in docs/how-to/no-answer.md."""
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """Read and write files.
 
-The user gives the path of a file to read; its length is limited. Private files may only be read by their owner.
+The size of files to read is limited, because the user gives their paths. Only the owner may read private files.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
-"""Keys that TOML takes without quotes."""
+"""Keys that TOML accepts without quotes."""
 
 
 def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -> bytes:
@@ -33,7 +33,7 @@ def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -
         WrongUsage: BAD_VALUE, it is not a regular file (a device or a pipe), or it is longer.
     """
     if path.exists() and not path.is_file():
-        raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: name one in {form}.")
+        raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: choose a file in {form}.")
     with path.open("rb") as file:
         held = file.read(longest + 1)
     if len(held) > longest:
@@ -61,8 +61,8 @@ def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = o
 
 
 def write_private(path: Path, text: str) -> None:
-    """Write a file of mode 0600; a reader sees the old content or the new, never a part."""
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")  # of mode 0600
+    """Write a file of mode 0600 in one step: a reader gets all of the old content or all of the new."""
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")  # it gets mode 0600
     try:
         with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor
             file.write(text)

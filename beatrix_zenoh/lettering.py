@@ -34,7 +34,7 @@ _GLYPHS: Final = {
     "R": "1e 11 11 1e 14 12 11",
     "T": "1f 04 04 04 04 04 04",
 }
-"""The letters in use: one byte per row, whose bit 4 is the left column."""
+"""The characters in use: one byte (hexadecimal) for each row from the top, whose bit 4 is the left column."""
 
 
 def points(letter: str) -> Sequence[Sequence[bool]]:

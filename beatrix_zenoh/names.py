@@ -26,7 +26,7 @@ def check_name(text: str, what: str = "robot") -> str:
     """Return `text` if it is a valid name.
 
     Raises:
-        WrongUsage: BAD_VALUE, with a similar valid name.
+        WrongUsage: BAD_VALUE; the message suggests a similar valid name.
     """
     text = str(text)  # programs may pass a number
     if PATTERN.fullmatch(text):
@@ -52,7 +52,7 @@ def view_title(eye: str) -> str:
 
 
 def tidy(text: str, otherwise: str = "beatrix") -> str:
-    """Return a similar valid name; `otherwise` if the text has no character of one."""
+    """Return a similar valid name; `otherwise` if the text contains no allowed character."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or otherwise
 
 
@@ -65,5 +65,5 @@ def default_seat() -> str:
 
 
 def default_robot() -> str:
-    """Return the default name of a simulation: user-host, which differs between computers."""
+    """Return the default name of a simulation: names of user and computer, so that it differs between computers."""
     return tidy(f"{default_seat()}-{socket.gethostname().partition('.')[0]}")

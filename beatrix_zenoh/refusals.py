@@ -15,130 +15,130 @@ COMMANDS = [f"{command.value} {command.name}" for command in Command]
 
 
 def not_enabled() -> Refused:
-    """NOT_ENABLED: the motors are off."""
+    """Return a NOT_ENABLED refusal: the motors are off."""
     return Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE", "CALIBRATE"]))
 
 
 def not_calibrated() -> Refused:
-    """NOT_CALIBRATED: home is not known."""
+    """Return a NOT_CALIBRATED refusal: home is not known."""
     return Refused(Reason.NOT_CALIBRATED, detail=Detail(needs=["CALIBRATE"]))
 
 
 def emergency_latched() -> Refused:
-    """EMERGENCY: EMERGENCY_STOP is latched until RESET."""
+    """Return an EMERGENCY refusal: EMERGENCY_STOP is latched until RESET."""
     return Refused(Reason.EMERGENCY, detail=Detail(needs=["RESET", "ENABLE", "CALIBRATE"]))
 
 
 def driven_by(holder: str, wait_s: float | None = None) -> Refused:
-    """NOT_HOLDER: another seat holds the robot by its motion, for `wait_s` (s) more, None while the motion runs."""
+    """Return a NOT_HOLDER refusal: a motion of another seat holds the robot, for `wait_s` (s) more or while it runs."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, wait_s=wait_s))
 
 
 def taken_by(holder: str) -> Refused:
-    """NOT_HOLDER: another seat has taken the robot."""
+    """Return a NOT_HOLDER refusal: another seat has taken the robot."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease"))
 
 
 def lease_ended(number: int, holder: str) -> Refused:
-    """NOT_HOLDER: the lease that a request names has ended; `holder` has the robot now (empty: it is free)."""
+    """Return a NOT_HOLDER refusal: the lease of a request has ended; `holder` has the robot now (empty: no seat)."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
 
 
 def frozen() -> Refused:
-    """FROZEN: the teacher has frozen the robot."""
+    """Return a FROZEN refusal: the teacher has frozen the robot."""
     return Refused(Reason.FROZEN)
 
 
 def teacher_only(seat: str) -> Refused:
-    """TEACHER_ONLY: `seat` is not the teacher's."""
+    """Return a TEACHER_ONLY refusal: `seat` is not the teacher's."""
     return Refused(Reason.TEACHER_ONLY, detail=Detail(holder=seat))
 
 
 def motion_running(holder: str) -> Refused:
-    """BUSY: a motion of a seat is running and must end first."""
+    """Return a BUSY refusal: a motion of the seat `holder` is running and must end first."""
     return Refused(Reason.BUSY, detail=Detail(holder=holder))
 
 
 def stopped_pause(seat: str, wait_s: float) -> Refused:
-    """STOPPED: the pause of a stopped seat, which must send no motion for `wait_s` (s)."""
+    """Return a STOPPED refusal: the seat was stopped and must not send a motion for `wait_s` (s)."""
     return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s))
 
 
 def coming_to_rest() -> Refused:
-    """STOPPED: the arms still decelerate after STOP."""
+    """Return a STOPPED refusal: the arms still decelerate after STOP."""
     return Refused(Reason.STOPPED)
 
 
 def queue_full(limit: int) -> Refused:
-    """BUSY: `limit` requests are waiting."""
+    """Return a BUSY refusal: `limit` requests are waiting."""
     return Refused(Reason.BUSY, detail=Detail(limit=Limit.QUEUE, high=float(limit)))
 
 
 def replaced_before_start() -> Refused:
-    """REPLACED: a newer motion of the same seat arrived before this one began."""
+    """Return a REPLACED refusal: a newer motion of the same seat arrived before this one began."""
     return Refused(Reason.REPLACED)
 
 
 def node_closing() -> Refused:
-    """SHUTDOWN: the node is closing."""
+    """Return a SHUTDOWN refusal: the node is closing."""
     return Refused(Reason.SHUTDOWN)
 
 
 def session_ended() -> Refused:
-    """CLIENT_LOST: the session that sent the request has ended."""
+    """Return a CLIENT_LOST refusal: the session that sent the request has ended."""
     return Refused(Reason.CLIENT_LOST)
 
 
 def unknown_command(number: int) -> Refused:
-    """UNKNOWN_COMMAND: no command has this number."""
+    """Return an UNKNOWN_COMMAND refusal: no command has this number."""
     return Refused(Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=COMMANDS))
 
 
 def home_known(arms: Iterable[float], limit: float) -> Refused:
-    """HOME_KNOWN: home is known and the arms (rad from it) are further away than `limit` (rad)."""
+    """Return a HOME_KNOWN refusal: home is known, and an arm (rad from home) is further away than `limit` (rad)."""
     name, angle = _furthest(arms)
     detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
     return Refused(Reason.HOME_KNOWN, detail=detail)
 
 
 def not_at_rest() -> Refused:
-    """NOT_AT_REST: the arms are moving."""
+    """Return a NOT_AT_REST refusal: the arms are moving."""
     return Refused(Reason.NOT_AT_REST)
 
 
 def motion_too_long(duration_s: float, high_s: float) -> Refused:
-    """TIMED_OUT: a motion takes longer (s) than a preview looks ahead (s)."""
+    """Return a TIMED_OUT refusal: a motion takes `duration_s` (s), and a preview at most `high_s` (s)."""
     return Refused(
         Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=duration_s, high=high_s, unit="s")
     )
 
 
 def wildcard_key(key: str, own: str) -> Refused:
-    """BAD_VALUE: a key matches several robots or requests; `own` is the key to send to instead."""
+    """Return a BAD_VALUE refusal: a key matches several robots or requests; `own` is the key to use instead."""
     return Refused(Reason.BAD_VALUE, detail=Detail(field=key, known=[own]))
 
 
 def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:
-    """BAD_VALUE: a field, or a word of the request, is wrong.
+    """Return a BAD_VALUE refusal: a field, or a word of the request, is wrong.
 
-    field: its name or the word. what: a sentence with the cause, if field and known values do not show it.
-    known: values or fields that are allowed instead.
+    `field`: its name or the word; `what`: a sentence with the cause, if field and known values do not show it;
+    `known`: values or fields that are allowed instead.
     """
     return Refused(Reason.BAD_VALUE, what, Detail(field=field, known=list(known)))
 
 
 def counted_too_far(arms: Iterable[float], high: float) -> Refused:
-    """BAD_VALUE: the board counts an arm (rad from home) further than `high` (rad)."""
+    """Return a BAD_VALUE refusal: the board reports an arm (rad from home) further away than `high` (rad)."""
     return _travel(arms, high, at_goal=False)
 
 
 def too_far_to_send(arms: Iterable[float], high: float) -> Refused:
-    """BAD_VALUE: the target of an arm (rad from home) is larger than a frame can hold, `high` (rad)."""
+    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the most in a frame."""
     return _travel(arms, high, at_goal=True)
 
 
 def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
-    """YAW_LIMIT: the target of an arm (rad) is larger than any pose within the yaw limit needs, `high` (rad)."""
+    """Return a YAW_LIMIT refusal: the goal of an arm (rad) exceeds `high` (rad), the most within the yaw limit."""
     name, angle = _furthest(arms)
     return Refused(
         Reason.YAW_LIMIT,
@@ -149,7 +149,7 @@ def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
 
 
 def impossible_speed(velocity: Iterable[float], high: float) -> Refused:
-    """BAD_VALUE: the board reports a speed of an arm (rad/s) above the possible `high` (rad/s)."""
+    """Return a BAD_VALUE refusal: the board reports an arm speed (rad/s) above `high` (rad/s), the highest possible."""
     name, rate = _furthest(velocity)
     return Refused(
         Reason.BAD_VALUE,

@@ -27,16 +27,19 @@ class Settings:
     connect: str
     who: str
     cameras: tuple[str, ...] = ()
-    """`EYE=SOURCE`, as `beatrix hw --camera` takes them"""
+    """`EYE=SOURCE`, as for `beatrix hw --camera`"""
     account: Account | None = None
     """name and credentials for the router of a class; None: no account"""
 
 
 def resolve(robot: str | None = None, connect: str | None = None, who: str | None = None) -> Settings:
-    """Take missing arguments from the environment (BEATRIX_ROBOT and so on, see FIELDS), then from ./beatrix.toml.
+    """Return the settings of a program.
+
+    Missing arguments are taken from the environment (BEATRIX_ROBOT and so on, see FIELDS), from ./beatrix.toml, from
+    the account, or from the defaults, in this order.
 
     Raises:
-        WrongUsage: BAD_VALUE, an invalid name or a file that cannot be read.
+        WrongUsage: BAD_VALUE, a name, beatrix.toml or the account is invalid.
     """
     settings, errors = resolve_valid(robot, connect, who)
     if errors:
@@ -47,7 +50,7 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
 def resolve_valid(
     robot: str | None = None, connect: str | None = None, who: str | None = None
 ) -> tuple[Settings, list[WrongUsage]]:
-    """Like `resolve`, but replace invalid settings by defaults and return their errors: no setting may prevent STOP."""
+    """Like `resolve`, but use defaults for invalid settings and return their errors: no setting may prevent STOP."""
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
     errors: list[WrongUsage] = []
@@ -87,7 +90,7 @@ def resolve_valid(
 def _account(environment: str | None, stored: str | None, endpoint: str | None) -> Account | None:
     """Return the account in the named file, else the one that `beatrix join` has stored.
 
-    An account that `beatrix join` has stored is not used for another router. BEATRIX_ACCOUNT= (empty) means none.
+    An account that `beatrix join` has stored is not used for another router. An empty BEATRIX_ACCOUNT means no account.
     """
     if environment is not None:
         return account.load(Path(environment)) if environment else None
@@ -112,6 +115,6 @@ def _stored() -> dict[str, str]:
     if unknown or not all(isinstance(value, str) for value in table.values()):
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{path.resolve()}: its fields are {', '.join(table)}; allowed are {', '.join(FIELDS)}, each a text value.",
+            f"{path.resolve()} has the fields {', '.join(table)}. Allowed are {', '.join(FIELDS)}, with text values.",
         )
     return {field: str(value) for field, value in table.items()}

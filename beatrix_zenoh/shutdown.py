@@ -10,7 +10,7 @@ from types import FrameType
 SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
 ]
-"""Signals that request a shutdown: Ctrl-C, kill, a terminal window that is closed, Ctrl-Break on Windows."""
+"""Signals that request a shutdown: Ctrl-C, kill, a closed terminal window, Ctrl-Break on Windows."""
 POLL_S = 0.5
 """Longest single wait (s): Windows delivers Ctrl-C, and Linux a signal to another thread, only between two waits."""
 
@@ -25,7 +25,7 @@ class Shutdown:
         self._requests: queue.SimpleQueue[None] = queue.SimpleQueue()
 
     def handle_signals(self) -> None:
-        """Install signal handlers; SIGHUP stays ignored if nohup has set it so."""
+        """Install the signal handlers; SIGHUP stays ignored if the process was started with nohup."""
         for number in SIGNALS:
             if number in (signal.SIGINT, signal.SIGTERM) or signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._on_signal)
@@ -38,7 +38,7 @@ class Shutdown:
         self._requests.put(None)
 
     def requested(self, timeout_s: float) -> bool:
-        """Wait up to `timeout_s` for a request and return whether there is one; a request stays for later calls."""
+        """Wait up to `timeout_s` for a request and return whether there is one; later calls return True, too."""
         try:
             self._requests.get(timeout=timeout_s)
         except queue.Empty:

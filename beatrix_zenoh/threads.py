@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 def start(work: Callable[[], None], name: str) -> threading.Thread:
-    """Start a daemon thread `beatrix-<name>`; return when `work` has begun.
+    """Start a daemon thread `beatrix-<name>` that calls `work`, and return it when it runs.
 
     The wait takes a fraction of a millisecond. Without it, on CPython 3.11 two threads that start together under a
     debugger or coverage can fail with "Cannot install a trace function while another …".

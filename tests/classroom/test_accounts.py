@@ -282,8 +282,8 @@ def test_the_teachers_own_files_are_named_as_such(passwords: ClassRouter, tmp_pa
     picture.write_bytes(b"\x89PNG")
     causes = {
         passwords.class_file: "it is the class file",
-        passwords.folder / "router.toml": "it is that of the class's router",
-        picture: "it holds no text",
+        passwords.folder / "router.toml": "it is the account of the class's router",
+        picture: "it is not text in UTF-8",
         tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
     }
     for path, cause in causes.items():
