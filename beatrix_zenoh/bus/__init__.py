@@ -1,4 +1,4 @@
-"""Zenoh: no other package imports it."""
+"""Access to Zenoh; no other package imports the library `zenoh`."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ EVERYTHING = (
     keys.claim("*", "*", "*"),
     keys.seat("*", "*"),
 )
-"""All keys of BEATRIX: `**` matches no chunk that begins with @."""
+"""All keys of BEATRIX; those of tokens are listed, because `**` matches no chunk that begins with @."""
 ADMIN_SPACE = "@/**"
 """The router's own keys: its sessions and their declarations."""
 MESSAGES = {
@@ -28,14 +28,14 @@ MESSAGES = {
 """Zenoh's kinds of messages for each field of `Grant`."""
 ALL_MESSAGES = (*(kind for kinds in MESSAGES.values() for kind in kinds), "delete")
 LARGEST_REQUEST, LARGEST_MESSAGE = 64 * 1024, 1024 * 1024
-"""Bytes; the router drops larger queries, and larger messages of other kinds."""
+"""Largest query, and largest message of another kind (bytes); the router drops larger ones."""
 
 
 @dataclass(frozen=True)
 class Grant:
     """Keys of the messages that one account may send; it may receive all messages of BEATRIX.
 
-    A wildcard message passes only if one of these key expressions includes all of it.
+    A message with wildcards passes only if one of these key expressions includes all keys that it matches.
     """
 
     account: str
@@ -50,7 +50,7 @@ class Grant:
 
 
 def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:
-    """Return Zenoh's section `access_control`: default deny, a subject and a policy for each account.
+    """Return Zenoh's section `access_control`: deny by default, a subject and a policy for each account.
 
     An account is a user name or the common name of a certificate; `routers` are the common names of other
     routers, which check their own clients and may pass on all messages.

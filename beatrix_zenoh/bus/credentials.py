@@ -49,9 +49,9 @@ class Identity:
 
 
 def tls(identity: Identity, *, listens: bool) -> dict[str, object]:
-    """Return Zenoh's section `transport/link/tls`: both sides show a certificate.
+    """Return Zenoh's section `transport/link/tls`, in which both sides must present a certificate.
 
-    Zenoh gets the keys in memory, not in files.
+    Zenoh receives the keys in memory, not in files.
     """
     certificate, key = _encoded(identity.certificate), _encoded(identity.key)
     section: dict[str, object] = {
@@ -70,7 +70,7 @@ def _encoded(text: str) -> str:
 
 
 def settings(account: Account | None) -> Mapping[str, object]:
-    """Return Zenoh's settings with the credentials of an account."""
+    """Return Zenoh's settings with the credentials of an account; empty without an account."""
     if account is None:
         return {}
     if account.password:
@@ -82,12 +82,12 @@ def settings(account: Account | None) -> Mapping[str, object]:
 
 
 def identity(account: Account) -> Identity:
-    """Return the certificate of an account."""
+    """Return the certificate and private key of an account, and the certificate of its authority."""
     return Identity(account.authority, account.certificate, account.key)
 
 
 def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
-    """Return the error of a client that finds no router; with an account it says that the teacher starts the router."""
+    """Return the error of a client that finds no router; with an account, it says how the teacher starts the router."""
     if account is None:
         return error
     return NoAnswer(
@@ -98,7 +98,7 @@ def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
 
 
 def refusal(endpoint: str, account: Account | None) -> str:
-    """Return the sentence about a router that refuses this client: causes that Zenoh and TLS show, and what to do."""
+    """Return the message about a router that refuses this client: the possible causes, and what to do."""
     if account is None:
         return (
             f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
@@ -119,7 +119,7 @@ def refusal(endpoint: str, account: Account | None) -> str:
 
 
 def without_rights(endpoint: str, account: Account) -> str:
-    """Return the sentence about a router that accepts the certificate of an account for which it has no rules."""
+    """Return the message about a router that accepts the certificate of an account, but has no rules for it."""
     return _refused(
         endpoint,
         account,
@@ -131,7 +131,7 @@ def without_rights(endpoint: str, account: Account) -> str:
 def _refused(endpoint: str, account: Account, cause: str) -> str:
     return (
         f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
-        f"{account.name}.toml, then `beatrix join {account.name}.toml`."
+        f"{account.name}.toml, then run `beatrix join {account.name}.toml`."
     )
 
 
@@ -146,7 +146,7 @@ def _certificate_error(endpoint: str, own: Identity) -> str:
             socket.create_connection((host, port), PROBE_S) as connection,
             context.wrap_socket(connection, server_hostname=host) as wrapped,
         ):
-            wrapped.recv(1)  # TLS 1.3 refuses a client's certificate after the handshake
+            wrapped.recv(1)  # in TLS 1.3 the router refuses a certificate only after the handshake
     except ssl.SSLCertVerificationError as error:
         return ROUTER_ERRORS.get(error.verify_code, FOREIGN_ROUTER)
     except ssl.SSLError as error:

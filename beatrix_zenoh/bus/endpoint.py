@@ -23,7 +23,8 @@ def probe(endpoint: str) -> None:
     """Try to connect to one endpoint or one of several; unlike an error of Zenoh, the error explains the failure.
 
     Raises:
-        NoAnswer: NO_ROUTER.
+        NoAnswer: NO_ROUTER, no endpoint accepts a connection.
+        WrongUsage: BAD_VALUE, as `parse_endpoint`.
     """
     failures = []
     for one in endpoints(endpoint):
@@ -64,7 +65,7 @@ def parse_endpoint(endpoint: str) -> tuple[str, str, int]:
     """Return protocol, host and port of an endpoint such as `tcp/127.0.0.1:7447`.
 
     Raises:
-        WrongUsage: BAD_VALUE.
+        WrongUsage: BAD_VALUE, it is not an endpoint.
     """
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.partition("#")[0].rpartition(":")

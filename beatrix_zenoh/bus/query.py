@@ -13,7 +13,7 @@ from zenoh.handlers import Callback
 from beatrix_zenoh._generated import keys
 
 QUERY_S = 60.0
-"""Timeout of a query if the caller gives none."""
+"""Timeout (s) of a query if the caller gives none."""
 PRIORITIES = {
     "real_time": zenoh.Priority.REAL_TIME,
     "interactive_high": zenoh.Priority.INTERACTIVE_HIGH,
@@ -25,7 +25,7 @@ TIMED_OUT = b"Timeout"
 
 
 def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
-    """Return the named priority, or that of the key's row in keys.toml."""
+    """Return the named priority; without a name that of the key's row in keys.toml, or `data` for other keys."""
     if priority is None:
         parts = keys.parse(selector.partition("?")[0])
         priority = "data" if parts is None else keys.KEYS[parts.row].priority
@@ -125,7 +125,7 @@ class Query:
         return answer
 
     def notify(self, notify: Callable[[], None]) -> None:
-        """Call `notify` on Zenoh's thread after each reply and at the end, and now if a reply is waiting.
+        """Call `notify` on Zenoh's thread after each reply and at the end; also now, in this thread, if a reply waits.
 
         `notify` must return at once, like every callback of Zenoh.
         """
@@ -134,12 +134,12 @@ class Query:
             notify()
 
     def hand_over(self, handle: Callable[[Reply], None]) -> None:
-        """Pass the waiting replies to `handle`, and later replies on Zenoh's thread."""
+        """Pass the waiting replies to `handle` now, and later replies on Zenoh's thread."""
         self._late = handle
         with contextlib.suppress(queue.Empty):
             while (answer := self._inbox.get_nowait()) is not None:
                 handle(answer)
 
     def close(self) -> None:
-        """Discard further replies."""
+        """Cancel the query and discard further replies."""
         self._cancel.cancel()

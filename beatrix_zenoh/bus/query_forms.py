@@ -32,7 +32,7 @@ AXES: Final = ("x", "y", "z")
 ANGLES: Final = ("yaw", "pitch", "roll")
 SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
 LENGTH_MAX: Final = 4096
-"""Bytes of a payload, or characters of parameters; requests have about two hundred."""
+"""Longest payload (bytes) and longest parameters (characters); requests have about two hundred."""
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 """Numbers as people write them, including `5.`, `.5` and `+0.5`. Matched in linear time."""
 
@@ -155,7 +155,7 @@ def _field_names(raw: RawQuery) -> frozenset[str]:
 
 
 def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
-    """Return the fields of a request in words, by the names of parameters."""
+    """Return the parameters, by name, of a request that is written in plain words."""
     words = text.replace(",", " ").split()
     if kind is not CommandQuery:
         words = [word.lower() for word in words]
@@ -175,7 +175,7 @@ def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
 
 
 def _names_of(count: int, kind: type[msgspec.Struct]) -> tuple[str, ...] | None:
-    """Return the parameters that `count` words stand for, None if there is no such request."""
+    """Return the names of the parameters that `count` words stand for; None if no request has that many words."""
     if kind is CommandQuery:
         return {1: ("command",), 2: ("command", "value")}.get(count)
     if kind is LeaseQuery:
@@ -204,7 +204,7 @@ def _parameters(text: str) -> dict[str, str]:
 
 
 def _nested(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, object]:
-    """Return parameters in the shape of the message: x, y, z inside `position`, text as numbers."""
+    """Return parameters in the structure of the message: x, y, z inside `position`, text converted to numbers."""
     if kind is CommandQuery:
         return _command(flat)
     fields: dict[str, object] = {

@@ -42,7 +42,7 @@ class RouterAccess:
 def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:
     """Open a router, to which nodes and clients connect. Close the session to end it.
 
-    Without `access` every program that reaches the router may send everything.
+    Without `access`, every program that can connect to the router may send all messages.
 
     Raises:
         WrongUsage: BAD_VALUE, `listen` is not an endpoint of this computer.
@@ -67,8 +67,8 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         "transport/unicast/accept_timeout": LEASE_MS,
     }
     trouble = (
-        f"Cannot listen at {listen}: is this router running already? For a second one choose another "
-        "address with --listen."
+        f"Cannot listen at {listen}: another program, perhaps this router, already listens there. For a second router "
+        "choose another address with --listen."
     )
     if access is None:
         return opened(settings, lambda: trouble)

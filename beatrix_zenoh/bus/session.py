@@ -1,7 +1,7 @@
 """A session: queries, queryables, publications, subscriptions, liveliness tokens.
 
-Callbacks run on Zenoh's thread and must return at once; a slow callback would stop the whole session.
-Congestion control is DROP everywhere, so that a frozen subscriber does not delay the others.
+Callbacks run on Zenoh's thread and must return at once; a slow callback would delay the whole session.
+Publications have congestion control DROP, so that a frozen subscriber does not delay the others.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ HEALTHY = b"served"
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
 
 PASSES_S = 0.5
-"""Time for the router to report the tokens of a new session."""
+"""Time (s) for the router to report the tokens of a new session."""
 POLL_S = 0.02
 CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 
@@ -58,7 +58,7 @@ class Incoming:
 
     @property
     def session(self) -> str:
-        """Session of the client; empty if the query has no source info."""
+        """Id of the client's session; empty if the query has no source info."""
         source = self._query.source_info
         return "" if source is None else str(source.source_id.zid)
 
@@ -68,7 +68,7 @@ class Incoming:
             self._query.reply(key, payload, encoding=encoding)
 
     def finish(self) -> None:
-        """Tell Zenoh that there are no more replies."""
+        """End the replies to this query."""
         self._query.drop()
 
 
@@ -78,7 +78,7 @@ class Received(msgspec.Struct, frozen=True, gc=False):
     key: str
     payload: bytes
     session: str
-    """session of the publisher; empty if unknown"""
+    """id of the publisher's session; empty if unknown"""
     attachment: bytes | None
 
 
@@ -90,7 +90,7 @@ class Publication:
         self._publisher: zenoh.Publisher
 
     def declare(self, session: zenoh.Session) -> object:
-        """Declare the publisher on a session, which replaces an earlier one."""
+        """Declare the publisher on a session, in place of the publisher of an earlier session."""
         parts = keys.parse(self._key)
         row = None if parts is None else keys.KEYS[parts.row]
         self._publisher = session.declare_publisher(
@@ -109,7 +109,7 @@ class Publication:
 
     @property
     def subscribed(self) -> bool:
-        """Whether a client subscribes."""
+        """Whether any client subscribes to this publication."""
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
 
     def put(self, payload: bytes, attachment: bytes | None = None) -> None:
@@ -144,7 +144,7 @@ class Bus:
             index = self._declarations.index(declaration)
             del self._declarations[index]
             with contextlib.suppress(zenoh.ZError):  # the session may be closing
-                self._declared.pop(index).undeclare()  # type: ignore[attr-defined]  # all that is declared has it
+                self._declared.pop(index).undeclare()  # type: ignore[attr-defined]  # every declaration has it
 
         return undeclare
 
@@ -288,8 +288,8 @@ class Bus:
     def router_passes(self, token: str) -> bool:
         """Return whether the router has accepted a token of this session and reports tokens to this session.
 
-        Zenoh returns a session's own tokens from the session itself, and once more from the router; in the first
-        milliseconds of a session sometimes not from the router, so a negative answer takes PASSES_S.
+        Zenoh returns a session's own token twice, from the session itself and from the router. In the first
+        milliseconds of a session the router may not return it yet, so this waits PASSES_S before it returns False.
         """
         deadline_s = time.monotonic() + PASSES_S
         while len(self.tokens(token)) <= 1:
@@ -299,7 +299,7 @@ class Bus:
         return True
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
-        """Report tokens that appear and disappear, first the existing ones; return a function that ends this.
+        """Report tokens that appear or disappear, first the existing ones; return a function that ends the reports.
 
         `handle(key, alive)` runs on Zenoh's thread and must return at once.
         """
@@ -331,7 +331,7 @@ class Bus:
         return not self.closed and bool(self._session.info.routers_zid())
 
     def connection_error(self) -> NoAnswer | None:
-        """Return the error of a new session with the same account; None if the router accepts one."""
+        """Try to open another session with the same account; return the error, None if the router accepts it."""
         try:
             self._open_session().close()
         except NoAnswer as error:
@@ -343,7 +343,7 @@ class Bus:
         return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
-        """Return name and twin of every node that serves or starts; joined networks may have two nodes of one robot."""
+        """Return name and twin of every node that serves or starts; one robot may have two nodes in joined networks."""
         return _places(self.tokens(keys.claim(robot="*", twin="*", session="*")))
 
     def close(self) -> None:
@@ -361,7 +361,7 @@ class Bus:
 
 
 def frozen_router(endpoint: str) -> str:
-    """Return the sentence about a router that accepts connections and does not answer."""
+    """Return the message about a router that accepts connections and does not answer."""
     return (
         f"The router at {endpoint} does not answer: it is frozen or very busy. Robots stop by themselves within 3 s "
         "of losing their router."
@@ -379,7 +379,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
-        WrongUsage: BAD_VALUE, `endpoint` is not an endpoint, or the certificate of the account has expired.
+        WrongUsage: BAD_VALUE, `endpoint` or ZENOH_RUNTIME is invalid, or the certificate of the account has expired.
     """
     for one in endpoints(endpoint):
         parse_endpoint(one)
@@ -407,7 +407,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         try:
             return opened(settings, lambda: credentials.refusal(endpoint, account), Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
-            check_listening()  # a router that shuts down closes its connections: then it is lost, and not refusing
+            check_listening()  # a router that shuts down closes the connection: it is lost, and did not refuse
             if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
                 raise
             plain = account is not None and not account.password

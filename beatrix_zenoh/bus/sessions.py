@@ -18,7 +18,7 @@ CONTROL = "control"
 class Sessions:
     """The sessions by traffic class of keys.toml; Zenoh delivers all data of one session in order.
 
-    A session is opened when the first key of its class is served, subscribed or published.
+    The session of a class is opened when this process first serves, subscribes to or publishes a key of the class.
     """
 
     def __init__(self, connect: Callable[[], Bus]) -> None:

@@ -1,4 +1,4 @@
-"""The session watchdog: check each session of a process by a query through another session, and a lost router."""
+"""The session watchdog: it checks each session by a query through another one, and the account after a router loss."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ FAILURES = 2
 
 
 class SessionWatchdog:
-    """Replaces a session whose queryables the router has forgotten.
+    """A thread that replaces a session whose queryables the router has lost.
 
     If the router disconnects a session under a flood of messages, Zenoh 1.10 reconnects it without its declarations in
     about one case of ten. The session is then open, but the router delivers no query to it. `renewed` is called with
     the traffic class, on the watchdog's thread.
 
-    `refused` is called on the same thread, once for each loss of the router, if it is back and refuses the account:
-    Zenoh tries for ever to connect and reports nothing.
+    If the router is back after a loss and refuses the account, `refused` is called once on the same thread, because
+    Zenoh tries to connect for ever and reports nothing.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class SessionWatchdog:
         try:
             checked.renew()
         except NoAnswer:
-            return  # the router was lost just now
+            return  # the router has just been lost
         self._renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:

@@ -77,7 +77,7 @@ def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
     first.expect("ready")
     second = Process(*CLI, "router", "--listen", endpoint)
     assert second.wait() == 3
-    assert any("is this router running already" in line for line in second.lines)
+    assert any("already listens there" in line for line in second.lines)
     assert first.end() == 0
 
 
