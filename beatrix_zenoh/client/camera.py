@@ -13,7 +13,7 @@ from beatrix_zenoh.client.subscription import Sample, Subscription
 from beatrix_zenoh.errors import WrongUsage, quoted
 
 START_S = 10.0
-"""Time until the first picture: two seconds for some cameras, longer for a simulation on a busy computer."""
+"""Time limit (s) for the first picture; some cameras take two seconds, a simulation on a busy computer longer."""
 LENGTH = 4
 """Queue length: short, because a slow reader does not need old pictures."""
 JPEG_BEGIN = b"\xff\xd8"
@@ -39,7 +39,7 @@ class CameraImage:
     height: int
     """pixels"""
     source: str
-    """the source, for example `v4l2`, `pattern` or `egl`"""
+    """origin of the picture, for example `v4l2`, `pattern` or `egl`"""
     arrived_mono_ns: int
     """monotonic clock of this computer at the arrival (ns)"""
     arrived_wall_ns: int
@@ -68,9 +68,7 @@ def images(
         choice = "choose 'left' or 'right', or 'outside' for a simulation as seen from outside"
         raise WrongUsage(Reason.BAD_VALUE, f"There is no eye {quoted(eye)}: {choice}.")
     if eye == names.OUTSIDE and twin == "hw":
-        text = (
-            "Only simulations draw an outside view: ask the simulation for it, or choose 'left' or 'right'."
-        )
+        text = "Only simulations draw an outside view: choose the twin 'sim', or the eye 'left' or 'right'."
         raise WrongUsage(Reason.BAD_VALUE, text)
     key = keys.camera(robot, twin, eye)
     return Subscription(client, key, image, timeout_s=timeout_s, length=length, bus=client.media)

@@ -27,7 +27,7 @@ class Pose(msgspec.Struct, frozen=True):
     speed: float
 
     def query(self) -> PoseQuery:
-        """The motion; `speed` is that of the fastest arm."""
+        """Return the request for this pose; its speed is that of the fastest arm."""
         return pose_query(self.yaw, self.pitch, self.roll, relative=False, speed=self.speed)
 
     def __str__(self) -> str:
@@ -44,7 +44,7 @@ class ArmPose(msgspec.Struct, frozen=True):
     speed: float
 
     def query(self) -> MotionQuery:
-        """The motion; `speed` is that of each arm."""
+        """Return the request for this position; its speed is that of each arm."""
         return motion_query(self.short, self.middle, self.long, relative=False, speed=self.speed)
 
     def __str__(self) -> str:
@@ -71,7 +71,7 @@ class Choreography(msgspec.Struct, frozen=True):
         )
 
     def where(self, index: int) -> str:
-        """Name a step by its time, and its line if there is one."""
+        """Return the place of a step for error messages: file, line or number, and time."""
         line = f"line {self.lines[index]}" if self.lines else f"step {index + 1}"
         source = f"{self.source}, " if self.source else ""
         return f"{source}{line} (t = {self.steps[index][1].at:.2f} s)"
@@ -113,8 +113,8 @@ def choreography(read: MotionFile) -> Choreography:
     if speed is None:
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{read.source}, line {read.points[0].line}: {SPEED} is empty. Only in a later line "
-            f"may it be empty, which keeps the speed: give a number of degrees/s. {FORM}",
+            f"{read.source}, line {read.points[0].line}: {SPEED} is empty in the first point. Give "
+            f"a number of degrees/s; in later lines an empty cell keeps the speed. {FORM}",
         )
     for point in read.points:
         speed, title = point.speed or speed, point.figure or title
@@ -130,7 +130,7 @@ def step(at: float, place: Place, speed: float) -> Step:
 
 
 def checked_speed(speed: float) -> float:
-    """A checked speed in deg/s; raises WrongUsage unless it is above 0 and fits into a message."""
+    """Return the speed (deg/s); raise WrongUsage unless it is above 0 and fits into a message."""
     pose_query(0, 0, 0, relative=False, speed=speed)
     if speed <= 0:
         raise WrongUsage(Reason.BAD_VALUE, f"speed is {speed:g}: give a number of degrees/s above 0.")

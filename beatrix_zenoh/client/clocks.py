@@ -59,7 +59,7 @@ def clock_offsets(
         client: the session.
         robot: name of the robot.
         twin: `sim` or `hw`.
-        timeout_s: time limit of each reply.
+        timeout_s: time limit of each reply (s).
         tries: number of round trips.
 
     Raises:
@@ -72,7 +72,7 @@ def clock_offsets(
 
 
 def _round_trip(client: Client, robot: str, twin: str, timeout_s: float) -> Offsets:
-    """Return the offsets from one query, on the assumption that the robot read its clocks half-way through it."""
+    """Return the offsets from one query, assuming that the robot reads its clocks half-way between query and reply."""
     key = keys.clock(robot, twin)
     asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
     clock = client.ask(robot, twin, key, None, Clock, timeout_s)

@@ -58,11 +58,11 @@ class Dispatcher:
     def _do(do: Callable[[], object]) -> None:
         try:
             do()
-        except Exception:  # the user's code may raise anything; concurrent.futures logs it, too
+        except Exception:  # the user's code may raise any exception; concurrent.futures logs them, too
             LOG.exception("A callback failed.")
 
     def close(self) -> None:
-        """Run the calls that are due and end the thread; later calls are dropped."""
+        """Run the calls that are due and end the thread; all other calls are dropped."""
         with self._lock:
             self._closed = True
             thread = self._thread

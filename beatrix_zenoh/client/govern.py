@@ -1,4 +1,4 @@
-"""Lease queries to many robots at once, so that a robot that does not answer does not delay the others."""
+"""Lease queries to many robots at the same time, so that a robot that does not answer does not delay the others."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 ANSWER_S = 2.0
-"""Time limit of all replies together."""
+"""Time limit (s) of all replies together."""
 NO_REPLY = (
-    f"It did not answer within {ANSWER_S:g} s, so its state is not known: it hangs, or its connection is lost. "
-    "Send the request again when it answers."
+    f"The robot did not answer within {ANSWER_S:g} s, so its state is not known: its node hangs or is not connected. "
+    "Send the request again when the robot answers."
 )
 
 
 def govern(
     client: Client, places: Iterable[Place], action: LeaseAction, speed: float = 0.0
 ) -> dict[Place, LeaseReply | BeatrixError]:
-    """Send a lease query to robots (`speed`, of LIMIT, in rad/s); return the reply or the error of each of them."""
+    """Send a lease query to all these robots, and return the reply or error of each; `speed` (rad/s) is for LIMIT."""
     query = LeaseQuery(action=action, speed=speed)
     who = client.settings.who
     requests = {place: Request(client, place, keys.lease(*place, who), query, ANSWER_S) for place in places}

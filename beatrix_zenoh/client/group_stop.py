@@ -1,4 +1,4 @@
-"""STOP and EMERGENCY_STOP to many robots at once."""
+"""STOP and EMERGENCY_STOP to many robots at the same time."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from beatrix_zenoh.client.request import GroupRequest
 from beatrix_zenoh.client.session import Client
 
 STOP_S = 3.0
-"""Time limit of the replies; the slowest stop, from 90 deg/s, takes half a second."""
+"""Time limit (s) of the replies; the slowest stop, from 90 deg/s, takes half a second."""
 PRIORITY = "real_time"
 
 
 def request_stop(
     client: Client, robot: str = "*", twin: str = "*", *, emergency: bool = False
 ) -> GroupRequest[CommandReply]:
-    """Send STOP or EMERGENCY_STOP to all matching robots; `replies` of the result waits for at most STOP_S."""
+    """Send STOP or EMERGENCY_STOP to all matching robots; read the `replies` of the result within STOP_S."""
     if emergency:
         query = CommandQuery(command=Command.EMERGENCY_STOP.value)
         key = keys.command(robot, twin, client.settings.who)
         return GroupRequest(client, key, query, CommandReply, STOP_S, PRIORITY)
-    # A foreign queryable may take the query, so STOP is also published: first, so that the replies cover both.
+    # A foreign queryable may take the query, so STOP is also published. It is sent first: the replies then cover both.
     client.put_stop(robot, twin)
     return GroupRequest(client, keys.stop(robot, twin), None, CommandReply, STOP_S)

@@ -10,19 +10,19 @@ from beatrix_zenoh.client.subscription import Arrival
 MOVED_DEG = 0.5
 """Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
 SAME_CLOCK_NS = 50_000_000
-"""Largest difference of readings of one monotonic clock; clocks of two computers differ by their times since boot."""
+"""Largest difference (ns) of readings of the same clock; clocks of two computers differ by their times since boot."""
 
 
 class MotionBegin:
     """The time at which one robot begins to move."""
 
     def __init__(self, robot: Robot, start: ArmAngles) -> None:
-        """Subscribe to its positions; `start` are its arm angles (deg)."""
+        """Subscribe to the robot's positions; `start` are its arm angles (deg) at rest."""
         self._start = start
         self._positions = robot.positions_stream()
         self._before: tuple[int, float] | None = None
         self.begin_ns: int | None = None
-        """when the robot began to move, by the clock of the source; None: not yet"""
+        """time at which the robot began to move, by the clock of the source; None: not yet"""
         self.delay_ns: int | None = None
         """the smallest difference between arrival and time stamp: transmission time plus clock offset"""
 
@@ -53,7 +53,7 @@ class MotionBegin:
 def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
     """Return the time from the start of the simulation's motion to that of the hardware (s); None if one has not moved.
 
-    The error is a few milliseconds on one computer; between two computers, the difference of their shortest delays.
+    Its error is a few milliseconds on one computer; between two, it is the difference of their shortest delays.
     """
     if sim.begin_ns is None or hw.begin_ns is None or sim.delay_ns is None or hw.delay_ns is None:
         return None
@@ -62,5 +62,5 @@ def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
 
 
 def furthest(one: ArmAngles, other: ArmAngles) -> float:
-    """Largest difference of one arm (deg)."""
+    """Return the largest difference (deg) between two angles of the same arm."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))

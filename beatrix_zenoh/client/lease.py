@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Lease:
-    """A robot that this program has taken: `with robot.lease(): …`. `Robot.lease` makes it.
+    """A robot that this program has taken: `with robot.lease(): …`.
 
     Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
     """
@@ -44,7 +44,7 @@ class Lease:
 
 
 def take(robot: Robot, wait_s: float) -> int:
-    """Take a robot, waiting in the queue for up to `wait_s` (s); returns the number of the lease; raises Refused."""
+    """Take a robot and return the number of the lease; wait in the queue for up to `wait_s` (s), then raise Refused."""
     reply = ask(robot, LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE)
     if reply.lease:
         return reply.lease
@@ -61,10 +61,10 @@ def take(robot: Robot, wait_s: float) -> int:
 
 
 def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
-    """Wait for the lease; return empty, or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
+    """Wait for the lease; return "", or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
-    The robot forgets a waiting seat when its node restarts, the session is disconnected, or another program of the seat
-    gives up: wait again then.
+    The robot removes the seat from its queue when its node restarts, the session is disconnected, or another program
+    of the seat gives up; then the request is sent again.
     """
     seat = robot.client.settings.who
     with robot.status_stream() as statuses:

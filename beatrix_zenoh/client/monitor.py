@@ -16,7 +16,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.wakeup import Wakeup
 
 ASK_S = 1.0
-"""Time limit of queries for the state from before the monitor began."""
+"""Time limit (s) of the queries for the state that was published before the monitor began."""
 ROBOTS = 1000
 """Largest number of robots; further names, for example of a faulty program, are ignored."""
 
@@ -25,7 +25,7 @@ class Monitor:
     """All robots of a router, live; read their states with `robots` and `robot`.
 
         with Robot("bea1") as robot, Monitor(robot.client) as monitor:
-            monitor.settle()  # until the first status of each robot has come
+            monitor.settle()  # until the first status of each robot has arrived
             print([state.robot for state in monitor.robots()])
 
     Zenoh's thread only enqueues. Payloads are decoded when a state is read, and only the newest positions and status,
@@ -126,7 +126,7 @@ class Monitor:
     # -- the reader's thread ------------------------------------------------------------------------
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait for a status, an event or a change of presence since the last call; False after the time limit.
+        """Wait for a status, an event or a change of presence since the last call; return False after `timeout_s`.
 
         Positions do not end the wait.
         """
@@ -135,7 +135,7 @@ class Monitor:
         return changed
 
     def settle(self, timeout_s: float = ASK_S) -> None:
-        """Wait until the status of every robot on line has arrived, at most `timeout_s`."""
+        """Wait until the status of every robot on line has arrived, at most `timeout_s` (s)."""
         self._wakeup.wait_for(self._settled, timeout_s)
 
     def _settled(self) -> bool:
@@ -156,7 +156,7 @@ class Monitor:
         return (Record(self._client, name, twin, 0) if record is None else record).state()
 
     def measure_clocks(self, name: str, twin: str) -> Offsets:
-        """Measure and store the offsets of a robot's clocks for its states; raises NoAnswer as `clock_offsets` does."""
+        """Measure the offsets of a robot's clocks, also for its states; raises the errors of `clock_offsets`."""
         offsets = clock_offsets(self._client, name, twin)
         record = self._record((name, twin))
         if record is not None:

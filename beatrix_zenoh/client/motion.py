@@ -13,7 +13,7 @@ from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
 
 MARGIN_S = 3.0
-"""Time after the announced end of a motion until its final reply counts as lost."""
+"""Time (s) from the announced end of a motion until its final reply counts as lost."""
 NO_END = (
     "{} did not report that the motion has ended, although it is on line: it or this computer is very busy."
 )
@@ -39,7 +39,7 @@ class Motion:
     """A motion that a robot has accepted.
 
     Several threads may use it. Zenoh's threads only enqueue the final reply; the thread that waits for it reads it.
-    Callbacks of `add_done_callback` run in one thread per client, "beatrix-callbacks", which starts with the first.
+    Callbacks of `add_done_callback` run in one thread per client, "beatrix-callbacks", which the first callback starts.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class Motion:
         return f"<motion of {self._robot}: {text}>"
 
     def done(self) -> bool:
-        """Return whether the motion has ended, at its goal or elsewhere."""
+        """Return whether the motion has ended, at its goal or before it."""
         self._read(0.0)
         return self._end is not None
 
@@ -117,7 +117,7 @@ class Motion:
     def cancel(self) -> bool:
         """Stop the robot and return when its arms rest; return False without STOP if the motion had ended.
 
-        Raises as `Robot.stop`.
+        Raises the errors of `Robot.stop`.
         """
         if self.done():
             return False

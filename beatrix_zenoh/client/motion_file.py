@@ -79,7 +79,7 @@ def read(path: Path) -> MotionFile:
         return parse(content.decode("utf-8-sig"), str(path))
     except UnicodeDecodeError as error:
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} is not a text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
+            Reason.BAD_VALUE, f"{path} is not text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
         ) from error
 
 
@@ -152,7 +152,7 @@ def header(names: list[str]) -> list[str]:
 def point_of(line: int, names: Sequence[str], given: Sequence[str], *, comma: bool) -> Point:
     """The point of one line; raises ValueError, which names the column."""
     if any(given[len(names) :]):
-        raise ValueError(f"it has {len(given)} cells, and there are {len(names)} columns")
+        raise ValueError(f"it has {len(given)} cells, but the file has {len(names)} columns")
     row = dict(zip(names, [*given, *[""] * len(names)], strict=False))
     t = number_of(TIME, row[TIME], comma=comma)
     if not 0 <= t <= DAY_S:
@@ -178,12 +178,12 @@ def number_of(name: str, text: str, *, comma: bool) -> float:
         raise ValueError(f"{name} is {quoted(text) if text else 'empty'}: give a number")
     number = float(text)
     if not (math.isfinite(number) and codec.fits(number)):
-        raise ValueError(f"{name} is {number:g}: no message holds a number that large")
+        raise ValueError(f"{name} is {number:g}: numbers up to 3.4e38 are allowed")
     return number
 
 
 def lines_of(places: Iterable[tuple[float, Place]], comments: Sequence[str] = ()) -> Iterable[str]:
-    """The lines of a path with line feeds: times in s, places in deg, all of the head or all of the arms."""
+    """Yield the lines of a path, with line feeds: times in s, places in deg, all of the head or all of the arms."""
     for comment in comments:
         yield f"# {comment}\n"
     first = True
@@ -195,5 +195,5 @@ def lines_of(places: Iterable[tuple[float, Place]], comments: Sequence[str] = ()
 
 
 def line_of(t: float, place: Place) -> str:
-    """The line of one point, to ms and thousandths of a degree."""
+    """Return the line of one point, rounded to 1 ms and 0.001 deg."""
     return ",".join(f"{value:z.3f}" for value in (t, *place)) + "\n"

@@ -1,4 +1,4 @@
-"""The programs at a router, and the keys that they serve, publish and subscribe to: from the router's own records."""
+"""The programs at a router, and the keys that they serve, publish and subscribe to, from the router's records."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import NoAnswer
 
 RECORDS: Final = re.compile(r"@/[0-9a-f]+/router/(subscriber|queryable|publisher)/(.+)")
-"""Keys of the router's admin space: what is declared, and its key expression."""
+"""Keys of the router's admin space; the groups are the kind of a declaration and its key expression."""
 FIELDS: Final = {"queryable": "serves", "publisher": "publishes", "subscriber": "subscribes"}
 """The field of a program for each kind of declaration."""
 ANSWER_S: Final = 2.0
@@ -53,7 +53,7 @@ class Program:
 
 
 def read(client: Client) -> list[Program]:
-    """All programs at the client's router: nodes, seats, others; each sorted by title.
+    """Return all programs at the client's router: first the nodes, then the others, both sorted by title.
 
     Raises:
         NoAnswer: ACCESS_DENIED, the router does not let this seat read its admin space.
@@ -81,7 +81,7 @@ def read(client: Client) -> list[Program]:
 
 
 def _declarations(client: Client) -> dict[str, list[tuple[str, str]]] | None:
-    """Session and key expression of every declaration, by kind; None if the router does not reply to this seat."""
+    """Return session and key expression of every declaration, by kind; None if the router does not reply."""
     answered = False
     found: dict[str, list[tuple[str, str]]] = defaultdict(list)
     query = client.bus.query("@/*/router/**", None, None)
@@ -101,7 +101,7 @@ def _declarations(client: Client) -> dict[str, list[tuple[str, str]]] | None:
 
 
 def _seats(client: Client) -> dict[str, str]:
-    """Title of the seat of each session that has announced one, except the session of this client."""
+    """Return the title of each announced seat by its session, except the session of this client."""
     found = map(keys.parse, client.bus.tokens(keys.seat("*", "*")))
     return {
         parts.session: f"seat {parts.who}"
@@ -111,7 +111,7 @@ def _seats(client: Client) -> dict[str, str]:
 
 
 def _merged(programs: list[Program]) -> list[Program]:
-    """One program for all sessions of a node, and one for all sessions of a seat."""
+    """Merge all sessions of a node into one program, and likewise all sessions of a seat; return them sorted."""
     merged: dict[str, Program] = {}
     for program in programs:
         title = program.title if program.robot is None else "{} ({})".format(*program.robot)

@@ -63,7 +63,8 @@ class Plan:
     def commit(self, lead_s: float = 0.0, *, wait: bool = True) -> TwinMotion:
         """Carry the motion out: the simulation at once, the hardware `lead_s` (s) later.
 
-        Returns when both have arrived; with wait=False, when the simulation (without lead: both) has accepted it.
+        Returns when both have arrived. With wait=False it returns when the simulation has accepted the motion; without
+        a lead, when both robots have.
         During the lead, `abort`, STOP at either robot or Ctrl-C stops the simulation and leaves the hardware unmoved;
         another commit of this Twin replaces this one, and the hardware gets only the new motion. If one robot refuses
         or is stopped, the other is stopped too.
@@ -103,13 +104,13 @@ class Plan:
         self._check_unmoved(self._twin.hw)
 
     def _check_unmoved(self, robot: Robot) -> PlanPosition:
-        """The position of a robot, queried if need be; raises Refused (REPLACED) if it has moved since the preview."""
+        """Return the position of a robot, queried if need be; raise Refused (REPLACED) if the preview is obsolete."""
         was = self._start[robot is self._twin.hw]
         now = self._twin.state.plan_position(robot)
         if not self._holds(robot, was, now):
             now = query_plan_position(robot)
         if not self._holds(robot, was, now):
-            what = "was not on line at" if was is None else "has moved, or got another home, since"
+            what = "was not on line at" if was is None else "has moved, or was calibrated, since"
             raise Refused(
                 Reason.REPLACED, f"{robot} {what} this preview, so its path would differ: preview again."
             )
@@ -129,7 +130,7 @@ class Plan:
         return f"<plan for {self._twin.name}: {self._settled or self.verdict}>"
 
     def abort(self) -> None:
-        """Discard the plan; if it was committed, stop the simulation, and the hardware if it moves already.
+        """Discard the plan; if it was committed, stop the simulation, and the hardware if it has begun to move.
 
         Raises:
             Refused: the plan was aborted or carried out before.
@@ -155,6 +156,6 @@ def unlike(one: Info, other: Info) -> bool:
 
 
 def distance(start: Start) -> float:
-    """Distance between the positions of the robots (deg); 0 without hardware."""
+    """Return the largest difference of an arm between the two robots (deg); 0 without hardware."""
     simulation, hardware = start
     return 0.0 if hardware is None else furthest(simulation.arms, hardware.arms)

@@ -1,4 +1,4 @@
-"""Play a choreography: by the clock, each robot independently, or in lockstep."""
+"""Play a choreography: by the clock, where the robots do not wait for each other, or in lockstep."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def play(
 ) -> None:
     """Play a choreography on one robot, or on both with a preview of each pose.
 
-    By the clock, each robot begins a pose at its time, but not before it has reached the pose before; the robots do not
-    wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins at
-    its time, but not before both robots have reached the pose before.
+    By the clock, each robot begins a pose at its time, but not before it has reached its previous pose; the robots do
+    not wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins
+    at its time, but not before both robots have reached the previous pose.
 
-    `check` is called before each pose and, by the clock, 100 times a second; an exception of it ends the play. If one
-    robot fails, both are stopped and the play ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
+    `check` is called 100 times a second, in lockstep only before each pose; if it raises, the play ends. If one robot
+    fails, both are stopped and the play ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
 
     Raises:
         WrongUsage: `lead_s` is not a time, or is given with lockstep or for one robot.
@@ -74,7 +74,7 @@ def _play_lockstep(
 
 
 class _WaitingPose(NamedTuple):
-    """A pose and the time when it is due."""
+    """A pose and the time when it is due (s, monotonic clock)."""
 
     at_s: float
     query: MotionQuery | PoseQuery

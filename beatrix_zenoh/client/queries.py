@@ -18,7 +18,10 @@ Speed = float | Sequence[float]
 
 
 def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:
-    """Query from angles in degrees; raises WrongUsage unless they are finite numbers and `relative` a bool."""
+    """Return a query from angles (deg) and a speed (deg/s).
+
+    Raises WrongUsage unless they are finite numbers and `relative` is a bool.
+    """
     return PoseQuery(
         absolute=not true_or_false("relative", relative),
         yaw=to_rad("yaw", yaw),
@@ -31,7 +34,7 @@ def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: 
 def motion_query(
     short: float, middle: float, long: float, *, relative: bool, speed: Speed | None
 ) -> MotionQuery:
-    """Query from angles in degrees, with one `speed` (deg/s) or one per arm; raises the errors of `pose_query`."""
+    """Return a query from angles (deg), with one `speed` (deg/s) or one per arm; raises the errors of `pose_query`."""
     each = None if speed is None else Vector3(*[to_rad("speed", one, "degrees/s") for one in per_arm(speed)])
     position = Vector3(to_rad("short", short), to_rad("middle", middle), to_rad("long", long))
     return MotionQuery(absolute=not true_or_false("relative", relative), position=position, speed=each)
@@ -50,12 +53,12 @@ def per_arm(speed: Speed) -> Sequence[float]:
 
 
 def to_rad(what: str, angle: float, unit: str = "degrees") -> float:
-    """Degrees, or degrees/s, to rad; raises the errors of `number`."""
+    """Convert degrees or degrees/s to rad or rad/s; raises the errors of `number`."""
     return math.radians(number(what, angle, unit))
 
 
 def number(what: str, value: float, unit: str) -> float:
-    """The value as a number; raises WrongUsage unless a message can hold it."""
+    """Return the value as a float; raise WrongUsage unless it is a finite number that fits into a message."""
     if not isinstance(value, Real) or isinstance(value, bool):
         raise WrongUsage(Reason.BAD_VALUE, f"{what} is {value!r}: give a number of {unit}.")
     try:
@@ -65,7 +68,7 @@ def number(what: str, value: float, unit: str) -> float:
     if not math.isfinite(finite):
         raise WrongUsage(Reason.BAD_VALUE, f"{what} is {finite:g}: give a finite number of {unit}.")
     if not codec.fits(finite):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {finite:g}: no message holds a number that large.")
+        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {finite:g}: numbers up to 3.4e38 are allowed.")
     return finite
 
 
@@ -77,7 +80,7 @@ def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
 
 
 def seconds(what: str, value: float) -> float:
-    """A time-out in s; raises WrongUsage unless it is a number above 0 and at most a day."""
+    """A timeout in s; raises WrongUsage unless it is a number above 0 and at most a day."""
     if isinstance(value, Real) and not isinstance(value, bool) and 0 < float(value) <= DAY_S:
         return float(value)
     raise WrongUsage(

@@ -34,7 +34,7 @@ class HeadAngles(NamedTuple):
 
 @dataclass(frozen=True)
 class Reading:
-    """Position of a robot in degrees; `t` is the source's monotonic clock in seconds."""
+    """Positions (deg) and velocity (deg/s) of a robot; `t` is the time (s) by the source's monotonic clock."""
 
     t: float
     arms: ArmAngles
@@ -56,7 +56,7 @@ class Path:
 
 
 class Suggestion(NamedTuple):
-    """An accepted alternative to a refused motion: deg and deg/s; None: not part of the alternative."""
+    """An accepted alternative to a refused motion (deg, deg/s); None: not part of the alternative."""
 
     arms: ArmAngles | None
     """arguments for `Robot.move`"""
@@ -66,7 +66,7 @@ class Suggestion(NamedTuple):
 
 
 def suggestion(refusal: BeatrixError) -> Suggestion | None:
-    """The checked alternative in a refusal's `detail`, in degrees; None if it has none."""
+    """The checked alternative in a refusal's `detail`, in degrees; None if the refusal has none."""
     other = None if refusal.detail is None else refusal.detail.alternative
     if other is None:
         return None
@@ -78,17 +78,17 @@ def suggestion(refusal: BeatrixError) -> Suggestion | None:
 
 
 def arm_angles(vector: Vector3) -> ArmAngles:
-    """Rad to degrees."""
+    """Convert angles or speeds of the arms from rad to degrees."""
     return ArmAngles(*(math.degrees(value) for value in (vector.x, vector.y, vector.z)))
 
 
 def head_angles(head: Head) -> HeadAngles:
-    """Rad to degrees."""
+    """Convert the orientation of the head from rad to degrees."""
     return HeadAngles(*(math.degrees(value) for value in (head.yaw, head.pitch, head.roll)))
 
 
 def reading(positions: Positions) -> Reading:
-    """Positions of a message, in degrees."""
+    """Convert the positions in a message to degrees."""
     return Reading(
         t=positions.t_mono_ns / 1e9,
         arms=arm_angles(positions.position),

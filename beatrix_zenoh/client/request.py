@@ -1,6 +1,6 @@
 """Queries to one robot or to many.
 
-A query reaches every matching queryable, also of foreign programs: only replies on the robot's own key count.
+A query reaches every matching queryable, also those of foreign programs, so only replies on the robot's own key count.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
 
 STALE_S = 0.02
-"""Time after the restart of a node in which queries of an open session may find no queryable (zenoh#2767)."""
+"""Time (s) after the restart of a node in which queries of an open session may reach no queryable (zenoh#2767)."""
 LATE_S = 2.0
-"""Extra lifetime of a query after its caller's time limit: a motion that is accepted late must be stopped."""
+"""Extra lifetime (s) of a query after its caller's time limit: a motion that is accepted late must be stopped."""
 LOSS_CHECK_S = 0.5
-"""Period of the check whether the router was lost: Zenoh does not end a query that it sent just before it noticed."""
+"""Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
 """Name and twin of a robot."""
 
 
 def own_place(asked: str, answered: str) -> Place | None:
-    """Name and twin of the robot if a reply has the robot's own key; else None."""
+    """Return name and twin of the robot if the key of a reply is the robot's own; otherwise None."""
     want, found = keys.parse(asked), keys.parse(answered)
     if want is None or found is None or want.row != found.row or "*" in answered:
         return None
@@ -42,7 +42,7 @@ def own_place(asked: str, answered: str) -> Place | None:
 
 
 def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Place, M] | None:
-    """The reply of a robot; None and a log record if the reply is not from a robot."""
+    """Decode the reply of a robot; log and return None if it is a foreign or an error reply, or unreadable."""
     if answer.error:
         client.report(answer, f"ignored: an error reply to {asked}, {answer.payload[: codec.LONGEST]!r}.")
         return None
@@ -55,7 +55,7 @@ def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Pla
 
 
 class Request:
-    """One query to one robot and its replies; repeated once if it has reached no queryable."""
+    """One query to one robot and its replies; it is repeated once if it ends without a reply."""
 
     def __init__(
         self,
@@ -77,7 +77,7 @@ class Request:
         return self._client.bus.query(self._key, self._payload, codec.MSGPACK, timeout_s=self._lasts_s)
 
     def next(self, kind: type[M], timeout_s: float) -> M:
-        """The robot's next reply, waiting up to `timeout_s`.
+        """Return the robot's next reply; wait for it up to `timeout_s` (s).
 
         Raises:
             NoAnswer: the reason that `silence` finds, or SHUTDOWN if this program has closed the client.
@@ -92,7 +92,7 @@ class Request:
         return self._unanswered.explain(limit_s, heard=self._heard)
 
     def reply(self, kind: type[M], timeout_s: float) -> M:
-        """Return the result of `next`, but raise TimeoutError if no reply came within `timeout_s`."""
+        """Return the result of `next`, but raise TimeoutError if no reply arrives within `timeout_s`."""
         deadline = time.monotonic() + timeout_s
         while True:
             answer = self._next(deadline)
@@ -109,7 +109,7 @@ class Request:
                 return reply[1]
 
     def _again(self, deadline: float) -> Reply | None:
-        """Repeat the query, because just after a node's restart the first can be lost."""
+        """Repeat the query and return its first reply: just after a node's restart the first query may be lost."""
         self._repeated = True
         time.sleep(STALE_S)
         self._query.close()
@@ -159,13 +159,13 @@ class GroupRequest(Generic[M]):
         lasts_s: float,
         priority: str | None = None,
     ) -> None:
-        """Send the query; `lasts_s` limits the time of `replies`."""
+        """Send the query; replies are received for `lasts_s` and 2 s more."""
         self._client, self._key, self._kind = client, key, kind
         payload = None if request is None else codec.encode(request)
         self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S)
 
     def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:
-        """Name, twin and reply of each robot in the order of arrival within `timeout_s`."""
+        """Yield name, twin and reply of each robot, in the order of arrival, for at most `timeout_s` (s)."""
         deadline = time.monotonic() + timeout_s
         try:
             while (answer := self._query.next(deadline - time.monotonic())) is not None:

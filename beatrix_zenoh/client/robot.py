@@ -48,17 +48,17 @@ class Robot(RobotBase):
     """One robot: `Robot("bea1", twin="sim")`. Use it in a `with` block, or close it.
 
     Args:
-        name: the robot; default BEATRIX_ROBOT, then beatrix.toml, then `user-host`. The first query or motion shows
-            whether it is on line.
+        name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then `user-host`. The first query or
+            motion shows whether it is on line.
         twin: `sim` or `hw`.
-        connect: the router, default BEATRIX_CONNECT or tcp/127.0.0.1:7447.
-        who: your seat, default BEATRIX_WHO or the user's name.
-        timeout_s: how long to wait for an answer (s).
+        connect: the router; default BEATRIX_CONNECT, beatrix.toml, the account's router, then tcp/127.0.0.1:7447.
+        who: your seat; default BEATRIX_WHO, beatrix.toml, the account's seat, then the user's name.
+        timeout_s: longest wait for an answer (s).
         client: a session to share; the caller opens and closes it.
 
     Raises:
-        WrongUsage: an argument is invalid.
-        NoAnswer: NO_ROUTER.
+        WrongUsage: an argument or a setting is invalid.
+        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED.
     """
 
     # -- commands -------------------------------------------------------------------------------
@@ -79,7 +79,7 @@ class Robot(RobotBase):
         """Enable and calibrate the robot as far as needed: set the head upright first.
 
         Raises:
-            Refused: EMERGENCY: the emergency stop is latched (check the robot, then `reset`); or the robot's reason.
+            Refused: EMERGENCY if the emergency stop is latched (check the robot, then `reset`), or the robot's reason.
         """
         status = self.status()
         if status.fault is Fault.EMERGENCY:
@@ -98,13 +98,13 @@ class Robot(RobotBase):
         self.move(0, 0, 0)
 
     def stop(self) -> CommandReply:
-        """Stop the robot, also motions of other seats; returns when the arms rest."""
+        """Stop the robot, even if another seat moves it; return when the arms rest."""
         return self.press_stop()()
 
     def press_stop(self) -> Callable[[], CommandReply]:
         """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
         key = keys.stop(self.name, self.twin)
-        # A foreign queryable may take the query, so STOP is also published: first, so that the reply covers both.
+        # A foreign queryable may take the query, so STOP is also published, and first: the reply then covers both.
         self.client.put_stop(self.name, self.twin)
         request = Request(self.client, self.place, key, None, self.timeout_s)
 
@@ -123,19 +123,19 @@ class Robot(RobotBase):
     def command(
         self, command: Command, *, value: bool = True, timeout_s: float | None = None
     ) -> CommandReply:
-        """Send any command; raises Refused with the robot's reason, NoAnswer after `timeout_s`."""
+        """Send any command; raises Refused with the robot's reason, NoAnswer after `timeout_s` (s)."""
         key = keys.command(self.name, self.twin, self.client.settings.who)
         query = CommandQuery(command=command.value, value=true_or_false("value", value))
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
         return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
 
     def lease(self, wait_s: float = 0.0) -> Lease:
-        """Take the robot: no other seat but the teacher's moves it until the lease is closed or this program ends.
+        """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.
 
-        `wait_s` is how long to wait in the queue while another seat holds it (s).
+        `wait_s` is the longest wait (s) in the queue while another seat holds the robot.
 
         Raises:
-            Refused: NOT_HOLDER: another seat holds the robot; or another reason of the robot, such as FROZEN.
+            Refused: NOT_HOLDER if another seat holds the robot, or the robot's reason, such as FROZEN.
         """
         return Lease(self, wait_seconds("wait_s", wait_s))
 
@@ -148,8 +148,8 @@ class Robot(RobotBase):
     def move_target(self, x: float, y: float, z: float) -> TargetReply:
         """Place the simulated person in front of the robot, and end the person's own path.
 
-        x forward, y left, z up: m from the neck's centre to the middle of the person's eyes. Raises Refused outside the
-        room.
+        x (forward), y (left) and z (up) are the distances (m) from the neck's centre to the middle of the person's
+        eyes. Raises Refused for a position outside the room.
         """
         query = TargetQuery(x=number("x", x, "m"), y=number("y", y, "m"), z=number("z", z, "m"))
         reply = self._ask_target(query)
@@ -158,7 +158,7 @@ class Robot(RobotBase):
         return reply
 
     def _ask_target(self, query: TargetQuery | None) -> TargetReply:
-        """Query the simulation of this name; hardware has no scene."""
+        """Query the simulation of this name, because hardware has no scene."""
         return self.client.ask(self.name, "sim", keys.target(self.name), query, TargetReply, self.timeout_s)
 
     # -- motions --------------------------------------------------------------------------------
@@ -175,10 +175,12 @@ class Robot(RobotBase):
     ) -> Motion:
         """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
 
-        `speed` is that of the fastest arm, deg/s. Returns at the goal, or at once with wait=False.
+        `speed` (deg/s) is that of the fastest arm. Returns when the head is at the goal; with wait=False, when the
+        robot has accepted the motion.
 
         Raises:
-            Refused: the robot refused the motion; the error has the reason and an alternative.
+            Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the robot or the router is not on line, or does not answer.
             Interrupted: the motion was stopped or replaced, or the robot was lost.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
@@ -195,7 +197,7 @@ class Robot(RobotBase):
     ) -> Motion:
         """Turn the arms (deg, counter-clockwise from above positive).
 
-        `speed` in deg/s: one for all arms or (short, middle, long). Otherwise as `look`.
+        `speed` (deg/s) is one number for all arms, or (short, middle, long). Everything else is as in `look`.
         """
         query = motion_query(short, middle, long, relative=relative, speed=speed)
         return self._begin(query, wait=wait)
@@ -208,7 +210,7 @@ class Robot(RobotBase):
         return motion
 
     def begin(self, query: MotionQuery | PoseQuery) -> Motion:
-        """Send a motion and return when it is accepted; raises Refused."""
+        """Send a motion and return when the robot has accepted it; raises Refused or NoAnswer."""
         if self.lease_number and not query.lease:
             query = structs.replace(query, lease=self.lease_number)
         key_of = keys.motion if isinstance(query, MotionQuery) else keys.pose
@@ -226,7 +228,7 @@ class Robot(RobotBase):
         return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
 
     def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
-        """Upper bound of a motion's duration (s): Zenoh keeps memory for a query until its time-out."""
+        """Upper bound of a motion's duration (s): Zenoh keeps memory for a query until its timeout."""
         if query.speed is None:
             if self._default_speed is None:
                 self._default_speed = max(self.info().limits.speed_default, SLOWEST_DEFAULT)
@@ -246,7 +248,7 @@ def checked(reply: CommandReply) -> CommandReply:
 
 
 def stop_together(robots: Iterable[Robot]) -> Iterator[tuple[Robot, CommandReply | BeatrixError]]:
-    """Send STOP to all robots, then wait for each; return each robot with its reply or error."""
+    """Send STOP to all robots, then wait for each; yield each robot with its reply or error."""
     pressed = [(robot, robot.press_stop()) for robot in robots]
     for robot, wait in pressed:
         try:

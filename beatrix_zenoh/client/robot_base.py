@@ -50,28 +50,28 @@ class RobotBase:
 
     @property
     def place(self) -> Place:
-        """Name and twin."""
+        """Name and twin of the robot."""
         return self.name, self.twin
 
     def positions(self) -> Reading:
-        """Current position of the robot, in degrees."""
+        """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
         key = keys.positions(self.name, self.twin)
         return reading(self.client.ask(*self.place, key, None, Positions, self.timeout_s))
 
     def status(self) -> Status:
-        """State of the robot: enabled, calibrated, holder, faults."""
+        """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
         key = keys.status(self.name, self.twin)
         return self.client.ask(*self.place, key, None, Status, self.timeout_s)
 
     def info(self) -> Info:
-        """Versions, limits and keys."""
+        """Query versions, limits and keys of the robot; raises the errors of `positions`."""
         key = keys.info(self.name, self.twin)
         return self.client.ask(*self.place, key, None, Info, self.timeout_s)
 
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
         """Subscribe to positions in degrees, 50 per second.
 
-        Reading raises NoAnswer if no position arrives within `timeout_s`; None waits for ever.
+        Reading raises NoAnswer if no position arrives within `timeout_s` (s); None waits for ever.
         """
         key = keys.positions(self.name, self.twin)
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
@@ -97,12 +97,12 @@ class RobotBase:
         return camera.images(self.client, self.name, self.twin, eye, timeout_s=timeout_s)
 
     def past_events(self) -> list[Event]:
-        """The newest events of the robot, at most 200, oldest first."""
+        """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
         key = keys.events(self.name, self.twin)
         return self.client.ask(*self.place, key, None, Events, self.timeout_s).events
 
     def close(self) -> None:
-        """Close the session; a running motion of this object is stopped."""
+        """Close the session, so that the robot stops a running motion of this object; a shared session stays open."""
         if not self._shared:
             self.client.close()
 

@@ -1,4 +1,4 @@
-"""A monitor's data of one robot: undecoded payloads, and the state that is decoded when it is read."""
+"""A monitor's data of one robot: undecoded payloads, and the state, which is decoded when the user reads it."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from beatrix_zenoh.client.readings import Reading, reading
 from beatrix_zenoh.client.session import Client
 
 LOST_S = 0.5
-"""A robot without positions for this long is lost, even with a token (positions come every 20 ms)."""
+"""A robot without positions for this long (s) is lost, even with a token; positions arrive every 20 ms."""
 RATE_S = 1.0
-"""Time window in which a rate is measured."""
+"""Time window (s) in which a rate is measured."""
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -84,7 +84,7 @@ class Channel(Generic[M]):
         return self._newest is None
 
     def read(self, now: float) -> tuple[M | None, float | None]:
-        """The newest message (None: undecodable) and its age in s (None: nothing has arrived)."""
+        """Return the newest message (None: unreadable) and its age in s (None: nothing has arrived)."""
         if self._newest is None:
             return None, None
         payload, came = self._newest
@@ -94,7 +94,7 @@ class Channel(Generic[M]):
         return self._decoded[1], max(0.0, now - came)
 
     def rate(self, now: float) -> float:
-        """Publications per second."""
+        """Return the publications per second over the last second."""
         recent = [moment for moment in self._times.copy() if now - moment < RATE_S]
         span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
         return (len(recent) - 1) / span if span else 0.0

@@ -26,7 +26,7 @@ class Client:
     """One Zenoh session under one seat; robots of this process share it.
 
     A liveliness token announces the seat, so that a robot notices the end of the session and stops its motion. Raises
-    NoAnswer (NO_ROUTER) if the router does not answer, WrongUsage for an invalid endpoint.
+    NoAnswer (NO_ROUTER, ACCOUNT_REFUSED) or, for an invalid endpoint or an expired certificate, WrongUsage.
     """
 
     def __init__(self, settings: Settings, *, announce: bool = True) -> None:
@@ -95,11 +95,11 @@ class Client:
         return present
 
     def ask_all(self, key: str, kind: type[M], timeout_s: float) -> dict[Place, M]:
-        """The replies within `timeout_s` of all robots that match a key with wildcards."""
+        """Return the replies that arrive within `timeout_s` (s) from all robots that match a key with wildcards."""
         return dict(GroupRequest(self, key, None, kind, timeout_s).replies(timeout_s))
 
     def infos(self, timeout_s: float = 1.0) -> dict[Place, Info]:
-        """Info of every robot that answers within `timeout_s`."""
+        """Return the info of every robot that answers within `timeout_s` (s)."""
         return self.ask_all(keys.info("*", "*"), Info, timeout_s)
 
     def read(self, answer: Reply, kind: type[M]) -> M | None:
@@ -121,7 +121,7 @@ class Client:
         self._reporter.report(answer.sender, answer.key, what)
 
     def put_stop(self, robot: str, twin: str) -> None:
-        """Publish STOP, for robots that a query does not reach; `*` for all robots."""
+        """Publish STOP for robots that a query does not reach; `*` stands for all robots or both twins."""
         self.bus.put(keys.stop(robot, twin), b"", codec.MSGPACK)
 
     def at_close(self, do: Callable[[], None]) -> Callable[[], None]:

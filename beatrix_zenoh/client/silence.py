@@ -1,7 +1,7 @@
 """The cause of a missing answer, found from the connection, the liveliness tokens and the robot's publications.
 
-Zenoh 1.10 does not report the cause: a query ends without a reply if the robot is absent or has crashed, and if the
-access rules of the router refuse it. The checks here take up to 3 s, so they run only after a query has failed.
+Zenoh 1.10 does not report the cause: a query ends without a reply if the robot is absent or has crashed, and also if
+the access rules of the router refuse it. The checks here take up to 3 s, so they run only after a query has failed.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
 
 ROUTER_S = 1.0
-"""A router that needs longer for a query of tokens counts as frozen."""
+"""A router that needs longer (s) for a query of tokens counts as frozen."""
 NOTICE_S = 0.2
-"""Zenoh ends the queries of a lost connection before it reports the loss."""
+"""Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
-"""A lost connection is restored within this time if the router answers."""
+"""Zenoh restores a lost connection within this time (s) if the router answers."""
 POLL_S = 0.02
 ABSENT_S = 1.5
-"""A query that reaches no node ends sooner. If it ends later without a reply, its node has received it and ended."""
+"""A query that reaches no node ends sooner (s). If it ends later without a reply, a node received it and then ended."""
 POSITIONS_S = 1.0
-"""A node that publishes no positions for this long is frozen (they come every 20 ms)."""
+"""A node that publishes no positions for this long (s) is frozen; it publishes them every 20 ms."""
 CLOCK_S = 1.0
-"""Time limit of the query for the clock, which every account may send."""
+"""Time limit (s) of the query for the clock, which every account may send."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Unanswered:
     began_s: float = field(default_factory=time.monotonic)
 
     def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
-        """Return the error of a query that had no answer within `limit_s` or, with None, that ended without a reply.
+        """Return the error of a query without a reply: within `limit_s` (s) or, with None, until the query ended.
 
         `heard`: the query had an earlier reply.
         """
@@ -99,7 +99,7 @@ class Unanswered:
         )
 
     def _interrupted(self) -> NoAnswer:
-        """Return the error of a lost connection to a router that is still there."""
+        """Return the error of a lost connection to a router that is still running."""
         bus = self.client.bus
         deadline_s = time.monotonic() + BACK_S
         while not bus.connected:
@@ -114,7 +114,7 @@ class Unanswered:
         )
 
     def _not_back(self) -> NoAnswer:
-        """Return the error of a connection that does not return: the accounts may have changed with the router."""
+        """Return the error of a connection that is not restored: a restarted router may have other accounts."""
         bus = self.client.bus
         error = None if self.client.settings.account is None else bus.connection_error()
         return error or NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
@@ -182,12 +182,12 @@ def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
 
 
 def title(place: Place) -> str:
-    """Return name and twin as users read them: `bea1 (hw)`."""
+    """Return name and twin in the form for users: `bea1 (hw)`."""
     return f"{place[0]} ({place[1]})"
 
 
 def absent_reason(name: str, present: Collection[Place]) -> Reason:
-    """Return NO_SUCH_ROBOT if only robots of other names are on line; NO_ANSWER if none is, or the other twin."""
+    """Return NO_SUCH_ROBOT if only robots of other names are on line; NO_ANSWER if none is, or only the other twin."""
     other = present and all(robot != name for robot, _ in present)
     return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
 

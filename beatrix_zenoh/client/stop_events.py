@@ -17,7 +17,7 @@ class StopEvents:
         self._since_s = robot.positions().t if since_s is None else since_s
 
     def check(self, when: str = "") -> None:
-        """Raise Interrupted (STOPPED), naming the seat and `when`, if STOP was pressed."""
+        """Raise Interrupted (STOPPED) if STOP was pressed; its message contains the seat and `when`."""
         for event in self._events.take():
             if event.kind is EventKind.STOP and event.t_mono_ns / 1e9 > self._since_s:
                 presser = event.seat or "A client"

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.robot_base import RobotBase
 
 SILENCE_S = 3.0
-"""A robot without publications for this long is frozen or lost: status is published once a second."""
+"""A robot without publications for this long (s) is frozen or lost, because it publishes its status once a second."""
 
 T = TypeVar("T")
 
@@ -29,7 +29,7 @@ def same(value: T) -> T:
 def positions(
     client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
 ) -> Subscription[Positions]:
-    """Subscribe to positions (rad); reading raises NoAnswer after `timeout_s` without a publication, None: never."""
+    """Subscribe to positions (rad); reading raises NoAnswer if none arrives for `timeout_s` (s), with None never."""
     return Subscription(client, keys.positions(robot, twin), message(Positions, same), timeout_s=timeout_s)
 
 
@@ -48,7 +48,7 @@ def events(
 
 
 def follow_events(robots: Sequence[RobotBase], past: int) -> Iterator[tuple[Place, Event]]:
-    """The last `past` events of robots of one name, oldest first, then each new one.
+    """Yield the last `past` events of robots of one name, oldest first, then each new event.
 
     Args:
         robots: simulation, hardware or both, of one client.

@@ -84,7 +84,7 @@ class Inbox:
         self._wakeup.set()
 
     def next(self, timeout_s: float | None) -> Sample | None:
-        """The oldest publication; None after the time limit, or if the queue is closed and empty."""
+        """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
         self._wakeup.wait_for(lambda: self._waiting or self.closed, timeout_s)
         try:
             sample = self._waiting.popleft()
@@ -101,7 +101,7 @@ class Inbox:
 
 
 class Subscription(Generic[T]):
-    """Publications of one key: iterate, ask for the `next`, or look at the `latest`.
+    """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:
             for reading in readings:
@@ -127,9 +127,9 @@ class Subscription(Generic[T]):
             client: the session.
             key: the key of a publication, with the names of one robot or with wildcards.
             read: converts samples to values, for example `message(Status, convert)`.
-            timeout_s: longest wait for a publication until NoAnswer is raised; None: for ever.
+            timeout_s: longest wait for a publication (s), after which NoAnswer is raised; None: for ever.
             length: length of the queue; older publications are dropped.
-            bus: another session than the client's own.
+            bus: session to use instead of the client's own.
 
         Raises:
             WrongUsage: the client was closed.
@@ -154,7 +154,7 @@ class Subscription(Generic[T]):
 
     @property
     def latest_arrival(self) -> Arrival[T] | None:
-        """Like `latest`, with the time of its arrival."""
+        """The publication of `latest` with the time of its arrival."""
         newest = self._inbox.newest
         if newest is None:
             return None
@@ -163,7 +163,7 @@ class Subscription(Generic[T]):
         return self._latest[1]
 
     def next(self, timeout_s: float | None = None) -> T:
-        """The oldest unread publication; waits up to `timeout_s`, by default that of the subscription.
+        """Return the oldest unread publication; wait up to `timeout_s` (s), by default that of the subscription.
 
         Raises:
             NoAnswer: TIMED_OUT after the time limit, SHUTDOWN if the subscription is closed.
@@ -184,7 +184,7 @@ class Subscription(Generic[T]):
                 return arrival
 
     def take(self, timeout_s: float = 0.0) -> list[T]:
-        """All unread publications, oldest first; waits up to `timeout_s` for the first."""
+        """Return all unread publications, oldest first; wait up to `timeout_s` (s) for the first."""
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]
 
     def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:

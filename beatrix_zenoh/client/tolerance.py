@@ -85,7 +85,7 @@ def _value(value: object, kind: object, name: str, wrong: list[str]) -> object:
 
 
 def _taken_apart(kind: object) -> tuple[type, object]:
-    """Return a type without Annotated and None, and the item type if it is a list."""
+    """Return a type without Annotated and `| None`, and the type of its items, which is None unless it is a list."""
     origin, args = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Annotated:
         return _taken_apart(args[0])
@@ -108,7 +108,7 @@ def _zero(kind: object) -> object:
 
 
 def _member(kind: type[E], name: str) -> E:
-    """A value of a text enum that equals none of its members."""
+    """Return a value of a text enum that has this name and equals none of the members."""
     member = cast("E", str.__new__(cast("type[str]", kind), name))
     member._name_ = member._value_ = name
     return member

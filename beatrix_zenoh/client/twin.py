@@ -79,7 +79,7 @@ class Twin:
         switch_both(self, Robot.calibrate)
 
     def stop(self) -> None:
-        """Send STOP to both robots at once, then raise the first error of `Robot.stop`, if any."""
+        """Send STOP to both robots at the same time, then raise the first error of `Robot.stop`, if any."""
         for _, reply in list(stop_together((self.hw, self.sim))):
             if isinstance(reply, BeatrixError):
                 raise reply
@@ -169,7 +169,7 @@ class Twin:
         Raises:
             Refused: one robot refused; the other is stopped.
             NoAnswer: one robot is not on line, or has lost its board; the other is stopped.
-            Interrupted: one motion was stopped or replaced; unless replaced, the other is stopped.
+            Interrupted: one motion was stopped or replaced; if it was stopped, the other is stopped, too.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
 
@@ -208,7 +208,7 @@ class Twin:
     # -- state -----------------------------------------------------------------------------------
 
     def positions(self) -> TwinReading:
-        """Last published positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
+        """Return the current positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
         return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))
 
     def check_ready(self) -> None:
@@ -256,7 +256,7 @@ def switch_both(twin: Twin, do: Callable[[Robot], None]) -> None:
 
 
 def alike(twin: Twin) -> bool:
-    """Return whether both robots have the same values; True if one does not answer."""
+    """Return whether both robots have the same robot values; True if one of them does not answer."""
     with contextlib.suppress(NoAnswer):
         return not unlike(twin.state.info(twin.sim), twin.state.info(twin.hw))
     return True
@@ -279,7 +279,7 @@ def check_reachable(robots: Iterable[Robot], seat: str) -> None:
 
 
 def each(robots: Iterable[Robot], do: Callable[[Robot], None]) -> None:
-    """Call a function for one robot after the other; errors begin with the robot's name."""
+    """Call a function for one robot after the other; messages of errors begin with the robot's name."""
     for robot in robots:
         with naming(str(robot)):
             do(robot)

@@ -24,9 +24,9 @@ from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
 LOG = logging.getLogger("beatrix_zenoh.client")
 POLL_S = 0.02
 LATE_S = 1.5
-"""A motion that is overdue by more than this is not sent to the hardware: its program was suspended."""
+"""A motion that is overdue by more than this (s) is not sent to the hardware: its program was suspended."""
 CANCEL_S = 10.0
-"""Longest wait for robots that do not answer STOP."""
+"""Longest wait (s) for robots that do not answer STOP."""
 REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
 
 
@@ -65,8 +65,8 @@ class TwinMotion:
         self._stops: list[StopEvents] = []
         """STOP events of both robots, during the lead."""
         self.lag_s: float | None = None
-        """Lag of the hardware behind the simulation (s), from published positions; None until both have ended, without
-        a preview, and if one of them moved less than 0.5 deg."""
+        """Lag of the hardware behind the simulation (s), from published positions; None until both have ended, for a
+        motion without a preview, and if one of them moved less than 0.5 deg."""
 
     def __repr__(self) -> str:
         if self.done():
@@ -89,7 +89,7 @@ class TwinMotion:
         return 0.0 if self._permit.locked() else max(0.0, self._due_s - time.monotonic())
 
     def done(self) -> bool:
-        """Return whether the motion of both has ended, at its goal or elsewhere."""
+        """Return whether the motion of both robots has ended, at its goal or before it."""
         return self._future.done()
 
     def running(self) -> bool:
@@ -121,7 +121,7 @@ class TwinMotion:
         return self._future.exception(0)
 
     def _wait(self, timeout: float | None) -> None:
-        """Wait in short steps, because on Windows Ctrl-C does not end a wait without time-out."""
+        """Wait in short steps, because on Windows Ctrl-C does not end a wait without a timeout."""
         deadline_s = float("inf") if timeout is None else time.monotonic() + timeout
         while not self._future.done():
             left_s = deadline_s - time.monotonic()
@@ -133,10 +133,10 @@ class TwinMotion:
                 continue
 
     def cancel(self) -> bool:
-        """Stop both; during the lead stop the simulation and leave the hardware unmoved.
+        """Stop both robots; during the lead, stop the simulation and leave the hardware unmoved.
 
-        Returns when the arms rest; False if the motion had ended before. In a signal handler that interrupts the
-        waiting thread it returns at once, and the motion ends after the handler.
+        Returns True when the arms rest, or False if the motion had ended before. In a signal handler that interrupts
+        the waiting thread it returns at once, and the motion ends after the handler.
         """
         if self.done():
             return False
@@ -184,7 +184,7 @@ class TwinMotion:
 
         Args:
             check: called just before the motion is sent to the hardware.
-            check_present: called continuously, because a robot that was away may have been replaced.
+            check_present: called continuously, because a robot that was not on line may have been replaced.
             sim_t: time at which the simulation was at rest (s, its own clock); a STOP since then ends the motion.
             hw_t: as `sim_t`, for the hardware.
         """
@@ -268,7 +268,7 @@ class TwinMotion:
             stops.check(" before the motion was sent to the hardware")
 
     def _poll(self, limit_s: float) -> bool:
-        """Wait a moment; True if all started motions have arrived. Raises the error that ends the motion."""
+        """Wait up to `limit_s` (s); return whether all begun motions have arrived; raise the error that ends them."""
         self._raise_end()
         if self._sim.client.bus.closed:
             raise NoAnswer(
@@ -366,7 +366,7 @@ def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> Bas
 
 
 def ended(robot: Robot, motion: Motion, timeout_s: float) -> bool:
-    """Wait for the end of a motion; True if it has arrived.
+    """Wait up to `timeout_s` (s); return whether the motion has reached its goal.
 
     Raises:
         Interrupted: the motion was stopped or replaced; the message names the robot.

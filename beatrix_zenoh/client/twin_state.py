@@ -18,19 +18,19 @@ from beatrix_zenoh.errors import NoAnswer, Refused, naming
 from beatrix_zenoh.names import TEACHER, TWINS
 
 NEW_S = 0.1
-"""Largest age of positions, which come every 20 ms."""
+"""Largest age (s) of published positions, which arrive every 20 ms."""
 TICK_S = 0.03
 """A node publishes positions every 20 ms, and a changed status with them. Positions that arrive this long after the
 reply to a request, and the status that arrived before them, therefore show the effect of the request."""
 WAIT_S = 0.15
-"""Longest wait for a new state before the robot is queried."""
+"""Longest wait (s) for a new state before the robot is queried."""
 POLL_S = 0.004
 HOLD_S = 2.0
-"""Longest time for which the seat of a motion holds the robot after its end."""
+"""Longest time (s) for which the seat of a motion holds the robot after the motion."""
 
 
 class PlanPosition(NamedTuple):
-    """Arm angles of a robot (deg), the number of its calibration, and the time (s, the source's monotonic clock)."""
+    """Commanded arm angles of a robot (deg), number of its calibrations, and time (s, the source's monotonic clock)."""
 
     arms: ArmAngles
     calibrations: int
@@ -55,13 +55,13 @@ class TwinState:
         return robot.status() if state is None or state.status is None else state.status
 
     def positions(self, robot: Robot) -> Reading:
-        """Positions of a robot; raises NoAnswer as `Robot.positions` does."""
+        """Return the positions of a robot, in degrees; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         return robot.positions() if reading is None else reading
 
     def plan_position(self, robot: Robot) -> PlanPosition:
-        """Position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
+        """Return the position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         if state is None or reading is None or state.status is None:
@@ -69,7 +69,7 @@ class TwinState:
         return PlanPosition(reading.commanded, state.status.calibrations, reading.t)
 
     def info(self, robot: Robot) -> Info:
-        """Info of a robot, queried once."""
+        """Return the info of a robot, queried at the first call; raises NoAnswer as `Robot.info` does."""
         if robot.twin not in self._infos:
             self._infos[robot.twin] = robot.info()
         return self._infos[robot.twin]
@@ -108,7 +108,7 @@ class TwinState:
                 )
 
     def _published(self, robot: Robot) -> RobotState | None:
-        """The published state if it is newer than the last reply to a request; waits for it up to WAIT_S."""
+        """Wait up to WAIT_S for a published state that is newer than the last reply to a request; otherwise None."""
         deadline_s = time.monotonic() + WAIT_S
         with self._lock:
             if self._monitor is None:
@@ -138,13 +138,13 @@ class TwinState:
 
 
 def query_plan_position(robot: Robot) -> PlanPosition:
-    """Position of a robot for a plan, by a query."""
+    """Query the position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
     reading = robot.positions()
     return PlanPosition(reading.commanded, robot.status().calibrations, reading.t)
 
 
 def may_move(status: Status, seat: str) -> None:
-    """Raise unless a seat may move a robot with this status, with the robot's own rules.
+    """Raise unless a seat may move a robot with this status; a freeze and a pause are not checked.
 
     Raises:
         Refused: EMERGENCY, NOT_ENABLED, NOT_CALIBRATED or NOT_HOLDER.
@@ -178,6 +178,6 @@ def check_board(status: Status) -> None:
 
 
 def check_holder(status: Status, seat: str) -> None:
-    """Raise Refused if another seat drives; the teacher outranks it."""
+    """Raise Refused if another seat holds the robot, unless this seat is the teacher."""
     if status.holder not in ("", seat) and seat != TEACHER:
         raise refusals.driven_by(status.holder, None if status.moving else HOLD_S)

@@ -25,7 +25,7 @@ class Wakeup:
             self._set.release()
 
     def wait_for(self, condition: Callable[[], object], timeout_s: float | None) -> bool:
-        """Wait until `condition()` is true, checked at every `set`; False after the time limit, None: no limit."""
+        """Wait until `condition()`, checked at every `set`, is true; False after `timeout_s` (s), None: no limit."""
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while not condition():
             left_s = -1.0 if deadline_s is None else deadline_s - time.monotonic()

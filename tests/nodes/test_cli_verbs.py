@@ -272,7 +272,7 @@ def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
 
 @pytest.mark.parametrize(
     ("yaw", "message"),
-    [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "number that large")],
+    [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "numbers up to 3.4e38 are allowed")],
 )
 def test_an_angle_beyond_the_range_of_messages_is_wrong_usage(shell: Shell, yaw: str, message: str) -> None:
     done = shell.run("look", "--yaw", yaw)

@@ -93,7 +93,7 @@ def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
     plan = twin.preview(yaw=10)
     twin.hw.look(yaw=-3, speed=60)
     twin.hw.calibrate()
-    with pytest.raises(Refused, match=r"bea \(hw\) has moved, or got another home"):
+    with pytest.raises(Refused, match=r"bea \(hw\) has moved, or was calibrated"):
         plan.commit()
 
 

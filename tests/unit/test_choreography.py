@@ -113,7 +113,7 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
     assert len(load(path).steps) == 3
     assert load(Path("hello")) == shipped("hello")
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(WrongUsage, match="not a text in UTF-8"):
+    with pytest.raises(WrongUsage, match="not text in UTF-8"):
         load(path)
     with pytest.raises(WrongUsage, match="or a shipped choreography: hello"):
         load(tmp_path / "yours.csv")
