@@ -1,4 +1,4 @@
-"""Access rules of one robot: lease, pause after STOP, emergency latch. No I/O and no clock of its own.
+"""Access rules of one robot: lease, pause after STOP, emergency latch. No I/O; callers pass the time.
 
 `Access.authorize` decides about every request of every client on every port, in this order:
 
@@ -61,7 +61,7 @@ class _Pause:
     """The pause of a stopped seat."""
 
     requested_s: float
-    """time of its last motion request"""
+    """time of STOP, or of the last motion request of the seat after it"""
     session: str
     """session whose motion was stopped"""
     stopped_by: str
@@ -69,13 +69,19 @@ class _Pause:
 
 
 class Pauses:
-    """Pauses of stopped seats: such a seat may move again after QUIET_S without a motion request."""
+    """Pauses of stopped seats, which may move again after QUIET_S without a motion request.
+
+    For programs of 2023 QUIET_OLD_PROGRAM_S applies instead.
+    """
 
     def __init__(self) -> None:
         self._pauses: dict[str, _Pause] = {}
 
     def begin(self, mover: Caller | None, stopped_by: str, now_s: float) -> None:
-        """Begin a pause: a session (empty: unknown) has stopped `mover`. A second STOP never shortens a pause."""
+        """Begin the pause of `mover` (None: no seat drove), stopped by the session `stopped_by` (empty: unknown).
+
+        A second STOP never shortens a pause.
+        """
         if mover is not None:
             pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover.session, stopped_by))
             pause.requested_s, pause.session = now_s, mover.session
@@ -84,9 +90,10 @@ class Pauses:
                 pause.stopped_by = stopped_by
 
     def restart(self, caller: Caller, now_s: float) -> float:
-        """Restart the pause of a seat that requests a motion; return its time (s), 0 if the seat need not pause.
+        """Restart the pause of a seat that requests a motion; return its length (s), 0 if the session need not pause.
 
-        The session that pressed STOP need not pause. Its seat keeps the pause, for a stopped stream in another session.
+        The session that pressed STOP need not pause. Its seat keeps the pause, because another session of the seat may
+        still send the stream of motions that was stopped.
         """
         pause = self._pauses.get(caller.seat)
         if pause is None or (caller.session and caller.session == pause.stopped_by):
@@ -104,7 +111,7 @@ class Pauses:
 
 
 def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate[Access, P], R]:
-    """Hold the lock of Access while a method runs."""
+    """Return `method`, wrapped so that it holds the lock of Access while it runs."""
 
     @wraps(method)
     def under_lock(self: Access, /, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -168,7 +175,7 @@ class Access:
         """Make the authorised caller the holder, just before its motion is sent to the board.
 
         Raises:
-            Refused: EMERGENCY, STOPPED or FROZEN, since `authorize`.
+            Refused: EMERGENCY, STOPPED or FROZEN, if the robot was latched, stopped or frozen after `authorize`.
         """
         if self._latched_s is not None:
             raise refusals.emergency_latched()
@@ -190,7 +197,7 @@ class Access:
 
     @_locked
     def release(self, now_s: float) -> None:
-        """Free the robot at once, because the holder is gone."""
+        """End the lease by motion, because its client or the router was lost."""
         self.lease.motion.release(now_s)
 
     @_locked
@@ -205,8 +212,9 @@ class Access:
 
     @_locked
     def stop_pressed(self, session: str, now_s: float, *, emergency: bool = False) -> None:
-        """Record a STOP or EMERGENCY_STOP of a session (empty: unknown): no motion begins before `stop_sent` and rest.
+        """Record a STOP or EMERGENCY_STOP of a session (empty: unknown).
 
+        No motion begins until `stop_sent` was called and the arms rest.
         The seat whose motion is running, or ended less than QUIET_S ago, must pause.
         """
         self._stopped_by = session
@@ -219,7 +227,7 @@ class Access:
     def stop_sent(self, now_s: float) -> None:
         """Record that the board has acknowledged STOP, or does not answer.
 
-        Also pause the seat of a motion that overtook STOP.
+        Also pause the seat of a motion that overtook STOP; under the latch, end the lease by motion.
         """
         self._stop_sent = True
         self._pauses.begin(self.lease.motion.driver(now_s), self._stopped_by, now_s)
@@ -233,7 +241,7 @@ class Access:
 
     @_locked
     def latch(self, now_s: float) -> None:
-        """Latch, because the board reports EMERGENCY_STOP, for example from an earlier node."""
+        """Set the latch, because the board reports EMERGENCY_STOP, for example one that an earlier node sent."""
         if self._latched_s is None:
             self._latched_s = now_s
 
@@ -242,7 +250,7 @@ class Access:
         """Clear the latch for a RESET that was received at `received_s`.
 
         Raises:
-            Refused: EMERGENCY, EMERGENCY_STOP was pressed after that.
+            Refused: EMERGENCY, if EMERGENCY_STOP was pressed after `received_s`.
         """
         if self._latched_s is not None and received_s < self._latched_s:
             raise refusals.emergency_latched()
@@ -250,9 +258,9 @@ class Access:
 
     @_locked
     def session_changed(self, caller: Caller, *, alive: bool) -> bool:
-        """Record that a client's session has begun, returned or ended; return True if a running motion lost its client.
+        """Record that a client's session has begun, returned or ended; return whether a running motion lost its client.
 
-        A session counts under its own seat only: in a class no other seat can declare its token.
+        The end of a session counts for this seat only: in a class the router lets no other seat declare its token.
         """
         if alive or not caller.session:
             self._ended.pop(caller, None)

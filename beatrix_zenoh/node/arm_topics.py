@@ -1,4 +1,4 @@
-"""The per-arm topics of 2023: one number moves one arm. A refusal becomes a warning and an event."""
+"""The per-arm topics of 2023: one number moves one arm; a refusal is reported as a warning and an event."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ArmTopics(Component):
         sessions.subscribe(keys.arm_target(self._context.name, self._context.twin, "*"), self._target)
 
     def _target(self, target: Received) -> None:
-        """Queue a received target, on Zenoh's thread."""
+        """Queue the motion to a received target, on Zenoh's thread."""
         key, payload = target.key, target.payload
         parts = keys.parse(key)
         arm = "" if parts is None else parts.arm

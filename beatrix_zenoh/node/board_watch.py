@@ -21,17 +21,18 @@ BOARD_READY_S = 1.7
 
 
 class Observer(NamedTuple):
-    """A part of the node that follows the board; `observe` runs on the controller's thread."""
+    """The callbacks of a part of the node that follows the board; `observe` runs on the controller's thread."""
 
     observe: Callable[[], None]
     overdue: Callable[[], bool]
     """whether to call `observe` although nothing has changed; called on the board's thread"""
     urgent: bool = True
-    """call `observe` before all waiting requests"""
+    """True: call `observe` at each change of the board's state, before all waiting requests; False: call it only if
+    `overdue` or if the board was connected or lost, after the waiting requests"""
 
 
 class BoardWatch(Component):
-    """Owns the board. Its callbacks run on the board's threads and only enqueue."""
+    """Owns the board. Its callbacks run on the board's thread and only queue calls."""
 
     def __init__(self, hardware: HardwareInterface, access: Access, queue: RequestQueue) -> None:
         self._hardware, self._access, self._queue = hardware, access, queue
@@ -41,11 +42,11 @@ class BoardWatch(Component):
         self.board = Board(hardware.open_port, self._telemetry, self._link, self._text)
 
     def observe(self, observer: Observer) -> None:
-        """Add an observer; before `start`."""
+        """Add an observer; call this before `start`."""
         self._observers.append(observer)
 
     def on_text(self, handle: Callable[[int, Text | TextWarning], None]) -> None:
-        """Pass lines of the text port to `handle`, on the board's thread; before `start`."""
+        """Pass lines of the text port to `handle`, on the board's thread; call this before `start`."""
         self._on_text = handle
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
@@ -86,7 +87,7 @@ class BoardWatch(Component):
             return Fault.EMERGENCY
         return self._hardware.fault()
 
-    # -- the board's threads ----------------------------------------------------------------------
+    # -- on the board's thread ---------------------------------------------------------------------
 
     def _telemetry(self, telemetry: Telemetry) -> None:
         state = (telemetry.state, telemetry.outcome, telemetry.motion, telemetry.boot)

@@ -1,6 +1,6 @@
 """Publish the pictures of a camera while a client subscribes, and report the camera in the status.
 
-A component with pictures (the renderer of a simulation, or the thread of a USB camera) has a `CameraPublisher`
+A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a `CameraPublisher`
 for each camera:
 
     self._wake = threading.Event()
@@ -11,7 +11,7 @@ for each camera:
     ...
     while not self._closed:         # in the component's own thread
         if not self._left.subscribed:
-            self._wake.wait()       # for the first subscriber
+            self._wake.wait()       # until a client subscribes
             self._wake.clear()
             continue
         self._left.publish(Frame(jpeg, 640, 480, t_mono_ns, "egl"))
@@ -107,13 +107,13 @@ class CameraPublisher:
             self._status = msgspec.structs.replace(
                 self._status, width=frame.width, height=frame.height, source=frame.source
             )
-        # Last, so that a client that has the picture reads a status that includes it.
+        # Publish last, so that a client that has the picture reads a status that includes it.
         self._publication.put(frame.jpeg, codec.encode(header))
 
     def report(self, trouble: str) -> None:
         """Set the fault of the camera: a sentence with cause and what to do, or empty if it works.
 
-        A change becomes an event.
+        A change is recorded as an event.
         """
         with self._lock:
             before = self._status.trouble

@@ -29,7 +29,7 @@ class CommandHandler(Component):
         self._board = context.board_watch.board
         self._key = keys.command(context.name, context.twin, "*")
         self.calibrations = 0
-        """Number of times that home was set."""
+        """Number of times that a client or an old program has set home."""
 
     def start(self, sessions: Sessions) -> None:
         sessions.serve(self._key, self._query)
@@ -116,7 +116,7 @@ class CommandHandler(Component):
 
 
 def command_of(number: int) -> Command:
-    """Return the command of a number; raises Refused (UNKNOWN_COMMAND)."""
+    """Return the command with this number; raises Refused (UNKNOWN_COMMAND)."""
     try:
         return Command(number)
     except ValueError:

@@ -37,7 +37,7 @@ class Component(Protocol):
     """
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
-        """Start threads, declare keys."""
+        """Start threads and declare keys."""
         return
 
     def contribute(self, status: StatusFields) -> None:  # noqa: ARG002

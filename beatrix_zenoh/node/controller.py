@@ -56,7 +56,7 @@ class MotionController:
         self._stop_cause = replies.StopCause.STOP
         self._lost = True
         self.text_moves = False
-        """A motion of the text port is under way or about to begin."""
+        """Whether a motion of the text port is running or about to begin."""
 
     def arms(self) -> Arms:
         """Return the firmware's set points (rad)."""
@@ -65,7 +65,7 @@ class MotionController:
 
     @property
     def running(self) -> Running | None:
-        """The running motion of a query."""
+        """The running motion of a query; None if there is none."""
         return self._running
 
     @property
@@ -88,7 +88,8 @@ class MotionController:
         """Check a motion and send it to the board; `accepted` is called before the replaced motion ends.
 
         Raises:
-            BeatrixError: the motion was refused; a running motion continues.
+            BeatrixError: the motion was refused. A running motion continues, unless the board did not answer: then
+                the node sends STOP.
         """
         now_s = time.monotonic()
         resting = not self.moving and self._running is None
@@ -123,7 +124,7 @@ class MotionController:
         return self._number, 0 if telemetry is None else telemetry.boot
 
     def stop(self, cause: replies.StopCause) -> None:
-        """Decelerate; a board that does not answer stops by itself, because it misses the heartbeat."""
+        """Send STOP; a board that does not answer stops the arms by itself, because it misses the heartbeat."""
         self._stop_cause = cause
         try:
             self._board.request(FrameType.STOP)
@@ -131,7 +132,7 @@ class MotionController:
             self._diagnostics.warn(error.message, error.reason)
 
     def client_lost(self) -> None:
-        """The holder or the router was lost: stop the motion and free the robot."""
+        """Stop the running motion and end its lease, because its client or the router was lost."""
         if self.driven:
             self.stop(replies.StopCause.CLIENT_LOST)
             self._access.release(time.monotonic())
@@ -142,7 +143,7 @@ class MotionController:
         return running is not None and time.monotonic() > running.overdue_s
 
     def observe(self) -> None:
-        """Follow a change of the board: finish the motion if it has ended."""
+        """Handle a change of the board: a restart, the latch, an unknown motion after a loss, the end of the motion."""
         telemetry, lost = self._board.telemetry, not self._board.connected
         if telemetry is None:
             return
@@ -187,6 +188,6 @@ class MotionController:
 
 
 def next_number(last: int, on_board: int) -> int:
-    """Return a number that differs from the last one and from the board's, which an earlier node may have chosen."""
+    """Return a motion number other than the last one and the board's, which an earlier node may have chosen."""
     number = last % NUMBERS + 1
     return number % NUMBERS + 1 if number == on_board else number

@@ -11,7 +11,7 @@ from beatrix_zenoh.node.events import EventLog
 
 SHOWN_S = 10.0
 LENGTH = 5
-RESTARTED = "The board was restarted and its home is not known: set the head upright, enable, calibrate."
+RESTARTED = "The board was restarted, and home is not known. Set the head upright, enable, calibrate."
 
 
 class Diagnostics:
@@ -30,7 +30,7 @@ class Diagnostics:
         self._events.add(EventKind.WARNING, reason=reason, message=text)
 
     def follow_boot(self, boot: int, *, calibrated: bool) -> None:
-        """Record a restart of the board, with boot number `boot`, and warn until the board is calibrated."""
+        """Compare the boot number with the last one; after a restart record an event and warn until `calibrated`."""
         restarted = bool(self._boot and boot != self._boot) and not calibrated
         if restarted:
             self._events.add(EventKind.BOARD, message=RESTARTED)

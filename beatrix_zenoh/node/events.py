@@ -1,4 +1,4 @@
-"""The event log of the robot: keeps the newest events, counts equal events of a flood, feeds the publisher."""
+"""The event log of the robot: stores the newest events, counts equal events of a flood, serves the publisher."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from beatrix_zenoh._generated.messages import Detail, Event, EventKind, Events, 
 from beatrix_zenoh.node.lease import NO_CALLER, Caller
 
 KEPT: Final = 200
-"""Events that a query returns."""
+"""Largest number of events that a query returns."""
 BURST: Final = 10
 """Equal events per second that are published one by one; further ones are counted and published as one."""
 WINDOW_S: Final = 1.0
 SEAT_LENGTH: Final = 32
-"""Characters of a seat that an event shows; requests of longer seats are refused."""
+"""Largest number of characters of a seat in an event; requests of longer seats are refused."""
 _SEQS: Final = 2**32
 
 _PRINTED: Final = (EventKind.BOARD, EventKind.ROUTER, EventKind.CAMERA, EventKind.WARNING)
-"""Kinds that are logged as warnings, which a process prints; the others only reach the log file."""
+"""Kinds that are logged as warnings, which the process prints; the others are only written to the log file."""
 
 log = logging.getLogger("beatrix_zenoh.node.events")
 
@@ -37,7 +37,7 @@ class _Window:
     began_s: float
     passed: int = 0
     held: Event | None = None
-    """the newest unpublished event, with the count of all of them"""
+    """the newest event not yet published, with the number of such events as `count`"""
 
 
 class EventLog:
@@ -95,7 +95,7 @@ class EventLog:
         write(emitted)  # after releasing the lock, because a log handler may wait
 
     def take(self) -> list[Event]:
-        """Return the events to publish now, oldest first."""
+        """Remove and return the events to publish now, oldest first."""
         now_s, emitted = self._monotonic_s(), []
         with self._lock:
             for key, window in list(self._windows.items()):
@@ -127,7 +127,7 @@ class EventLog:
 
 
 def printable(seat: str) -> str:
-    """Return a seat from a key without control characters, for terminals and log files."""
+    """Return at most SEAT_LENGTH characters of a seat, with `?` for unprintable ones, for terminals and log files."""
     return "".join(letter if letter.isprintable() else "?" for letter in seat[:SEAT_LENGTH])
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.node.component import Component, Context
 
 PREVIEW_MAX_S = 60.0
-"""Longest motion that a preview computes."""
+"""Longest duration (s) of a motion in a preview."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,11 @@ class Pose:
 
 @dataclass(frozen=True)
 class Preview:
-    """Result of a motion on a copy of the robot: times (s), arms and head (yaw, pitch, roll) in rad."""
+    """Result of a motion on a copy of the robot.
+
+    `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
+    `gap_min` (rad) are the largest tilt and the smallest gap on the way.
+    """
 
     duration_s: float
     tilt_max: float

@@ -1,11 +1,11 @@
-"""The lease of one robot: its holder and the waiting seats. No I/O and no clock of its own.
+"""The lease of one robot: its holder and the waiting seats. No I/O; callers pass the time.
 
 A seat holds the robot in one of two ways:
 
 * by moving it: from the start of a motion until LINGER_S after its end;
-* by taking it: until it gives the robot back, its session ends, the teacher takes the robot, or it is idle for IDLE_S
-  while another seat waits. Each lease that is taken has a number of its own, the fencing token: a request that names
-  the number of an earlier lease is refused.
+* by taking it: until the seat gives the robot back, its session ends, the teacher takes the robot or ends the lease, or
+  the seat is idle for IDLE_S while another seat waits. Each lease that is taken has a number of its own, the fencing
+  token: a request that names the number of an earlier lease is refused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ motions."""
 IDLE_S = 60.0
 """Time after which a taken robot with an idle holder goes to a waiting seat."""
 WAITING_MAX = 64
-"""Seats that may wait."""
+"""Largest number of waiting seats."""
 
 
 class Caller(NamedTuple):
@@ -37,7 +37,7 @@ NO_CALLER = Caller("", "")
 
 
 class MotionLease:
-    """The lease of a seat by its motion."""
+    """The lease of a seat by its motion, until LINGER_S after the end of the motion."""
 
     def __init__(self) -> None:
         self._mover = NO_CALLER
@@ -116,7 +116,8 @@ class Lease:
     def check(self, caller: Caller, number: int, now_s: float) -> None:
         """Check that no other seat holds the robot, and that the lease a request names (0: none) has not ended.
 
-        The teacher outranks every holder.
+        The teacher is accepted also while another seat holds the robot. A request of the seat that has taken the robot
+        restarts IDLE_S.
 
         Raises:
             Refused: NOT_HOLDER.
@@ -142,7 +143,11 @@ class Lease:
         return self._number
 
     def wait(self, caller: Caller) -> None:
-        """Append the caller to the queue; raises Refused (BUSY) if too many seats wait."""
+        """Append the caller to the queue, or replace the waiting caller of its seat.
+
+        Raises:
+            Refused: BUSY, the queue is full.
+        """
         if caller.seat not in self._waiting and len(self._waiting) >= WAITING_MAX:
             raise refusals.queue_full(WAITING_MAX)
         self._waiting[caller.seat] = caller

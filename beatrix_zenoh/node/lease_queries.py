@@ -45,7 +45,7 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) ->
     """Let the caller take the robot; return the number of its lease, 0 if it now waits in the queue.
 
     Raises:
-        Refused: as `Access.authorize`; NOT_HOLDER only without `wait`; BUSY if too many wait.
+        Refused: as `Access.authorize`; NOT_HOLDER only without `wait`; BUSY if too many seats wait.
     """
     with access.lock:
         try:
@@ -113,7 +113,11 @@ class LeaseHandler(Component):
                 text = self._govern(query, handle.caller)
             elif query.action is LeaseAction.GIVE_BACK:
                 held = give_back(self._context.access, handle.caller)
-                text = "Given back." if held else "This seat neither holds the robot nor waits for it."
+                text = (
+                    "The lease or the place in the queue has ended."
+                    if held
+                    else "This seat neither holds the robot nor waits for it."
+                )
             else:
                 text = self._take(handle.caller, wait=query.action is LeaseAction.WAIT)
         except BeatrixError as error:
@@ -154,7 +158,7 @@ class LeaseHandler(Component):
             return "Every seat may move the robot again."
         if controller.driven and not self._drives(names.TEACHER):
             controller.stop(StopCause.FROZEN)
-        return "Frozen: only the teacher may move the robot."
+        return "The robot is frozen: only the teacher may move it."
 
     def _drives(self, seat: str) -> bool:
         running = self._context.controller.running

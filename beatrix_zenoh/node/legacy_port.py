@@ -34,5 +34,5 @@ class LegacyPort(Component):
         self._port.start()
 
     def close(self) -> None:
-        """Hang up; the controller stops the arms."""
+        """Close the terminal; the controller stops the arms."""
         self._port.close()

@@ -17,7 +17,7 @@ from beatrix_zenoh.node.planner import degrees
 TELEMETRY_S = 1.0
 """Longest wait until telemetry shows an acknowledged change; usually 10 ms, longer on a busy computer."""
 HOME_SHIFT_MAX = math.radians(15.0)
-"""Angle (rad) by which CALIBRATE may shift a known home; limits, and the cables they protect, count from home."""
+"""Angle (rad) by which CALIBRATE may shift a known home: limits, which protect the cables, count from home."""
 
 
 def switch_motors(board: Board, *, on: bool) -> str:
@@ -29,10 +29,10 @@ def switch_motors(board: Board, *, on: bool) -> str:
     board.enable(on=on)
     wait_until_shown(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
     if not on:
-        return "Motors off; home is forgotten."
+        return "The motors are off, and home is no longer known."
     if board.state & State.CALIBRATED:
-        return "Motors on; home is known."
-    return "Motors on. If the head is upright, calibrate; else disable and set it upright first."
+        return "The motors are on, and home is known."
+    return "The motors are on. If the head is upright, calibrate; otherwise disable and set it upright first."
 
 
 def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
@@ -57,17 +57,17 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
     )
     if state & State.CALIBRATED and any(arms):
         return (
-            f"This is home now. Home was known already, and the arms were at {degrees(arms)} from it. Limits count "
-            "from home; if this was a mistake: disable, set the head upright, enable, calibrate."
+            f"The present position is home now. Home was known already, and the arms were at {degrees(arms)} from it. "
+            "Limits count from home: if this was a mistake, disable, set the head upright, enable, calibrate."
         )
-    return "This is home now."
+    return "The present position is home now."
 
 
 def reset(board: Board) -> str:
     """Clear the emergency latch of the board and return the new state as a sentence.
 
     Raises:
-        Refused, NoAnswer: as `Board.request`.
+        Refused, NoAnswer: as `Board.request`; EMERGENCY, the telemetry still shows the latch after TELEMETRY_S.
     """
     board.check_connected()
     if not board.state & State.EMERGENCY:
@@ -76,7 +76,7 @@ def reset(board: Board) -> str:
     # Telemetry from before the request, which shows the latch, may still arrive.
     if not board.wait_for(lambda telemetry: not telemetry.state & State.EMERGENCY, TELEMETRY_S):
         raise refusals.emergency_latched()
-    return "EMERGENCY_STOP is reset; motors off. Set the head upright, enable, calibrate."
+    return "EMERGENCY_STOP is reset, and the motors are off. Set the head upright, enable, calibrate."
 
 
 def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
@@ -90,7 +90,10 @@ def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
     if not board.wait_for(
         lambda new: new is not before and (holds(new) or bool(new.state & State.EMERGENCY)), TELEMETRY_S
     ):
-        raise NoAnswer(Reason.BOARD_LOST, "The board acknowledged but its telemetry does not show it.")
+        raise NoAnswer(
+            Reason.BOARD_LOST,
+            "The board acknowledged the request, but its telemetry does not show the change. Try again.",
+        )
     newest = board.telemetry
     if newest is not None and not holds(newest) and newest.state & State.EMERGENCY:
         raise refusals.emergency_latched()

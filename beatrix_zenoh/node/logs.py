@@ -18,7 +18,7 @@ from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node.log_events import LOGGERS
 
 CAPACITY = 10_000
-"""Waiting records; further ones are dropped. stderr may be a pipe that nothing reads."""
+"""Largest number of waiting records; further ones are dropped, because stderr may be a pipe that no program reads."""
 CLOSE_S = 1.0
 STDERR = 2
 
@@ -75,7 +75,7 @@ class LogFile(logging.FileHandler):
 
 
 def print_raw(text: str) -> None:
-    """Print a line on stderr without taking a lock of Python, so that the process can end although the write blocks."""
+    """Print a line on stderr without taking a lock of Python, so that the process can end while the write blocks."""
     with contextlib.suppress(OSError):  # the terminal was closed
         os.write(STDERR, f"{text}\n".encode(errors="replace"))
 

@@ -74,7 +74,7 @@ class ControllerThread(Component):
         self._context.controller.close()
 
     def close(self) -> None:
-        """Decline later requests, finish the waiting ones, stop the arms."""
+        """Decline later requests, carry out the waiting ones, stop the arms."""
         self._context.queue.close()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
@@ -111,7 +111,7 @@ class Node:
         """Claim the name and start the components.
 
         Raises:
-            Refused: NAME_TAKEN, before the node declares or moves anything.
+            Refused: NAME_TAKEN, before any component starts.
             NoAnswer: NO_ROUTER, the router was lost meanwhile.
         """
         claim_name(self.sessions.control, self.context.name, self.context.twin)

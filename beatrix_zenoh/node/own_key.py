@@ -1,4 +1,4 @@
-"""The seat in the key of a query. A key with wildcards may match several robots, so it does not move any."""
+"""The seat in the key of a query. A query with wildcards may match several robots and moves none of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claim of a robot's name: if several nodes start at once under one name, only one of them serves."""
+"""Claim of a robot's name: if several nodes start at the same time under one name, only one of them serves."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ POLL_S = 0.02
 
 
 def claim_name(bus: Bus, name: str, twin: str) -> None:
-    """Claim the name for the lifetime of the session; two robots with one name would both carry out every request.
+    """Claim the name until the session ends, because two robots with one name would both carry out every request.
 
     Each node first declares its claim, then looks for other claims, so of two nodes at least one sees the other. The
-    node with the larger session id withdraws. The other one waits for that, because the first may have looked earlier.
+    node with the larger session id withdraws its claim; the other node waits for this. If a node that looked earlier
+    begins to serve, or after WAIT_S, the waiting node withdraws too.
 
     Raises:
         Refused: NAME_TAKEN; the claim was withdrawn.

@@ -30,7 +30,10 @@ from beatrix_zenoh.refusals import ARMS
 
 @dataclass(frozen=True)
 class Goal:
-    """A checked motion: angles of the arms in rad, and target and speeds in the units of the firmware."""
+    """A checked motion: arm angles `target` (rad); for the firmware `steps` (microsteps) and speeds `quarters`.
+
+    `quarters` are quarter microsteps per second.
+    """
 
     target: Arms
     steps: tuple[int, int, int]
@@ -44,7 +47,7 @@ class Goal:
         return self.trajectory.duration
 
     def frame(self, motion: int) -> Move | MoveStraight:
-        """Return the frame of the motion with this number."""
+        """Return the frame that begins this goal as the motion with number `motion`."""
         if self.straight:
             return MoveStraight(motion, self.steps, self.quarters[0])
         return Move(motion, self.steps, self.quarters)
@@ -62,10 +65,10 @@ class Planner:
         """Limit (rad/s) that the teacher has set for every arm; 0: none."""
 
     def limit_speed(self, speed: float) -> None:
-        """Limit the speed of every arm to `speed` (rad/s), motions without a speed included; 0 ends the limit.
+        """Limit the speed of every arm to `speed` (rad/s), also in motions without a speed; 0 ends the limit.
 
         Raises:
-            Refused: SPEED_LIMIT, it is slower than SLOWEST_LIMIT_DEG or faster than the robot allows.
+            Refused: SPEED_LIMIT, `speed` is lower than SLOWEST_LIMIT_DEG or higher than the robot allows.
         """
         own = self.robot.limits
         low, high = math.radians(SLOWEST_LIMIT_DEG), math.radians(own.speed_max)
@@ -76,7 +79,8 @@ class Planner:
                     limit=Limit.SPEED, value=speed, low=low, high=high, unit="rad/s", arms=list(ARMS)
                 ),
             )
-        speed = math.radians(round(math.degrees(speed), 3))  # as typed: the wire has single precision
+        # Undo the rounding of messages to single precision, so that status and texts show the limit as it was typed.
+        speed = math.radians(round(math.degrees(speed), 3))
         speed_max = math.degrees(speed) if speed else own.speed_max
         limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
         self.limits = Limits(structs.replace(self.robot, limits=limits))

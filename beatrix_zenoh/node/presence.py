@@ -11,7 +11,7 @@ from beatrix_zenoh.node.lease import Caller
 
 
 class Presence(Component):
-    """Declares the robot's token, follows clients and router, and runs the session watchdog."""
+    """Declares the robot's token, watches the tokens of clients and the router, and runs the session watchdog."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -74,7 +74,7 @@ class Presence(Component):
         self._context.events.add(EventKind.ROUTER, reason=error.reason, message=text)
 
     def close(self) -> None:
-        """End the watchdog; the tokens end with the session."""
+        """End the watchdog; the robot's token ends with the session."""
         self._closed = True
         if self._watchdog is not None:
             self._watchdog.close()

@@ -20,7 +20,7 @@ from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
 
 CAPACITY: Final = 8
-"""Waiting previews; further ones are refused."""
+"""Largest number of waiting previews; further ones are refused."""
 
 
 class PreviewHandler(Component):
@@ -62,7 +62,7 @@ class PreviewHandler(Component):
         return self._carry_out(goal.frame(0))
 
     def close(self) -> None:
-        """Refuse the waiting previews, finish the running one, and end."""
+        """Refuse the waiting previews, finish the running one, and end the thread."""
         while not self._waiting.empty():
             try:
                 entry = self._waiting.get_nowait()

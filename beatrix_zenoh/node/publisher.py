@@ -61,7 +61,7 @@ class Publisher(Component):
             self._positions.put(self._context.snapshot.positions(count=True))
             self._publish_status()
             self._publish_events()
-            # After a stall of the process: no burst of publications.
+            # After a stall of the process, skip the missed publications: clients need no burst of old positions.
             due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
 
     def _publish_status(self, *, always: bool = False) -> None:

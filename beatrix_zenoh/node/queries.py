@@ -36,7 +36,7 @@ class StateQueries(Component):
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
 
     def _query(self, incoming: Incoming, key: str) -> None:
-        """Let the worker answer a query, on Zenoh's thread."""
+        """Pass a query from Zenoh's thread to the worker's thread."""
         try:
             if self._worker is not None:
                 self._worker.submit(self._answer, incoming, key)
@@ -48,6 +48,6 @@ class StateQueries(Component):
         incoming.finish()
 
     def close(self) -> None:
-        """Answer the waiting queries, then end."""
+        """Answer the waiting queries, then end the thread."""
         if self._worker is not None:
             self._worker.shutdown()

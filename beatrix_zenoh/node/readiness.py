@@ -12,7 +12,7 @@ def ready_telemetry(board: Board) -> Telemetry:
     """Return the newest telemetry.
 
     Raises:
-        Refused or NoAnswer: the robot is not ready to move; with the cause and what to do.
+        Refused or NoAnswer: the robot is not ready to move; the message says why and what to do.
     """
     telemetry, link = board.telemetry, board.link
     if telemetry is None or not link.connected:

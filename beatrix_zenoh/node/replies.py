@@ -67,7 +67,7 @@ def motion_reply(
 
 
 def motion_refusal(error: BeatrixError, position: Arms) -> MotionReply:
-    """Return the reply to a refused motion; `position`: set point of the arms (rad)."""
+    """Return the reply to a refused motion; `position`: set points of the arms (rad)."""
     return motion_reply(Phase.ACCEPTED, error.reason, error.message, 0, 0.0, position, error.detail)
 
 
@@ -79,7 +79,7 @@ def command_reply(reason: Reason, text: str, position: Arms, detail: Detail | No
 
 
 def command_refusal(error: BeatrixError, position: Arms) -> CommandReply:
-    """Return the reply to a refused command; `position`: set point of the arms (rad)."""
+    """Return the reply to a refused command; `position`: set points of the arms (rad)."""
     return command_reply(error.reason, error.message, position, error.detail)
 
 
@@ -99,7 +99,7 @@ def preview_reply(preview: Preview) -> PreviewReply:
 
 
 def preview_refusal(error: BeatrixError) -> PreviewReply:
-    """Return the reply to a preview of a motion that would be refused."""
+    """Return the reply to a refused preview."""
     return PreviewReply(
         result=False,
         reason=error.reason,
@@ -115,7 +115,7 @@ def preview_refusal(error: BeatrixError) -> PreviewReply:
 
 
 def motion_end(code: int, cause: StopCause, arms: Arms) -> tuple[Reason, str]:
-    """Return reason and sentence for an outcome other than NONE; `cause`: of the STOP; arms in rad."""
+    """Return reason and sentence for an outcome other than NONE; `cause`: why the node sent STOP; arms in rad."""
     where = degrees(arms)
     if code not in OUTCOME_TEXT:
         return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
@@ -140,7 +140,7 @@ def board_lost(*, reset: bool) -> str:
 
 
 def not_stopped(error: BeatrixError) -> BeatrixError:
-    """Return the error about a STOP without effect, with what to do."""
+    """Return the error about a STOP that did not stop the arms, with advice."""
     return BeatrixError(
         error.reason,
         f"NOT stopped. {error.message} Without frames of its node a board stops the arms after half a second; if they "
@@ -154,7 +154,7 @@ def lost_while_stopping(*, reset: bool) -> BeatrixError:
         return NoAnswer(
             Reason.BOARD_LOST, "The board was reset meanwhile: its motors are off, and home is not known."
         )
-    return not_stopped(NoAnswer(Reason.BOARD_LOST, "The board was lost while stopping."))
+    return not_stopped(NoAnswer(Reason.BOARD_LOST, "The board was lost while the arms moved."))
 
 
 def at_rest(board: Board, how: str, arms: Arms) -> str:
@@ -163,5 +163,5 @@ def at_rest(board: Board, how: str, arms: Arms) -> str:
     if not link.connected:
         return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
     if board.state & State.EMERGENCY:
-        return "Motors off, latched until reset; home is forgotten."
+        return "The motors are off, EMERGENCY_STOP is latched until reset, and home is no longer known."
     return f"{how}; the arms rest at {degrees(arms)}."

@@ -20,12 +20,13 @@ Reply = MotionReply | CommandReply | LeaseReply | PreviewReply
 class RequestHandle:
     """A request of one caller.
 
-    `reply` may be called several times; `end` sends the last reply. Replies become events.
+    `reply` may be called several times; `end` sends the last reply. Replies are recorded as events, except those to
+    previews.
     """
 
     caller: Caller
     action: str
-    """`motion`, `pose`, or the name of a command"""
+    """`motion`, `pose`, `preview`, `<arm> target`, or the name of a command or of a lease action"""
     events: EventLog | None
     """None: do not record replies"""
     send: Callable[[msgspec.Struct], None] = field(default=lambda _: None)

@@ -1,4 +1,4 @@
-"""The request queue: commands in order, only the newest motion of each seat; STOP and the board go first."""
+"""The request queue: commands in order, only the newest motion of each seat; STOP and board changes come first."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from beatrix_zenoh import refusals
 from beatrix_zenoh.errors import BeatrixError, Refused
 
 CAPACITY = 64
-"""Entries that may wait. A motion takes about 1 ms, a command that waits for telemetry 10 ms: the last entry waits for
-some tenths of a second, STOP for one entry."""
+"""Largest number of waiting entries. A motion takes about 1 ms, a command that waits for telemetry 10 ms; so the last
+entry waits for some tenths of a second, and STOP for one entry."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """Work for the reader's thread; if the queue cannot accept it, `decline` runs on the poster's thread."""
+    """Work for the reader's thread; if the queue rejects or replaces it, `decline` runs on the posting thread."""
 
     run: Callable[[], None]
     decline: Callable[[BeatrixError], None]
@@ -33,7 +33,7 @@ class RequestQueue:
         self._entries: dict[Hashable, Task] = {}
         self._lock = threading.Lock()
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
-        """One item for each entry, and one to close; it wakes the reader in half the time of a Condition."""
+        """One item for each entry, and one to close; a SimpleQueue wakes the reader in half the time of a Condition."""
         self._count = 0
         self._closed = False
 
@@ -85,7 +85,7 @@ class RequestQueue:
         self._arrived.put(None)
 
     def take(self) -> Task | None:
-        """Wait for the next entry; None once the queue is closed and empty."""
+        """Wait for the next entry and return it; return None once the queue is closed and empty."""
         self._arrived.get()
         with self._lock:
             if self._urgent:

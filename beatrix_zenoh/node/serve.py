@@ -24,7 +24,7 @@ from beatrix_zenoh.shutdown import Shutdown
 
 RETRY_S = 0.5
 SWITCH_S = 0.0005
-"""Switch interval of Python's threads: STOP and the publisher must not wait behind a flood."""
+"""Switch interval of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 
 
 def serve(
@@ -36,13 +36,14 @@ def serve(
     legacy: Path | None = None,
     log_file: Path | None = None,
 ) -> int:
-    """Serve a robot until a signal arrives; return the exit code.
+    """Serve a robot until a signal arrives; return the exit code: 1 after an uncaught exception in a thread, else 0.
 
     `ready` switches the motors on and calibrates at the start, which only a simulation may do. `legacy` is the path of
-    the terminal for programs of 2023. All events are written to `log_file`. Prints `ready <key>` when the robot serves.
+    the terminal for programs of 2023. All log records are written to `log_file`. Prints `ready <key>` when the node
+    serves.
 
     Raises:
-        BeatrixError: the robot cannot serve: its name is taken, or the router was lost meanwhile.
+        BeatrixError: the node cannot serve: its name is taken, the router was lost meanwhile, or an option is wrong.
     """
     if legacy is not None and (robot.limits, robot.geometry) != (ROBOT.limits, ROBOT.geometry):
         raise WrongUsage(
@@ -116,7 +117,7 @@ def _connect(settings: Settings, shutdown: Shutdown) -> Sessions | None:
             )
         except NoAnswer as error:
             if not reported:
-                print(f"{error.message} Waiting for it; Ctrl-C ends.", file=sys.stderr, flush=True)
+                print(f"{error.message} The node waits; Ctrl-C ends it.", file=sys.stderr, flush=True)
             reported = True
             if shutdown.requested(RETRY_S):
                 return None

@@ -40,7 +40,7 @@ class Snapshot:
         self._seq = 0
 
     def positions(self, *, count: bool = False) -> Positions:
-        """Return the positions; `count`: with the next sequence number, for a publication; else with the last one.
+        """Return the positions, with the sequence number of the last publication; `count`: with the next number.
 
         All values belong to the time `t_mono_ns`; if the board is lost, this is the time of its last telemetry.
         """
@@ -90,7 +90,7 @@ class Snapshot:
         return msg.Clock(t_mono_ns=time.monotonic_ns(), t_wall_ns=time.time_ns())
 
     def info(self) -> Info:
-        """Return everything that a client of another program needs to drive this robot."""
+        """Return all data that a program without this library needs to drive this robot."""
         limits, twin = self._planner.limits, self._hardware.twin
         open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session")}
         names = {"robot": self._name, "twin": twin, **open_names}
@@ -145,7 +145,7 @@ def examples(name: str, twin: str, endpoint: str) -> list[str]:
 
 
 def geometry_info(shape: Geometry) -> msg.GeometryInfo:
-    """Return the geometry in radians."""
+    """Return the geometry with angles in rad."""
     return msg.GeometryInfo(
         arm_angle=math.radians(shape.arm_angle),
         rod_twist=math.radians(shape.rod_twist),

@@ -1,4 +1,4 @@
-"""Events that follow from the status: another holder, a lost or found board."""
+"""Events that follow from the status: another holder, a lost or connected board."""
 
 from __future__ import annotations
 

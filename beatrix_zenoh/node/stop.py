@@ -35,9 +35,9 @@ FRAMES: Final = {
 }
 """Frames in the order in which they are sent."""
 REST_S: Final = 2.0
-"""Longest time until the arms rest; more is a fault. Arms at full speed need much less, and clients wait longer."""
+"""Time after which arms that still move are a fault. Arms at full speed stop much sooner, and clients wait longer."""
 SAME_PRESS_S: Final = 0.5
-"""A put and a query of one session within this time are one press and one event."""
+"""A put and a query of one session within this time count as one press and one event."""
 LATCHED_S: Final = 0.3
 """Time within which the telemetry shows the emergency latch."""
 STOPPED, AT_REST = "Stopped", "Nothing moves"
@@ -85,7 +85,7 @@ class StopHandler(Component):
             incoming.finish()
 
     def _put(self, received: Received) -> None:
-        """Our clients put STOP before their query, in case a queryable of another program takes the query."""
+        """Handle a put of STOP. Our clients send it before their query, which another queryable might take."""
         if is_stop(received.key):
             caller = self._caller(received.session)
             events = self._events(received.session, "put")
@@ -148,7 +148,7 @@ class StopHandler(Component):
     # -- 3. settled, on the controller's thread -----------------------------------------------------
 
     def settle(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
-        """Continue after the board has acknowledged STOP or has not answered (`error`)."""
+        """Carry out step 3 after the board has acknowledged STOP, or has refused or not answered it (`error`)."""
         controller = self._context.controller
         for callback in self._on_stop:
             callback()
@@ -168,7 +168,10 @@ class StopHandler(Component):
             lambda telemetry: bool(telemetry.state & State.EMERGENCY), LATCHED_S
         ):
             return None
-        return NoAnswer(Reason.BOARD_LOST, "The board acknowledged but does not show the latch: press again.")
+        return NoAnswer(
+            Reason.BOARD_LOST,
+            "The board has acknowledged EMERGENCY_STOP, but does not show the latch. Press EMERGENCY_STOP again.",
+        )
 
     def close(self) -> None:
         """Send the STOPs that wait, then end the thread."""
@@ -198,7 +201,7 @@ class Rest:
     def wait(self, handles: list[RequestHandle]) -> None:
         """Reply to these clients when the arms rest."""
         if not self._moving:
-            # The queries of presses whose puts have just been handled.
+            # Queries without events repeat presses whose puts have just been handled: the outcome is the same.
             same_press = all(handle.events is None for handle in handles)
             self._end(handles, self._how if same_press else AT_REST)
             return
@@ -211,7 +214,7 @@ class Rest:
         return bool(self._waiting) and time.monotonic() > self._until_s
 
     def observe(self) -> None:
-        """Follow a change of the board: reply if the arms rest, or should rest by now."""
+        """Reply to the waiting clients if the arms rest, or should rest by now."""
         if self._waiting and (not self._moving or self.overdue()):
             handles, self._waiting = self._waiting, []
             self._end(handles, STOPPED)
@@ -234,7 +237,7 @@ class Rest:
 
 
 def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
-    """Send the same last reply to all."""
+    """Send the same last reply to all requests."""
     for handle in handles:
         handle.end(reply)
 

@@ -83,20 +83,23 @@ class TextDriving:
             self._context.access.authorize(Action.MOVE, CALLER, time.monotonic())
 
     def move_refused(self) -> bool:
-        """Follow a motion that the firmware refused or ended; if no arm moved, free the robot and return True."""
+        """Handle a motion that the firmware refused or ended; return whether no arm has moved.
+
+        If none has moved, restore the previous holder.
+        """
         if self._context.controller.text_moves and not self._moved:
             self._context.controller.text_moves = False
             self._context.access.undo_take()
         return not self._moved
 
     def moves_ended(self) -> None:
-        """Let the lease expire: no motion of the program is running or waiting."""
+        """Record that no motion of the program is running or waiting, so that its lease expires."""
         if self._context.controller.text_moves:
             self._context.controller.text_moves = False
             self._context.access.rested(time.monotonic())
 
     def set_home(self) -> None:
-        """Prepare the robot for @CALNOW, which sets home."""
+        """Prepare the robot for @CALNOW, which sets home, and count it."""
         self._context.hardware.straighten()
         self._commands.calibrations += 1
 

@@ -32,7 +32,7 @@ def test_a_seat_that_waits_gets_the_robot(free: Shell) -> None:
     assert waiting.stdout is not None
     assert any("held by dora" in line for line in waiting.stdout)
     given = free.good("lease", "give-back", "--on", "sim", "--who", "dora")
-    assert "Given back" in given
+    assert "the place in the queue has ended" in given
     output, _ = waiting.communicate(timeout=20)
     assert (waiting.returncode, "your lease has ended; it is free now" in output) == (1, True)
 
@@ -70,7 +70,7 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         hung.serve(keys.lease("bea2", "hw", "*"), waiting.append)
         done = shell.run("freeze", "--who", "teacher")
         assert done.returncode != 0
-        assert done.stdout.startswith("bea1 (hw): Frozen")
+        assert done.stdout.startswith("bea1 (hw): The robot is frozen")
         assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
         assert "Done at 1 of 2 robots, not at bea2 (hw)." in done.stderr
         hung.close()

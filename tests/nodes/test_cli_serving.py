@@ -188,7 +188,7 @@ def test_a_log_file_holds_requests_stops_and_a_lost_board(endpoint: str, tmp_pat
         assert node.end() == 0
     text = log.read_text(encoding="utf-8")
     for line in (
-        r"command ENABLE of ana: Motors on",
+        r"command ENABLE of ana: The motors are on",
         r"command CALIBRATE of ana",
         r"motion pose accepted of ana",
         r"motion pose refused of ana: OUT_OF_REACH: The head would tilt",

@@ -96,7 +96,7 @@ def test_echo_shows_the_last_events_and_then_the_next_ones(free: Shell) -> None:
         assert "bea1 (hw)  ana  motion pose refused OUT_OF_REACH: The head would" in refused
         assert "ana  motion pose done: Arrived" in wait_for(echo, " done")
         free.good("calibrate", "--on", "hw")
-        assert "ana  command CALIBRATE: This is home now." in wait_for(echo, "CALIBRATE")
+        assert "ana  command CALIBRATE: The present position is home now." in wait_for(echo, "CALIBRATE")
     finally:
         echo.terminate()
         echo.communicate(timeout=END_S)
@@ -250,7 +250,7 @@ def test_home_turns_all_arms_to_zero(shell: Shell) -> None:
 
 
 def test_motors_are_switched_and_home_is_declared(shell: Shell) -> None:
-    assert "home is forgotten" in shell.good("disable", "--on", "hw")
+    assert "home is no longer known" in shell.good("disable", "--on", "hw")
     refused = shell.run("look", "--yaw", "5", "--on", "hw")
     assert (refused.returncode, "enable" in refused.stderr) == (1, True)
     shell.good("enable", "--on", "hw")
