@@ -34,11 +34,11 @@ REPLY_S: Final = wire.REPLY_TIMEOUT / 1000
 class Board:
     """A board on a port that may be unplugged and plugged in again.
 
-    `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is found or
-    lost; `on_text` for every line of text from the board, with its seq. All callbacks run on the board's own thread,
-    never on the thread that calls `request`. They must be quick and must not call the board.
+    `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is connected or
+    lost; `on_text` for every line and warning of the text port, with its seq. All callbacks run on the board's own
+    thread, never on the thread that calls `request`. They must be quick and must not call the board.
 
-    A motion may be acknowledged before older telemetry has arrived: use `wait_for`.
+    Telemetry from before a motion may arrive after the acknowledgement of the motion: use `wait_for`.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Board:
         return 0 if telemetry is None else telemetry.state
 
     def wait_for(self, holds: Callable[[Telemetry], bool], timeout_s: float) -> bool:
-        """Wait until telemetry fulfils `holds`; return False if it does not within `timeout_s`."""
+        """Wait until `holds` is true for the newest telemetry; return False if it is not within `timeout_s`."""
         connection = self._connection
         with connection.sample_changed:
             return connection.sample_changed.wait_for(
@@ -111,7 +111,7 @@ class Board:
         self.request(FrameType.ENABLE, bytes([on]))
 
     def send_text(self, line: bytes) -> None:
-        """Send a line of text, given without its end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
+        """Send a line of text, given without its line end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         self.check_connected()
         self._connection.write(line + b"\r")  # not `write_frame`: text does not count as heartbeat
         self._connection.wake()
@@ -122,7 +122,7 @@ class Board:
             raise not_connected(self.link)
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
-        """Send a request and wait for its acknowledgement; repeat the request if there is none in time.
+        """Send a request and wait for its acknowledgement; without one, send it again, TRIES times in all.
 
         Raises:
             Refused: the firmware refused the request.
@@ -142,7 +142,7 @@ class Board:
         if code is None:
             raise NoAnswer(
                 Reason.BOARD_LOST,
-                f"The board at {self.link.port or 'its port'} does not answer: is it plugged in and powered?",
+                f"The board at {self.link.port or 'its port'} does not answer. Check its cable and its power.",
             )
         check_acknowledged(kind, code)
 
@@ -151,7 +151,7 @@ class Board:
     ) -> int | None:
         """Return the code of the acknowledgement, None if there is none.
 
-        `write_frame` returns the answer of a virtual board. For a motion this thread takes the acknowledgement from it
+        `write_frame` returns the answer of a virtual board. For a motion this thread reads the acknowledgement there
         and does not wait for the board's thread, which reads the same bytes later. Other requests wait for the board's
         thread, so that everything the board sent earlier (answers to text, telemetry) has been handled.
         """
@@ -190,7 +190,7 @@ def check_acknowledged(kind: FrameType, code: int) -> None:
         return
     if code not in ERROR_REASON:
         raise Refused(
-            Reason.CONTRACT_MISMATCH, f"The firmware answered {kind.name} with unknown error {code}."
+            Reason.CONTRACT_MISMATCH, f"The firmware answered {kind.name} with the unknown error code {code}."
         )
     error = Error(code)
     raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")

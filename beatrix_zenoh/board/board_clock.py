@@ -13,7 +13,7 @@ _JUMP_NS: Final = 60_000_000
 """_JUMPS offsets in a row that exceed the minimum by more than this are not delays: the board's time was paused."""
 _JUMPS: Final = 3
 _SILENCE_NS: Final = 30_000_000_000
-"""After a longer silence the tick may have wrapped round: the estimate restarts."""
+"""Silence after which the estimate restarts, because the tick may have wrapped round."""
 _SLOPE_WINDOWS: Final = 20
 _SLOPE_MAX: Final = 0.003
 
@@ -29,7 +29,7 @@ class BoardClock:
         self.restart()
 
     def restart(self) -> None:
-        """Discard the estimate: the board was reset or replaced."""
+        """Discard the estimate, because the board may have been reset or replaced."""
         self._tick: int | None = None
         self._board_ns = 0
         """Board time since the estimate began: the tick without wrap-around."""
@@ -80,7 +80,7 @@ class BoardClock:
         self._follow_drift(at, offset)
 
     def _keep(self, at: int, offset: int) -> None:
-        """Keep the samples that may become the minimum when older ones leave the window."""
+        """Add a sample, and keep only samples that may become the minimum when older ones leave the window."""
         while self._least and offset <= self._least[-1][1] + self._slope * (at - self._least[-1][0]):
             self._least.pop()
         self._least.append((at, offset))

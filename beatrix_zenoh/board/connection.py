@@ -1,4 +1,4 @@
-"""The connection to a board: opens and reopens the port; handshake, heartbeat, telemetry."""
+"""The connection to a board: the port, handshake, heartbeat and telemetry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from beatrix_zenoh.errors import BeatrixError, NoAnswer
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3
 HEARTBEAT_S: Final = wire.HEARTBEAT_PERIOD / 1000
-SILENT: Final = "; is the board powered?"
+SILENT: Final = ". Check that the board is powered."
 NEVER_CONNECTED: Final = (
     ". Check that the board is connected to this port. If the board does not have BEATRIX's firmware, end this program "
     "and run `beatrix flash`."
@@ -34,7 +34,7 @@ class Connection:
     """A thread that opens the port, sends handshake and heartbeat, and decodes the frames of the board.
 
     `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for every TELEMETRY,
-    `on_link` when the board is found or lost; all on this thread.
+    `on_link` when the board is connected or lost; all on this thread.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Connection:
             port.wake()
 
     def request_sent(self) -> None:
-        """Record a request; while the contract is unknown it postpones the next HELLO."""
+        """Postpone the next HELLO after a request, if the contract of the board is unknown."""
         if self._hello is None:
             self._handshake.request_sent(time.monotonic())
 
@@ -166,7 +166,7 @@ class Connection:
             self.write_frame(encode(FrameType.PING, 0, b""))
 
     def _lose(self, *, reset: bool) -> None:
-        """Repeat the handshake: the board may have been replaced."""
+        """Count the board as lost and repeat the handshake, because the board may have been reset or replaced."""
         self._handshake.lost(time.monotonic())
         self._clock.restart()
         self._hello, self._reset = None, reset

@@ -1,4 +1,4 @@
-"""Compute when HELLO may be sent to a board whose contract is unknown. No I/O; the caller passes the time.
+"""Compute when HELLO may be sent to a board. No I/O; callers pass the time.
 
 Opening a port resets most boards, and so does the reset button. After a reset the boot loader runs first: for 0.9 s if
 it receives nothing, and for 5 s more after each byte it receives (measured on the Mega's boot loader). The host
@@ -12,13 +12,13 @@ import math
 from typing import Final
 
 BOOT_S: Final = 1.2
-"""Pause after a reset if nothing was sent since."""
+"""Pause after a reset if no byte was sent since the reset."""
 LOADER_S: Final = 6.0
 """Pause after the last byte that a boot loader may have received."""
 HELLO_S: Final = 0.2
 """Pause between two HELLOs."""
 TRIES: Final = 3
-"""HELLOs before the next long pause: noise may damage one."""
+"""Number of HELLOs before the next long pause, because noise may damage one."""
 FOREIGN_S: Final = 1.0
 """Pause between HELLOs to firmware of another contract: longer than the heartbeat timeout, so that the motion of
 another host ends."""

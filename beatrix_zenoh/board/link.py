@@ -8,7 +8,7 @@ from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD
 
 _CRC_SIZE: Final = 2
 _SHORTEST: Final = 2 + _CRC_SIZE
-"""Type, seq and CRC."""
+"""Size of type, seq and CRC (bytes)."""
 
 
 class Frame(NamedTuple):
@@ -36,7 +36,7 @@ _CRC_TABLE: Final = _crc_table()
 
 
 def crc16(data: bytes | bytearray) -> int:
-    """CRC-16/MCRF4XX: polynomial 0x1021 reflected, start 0xFFFF, no final xor."""
+    """Return the CRC-16/MCRF4XX of `data`: polynomial 0x1021 reflected, start 0xFFFF, no final xor."""
     crc = 0xFFFF
     for byte in data:
         crc = crc >> 8 ^ _CRC_TABLE[(crc ^ byte) & 0xFF]
@@ -44,7 +44,7 @@ def crc16(data: bytes | bytearray) -> int:
 
 
 def encode(type: int, seq: int, payload: bytes) -> bytes:  # noqa: A002 - the contract's word
-    """Bytes of one frame with its delimiters: 0x00, COBS(type, seq, payload, CRC), 0x00.
+    """Return the bytes of one frame with its delimiters: 0x00, COBS(type, seq, payload, CRC), 0x00.
 
     The leading delimiter separates the frame from earlier noise. `type` and `seq` are 0 to 255.
     Raises ValueError if the payload is longer than MAX_PAYLOAD bytes.

@@ -27,7 +27,7 @@ class Port(Protocol):
     def write(self, data: bytes) -> bytes:
         """Send all bytes; raises OSError if the port is gone.
 
-        A virtual board returns its answer, which `read` returns as well; a serial port returns nothing.
+        A virtual board returns its answer, which `read` returns as well; a serial port returns no bytes.
         """
 
     def wake(self) -> None:
@@ -63,8 +63,9 @@ class Link:
     overflowed: int
     """bytes the board has dropped since its start because its buffer was full; 255: that many or more"""
     retries: int
+    """requests that were sent again"""
     reset: bool
-    """the connection was lost because the board was reset"""
+    """whether the connection was lost because the board was reset"""
 
     @property
     def name(self) -> str:

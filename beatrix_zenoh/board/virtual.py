@@ -25,18 +25,18 @@ _LENGTH_AT: Final = _REPORT.size - 2 * _LENGTH.size
 _TRANSMIT_SIZE: Final = 16384
 """Bytes of the transmit buffer, the same number as in firmware/virtual/board.cpp."""
 _TICKS_PER_CALL: Final = 1000
-"""Milliseconds per call; the firmware's transmit buffer holds the telemetry of three times that."""
+"""Largest number of milliseconds per call of `tick`; the transmit buffer holds the telemetry of three times that."""
 _CATCH_UP_MS: Final = 100
 """Longest time to advance in one step when late: well under the firmware's heartbeat timeout."""
 _STALL_MS: Final = 300
 """After a longer stall of the process the board skips that time, so that the firmware misses no heartbeat."""
 _UNREAD_MS: Final = 100
-"""The host is late if bytes have been unread for longer. With one step and a heartbeat period this is less than the
-heartbeat timeout."""
+"""The host is late if bytes have been unread for longer. The sum of this time, one step and a heartbeat period is less
+than the heartbeat timeout."""
 _PERIOD_MS: Final = 5
 _YIELD_S: Final = 0.001
 _UNREAD_MAX: Final = 65536
-"""Bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
+"""Largest number of bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
 
 
 @cache
@@ -47,8 +47,8 @@ def _compiled() -> tuple[Engine, Module]:
     except ImportError as error:
         raise BeatrixError(
             Reason.BOARD_LOST,
-            "A virtual board needs wasmtime, which is not installed: "
-            'pip install ".[sim]" in the folder of BEATRIX, then try again.',
+            "A virtual board needs wasmtime, which is not installed. "
+            'Run `pip install ".[sim]"` in the folder of BEATRIX, then try again.',
         ) from error
     engine = wasmtime.Engine()
     code = (resources.files("beatrix_zenoh.board") / "firmware.wasm").read_bytes()
@@ -88,7 +88,7 @@ class Firmware:
         self._sent = bytearray()
 
     def receive(self, data: bytes) -> None:
-        """Pass bytes to the serial port; the firmware processes and answers them before this returns."""
+        """Pass bytes to the serial port; the firmware processes and answers them before this method returns."""
         rest = bytes(data)
         while rest or self._report()[14]:
             chunk = rest[: self._receive_size]
@@ -244,7 +244,7 @@ class VirtualBoard:
 
 
 class RealTimeTicker:
-    """Advances a board in real time until `close`; it makes up for late ticks and waits for a late host."""
+    """Advances a board in real time until `close`; makes up for late ticks and waits for a late host."""
 
     def __init__(self, board: VirtualBoard) -> None:
         self._board = board
