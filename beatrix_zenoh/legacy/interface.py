@@ -9,13 +9,13 @@ from beatrix_zenoh.legacy.line import Cause, Effect
 
 
 class NodeInterface(Protocol):
-    """The node behind the port; called on the controller's thread, except `stop_pressed`."""
+    """The node behind the port; its methods are called on the controller's thread, except `stop_pressed`."""
 
     def program_began(self) -> None:
-        """Note that a program has opened the port."""
+        """Record that a program has opened the port."""
 
     def authorize(self, effect: Effect) -> None:
-        """Permit an action of the program now; with MOVE it takes the lease.
+        """Check that the program may act now; with MOVE it becomes the holder.
 
         Raises:
             BeatrixError: the program may not act; the error gives the reason.
@@ -25,22 +25,22 @@ class NodeInterface(Protocol):
         """Restart the pause after STOP: the text port refused a motion and did not call `authorize`."""
 
     def move_refused(self) -> bool:
-        """Note that the firmware refused or ended a motion.
+        """Handle a motion that the firmware refused or ended; return whether no arm has moved.
 
-        If no arm has moved, give the lease back and return True.
+        If none has moved, restore the previous holder.
         """
 
     def moves_ended(self) -> None:
-        """Note that no motion of the program runs or waits."""
+        """Record that no motion of the program is running or waiting."""
 
     def set_home(self) -> None:
         """Prepare for @CALNOW, which sets the robot's home."""
 
     def stop_pressed(self) -> None:
-        """Note that the program has sent @STOPALL; called on the terminal's thread, before the line is queued."""
+        """Record that the program has sent @STOPALL; called on the terminal's thread, before the line is queued."""
 
     def stop_sent(self) -> None:
-        """Note that @STOPALL was sent to the firmware."""
+        """Record that @STOPALL was sent to the firmware."""
 
     def warn(self, text: str) -> None:
         """Show a sentence in the status for some seconds."""

@@ -12,9 +12,9 @@ from beatrix_zenoh._generated.messages import Reason
 ACK: Final = b"ACK\n"
 NACK: Final = b"NACK\n"
 UNKNOWN: Final = (NACK,)
-"""The answer to a line that the firmware would not understand."""
+"""The answer to a line that is not in the protocol."""
 REFUSED: Final = (ACK, NACK)
-"""The answer to a line that is understood and not carried out."""
+"""The answer to a line that is in the protocol and is not carried out."""
 
 
 class Effect(Enum):
@@ -37,7 +37,7 @@ class Cause(NamedTuple):
 
 @dataclass
 class Answer:
-    """The board's answer: the program gets its first line at once, the others together with the last."""
+    """The board's answer to a line: the port writes its first line at once, the others together with the last."""
 
     begun: bool = False
     """whether the first line was written"""
@@ -56,8 +56,8 @@ class Answer:
     def finish(self, last: bytes, *, data: bool) -> list[bytes]:
         """Add the last line; return what to write now.
 
-        The program gets as many lines as the protocol says, even if the link has lost some of them. With `data` the
-        lost lines held numbers, which cannot be replaced.
+        The program gets as many lines as the protocol requires, even if the link has lost some of them. With `data` the
+        lost lines contained numbers, which the port cannot replace, so the last line is NACK.
         """
         if not self.damaged:
             return [*self.held, last]
@@ -97,7 +97,7 @@ class Line:
 
     @property
     def word(self) -> str:
-        """The first word."""
+        """The first word of the line."""
         return self.text.partition(b" ")[0].decode("ascii", "replace")
 
     @property

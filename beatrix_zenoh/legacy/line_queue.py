@@ -13,15 +13,15 @@ from beatrix_zenoh.legacy.link import LineSender, TextLink
 from beatrix_zenoh.legacy.outcomes import Outcomes
 
 CAPACITY = 32
-"""Lines without an answer; further lines are refused."""
+"""Largest number of lines without an answer; further lines are refused."""
 REFUSED_MAX = 1024
-"""Lines without an answer, refused lines included; further lines are ignored, except STOP and motors off."""
+"""Largest number of lines without an answer, refused lines included; further refused lines are ignored."""
 LAST = 1
 """Flag of the TEXT that ends an answer."""
 
 
 class LineQueue:
-    """Sends one line at a time to the board; on the controller's thread, except `overdue`."""
+    """Sends one line at a time to the board; its methods run on the controller's thread, except `overdue`."""
 
     def __init__(self, write: Callable[[bytes], None], link: TextLink, node: NodeInterface) -> None:
         self._write, self._link, self._node = write, link, node
@@ -33,7 +33,10 @@ class LineQueue:
     # -- the program ----------------------------------------------------------------------------------
 
     def program_opened(self) -> None:
-        """Drop all lines of the program before, and begin as if the board had just been reset."""
+        """Drop all lines of the previous program, and begin as if the board had just been reset.
+
+        A waiting line that switches the motors off is still carried out.
+        """
         off = next((line for line in self._lines if switches_off(line)), None)
         if off is not None:
             self._lines.remove(off)
@@ -45,7 +48,7 @@ class LineQueue:
         self._node.moves_ended()
 
     def program_closed(self) -> None:
-        """Drop the lines that wait, except motors off; the board finishes the line it has."""
+        """Drop the waiting lines, except motors off; the board finishes the line that it has received."""
         self._drop({line for line in self._lines if not (line.sent or switches_off(line))})
         self._advance()
 
@@ -56,7 +59,7 @@ class LineQueue:
         self._lines = deque(line for line in self._lines if line not in lines)
 
     def take(self, text: bytes) -> None:
-        """Queue a line of the program."""
+        """Queue or refuse a line of the program; send STOP at once."""
         line = Line(text)
         if line.effect is Effect.STOP:
             self._stop(line)
@@ -86,7 +89,7 @@ class LineQueue:
         return line.effect is not Effect.DISABLE or self._last_queued is Effect.DISABLE
 
     def _stop(self, line: Line) -> None:
-        """Refuse the motions that wait, and send the other lines before STOP, so that answers keep their order."""
+        """Refuse the waiting motions, send the other waiting lines, then STOP, so that answers keep their order."""
         self.refuse_waiting_motions()
         for waiting in self._lines:
             if waiting.waits:
@@ -95,7 +98,7 @@ class LineQueue:
         self._node.stop_sent()
 
     def refuse_waiting_motions(self) -> None:
-        """Refuse the motions that wait, after STOP of any client."""
+        """Refuse the waiting motions, after a STOP of any client."""
         for line in self._lines:
             if line.effect is not Effect.MOVE or line.refusal:
                 continue
@@ -122,7 +125,7 @@ class LineQueue:
             self._node.moves_ended()
 
     def receive(self, seq: int, frame: Text | TextWarning, opening: int) -> None:
-        """Handle an answer or a warning of the board, sent after it had been opened `opening` times."""
+        """Handle a line or a warning of the board; `opening`: value of `TextLink.openings` when it arrived."""
         lost = self._link.received(seq)
         line = self._lines[0] if self._lines and self._lines[0].sent else None
         if line is not None:
@@ -130,7 +133,7 @@ class LineQueue:
         if isinstance(frame, TextWarning):
             self._outcomes.board_warned(line, frame.code)
         elif opening != self._link.openings or line is None:
-            return  # an answer to the program before this one
+            return  # an answer to the previous program
         elif frame.flags & LAST:
             self._answered(line, frame.text)
         else:
@@ -167,5 +170,5 @@ class LineQueue:
 
 
 def switches_off(line: Line) -> bool:
-    """Return whether the line switches the motors off: it is carried out even after the program has closed the port."""
+    """Return whether a line switches the motors off; it is carried out even after the program has closed the port."""
     return line.effect is Effect.DISABLE and not line.refusal

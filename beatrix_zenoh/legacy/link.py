@@ -16,25 +16,26 @@ SEQS = 256
 SHOWN_S = 0.3
 """Time within which telemetry shows that a line has switched the motors (s)."""
 SILENT_S = 3.0
-"""A line without an answer for this long, while the arms are at rest, was lost on the serial link."""
+"""Time after which a line without an answer counts as lost on the serial link, if the arms are at rest."""
 COUNTED_S = 340.0
-"""Like SILENT_S, for a motion that the board only counts (motors off): -32767 to 32767 at 200 steps a second."""
+"""The same for a motion that the board only counts, because the motors are off: the longest one, from -32767 to 32767
+steps, takes 328 s at 200 steps/s."""
 AUTHORIZED = (Effect.MOVE, Effect.ENABLE, Effect.DISABLE)
 """Effects that need permission; @CALNOW needs it only if it sets the robot's home."""
 
 
 class TextLink:
-    """Sends lines to the board; on the controller's thread, except `openings` and `silent`."""
+    """Sends lines to the board; used on the controller's thread, except `openings` and `silent`."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
         self.openings = 0
-        """Number of programs that the firmware has forgotten; answers from before the last one belong to no line."""
+        """Number of TEXT_OPEN requests; answers from before the last one belong to no line."""
         self.zero_forgotten = False
-        """The firmware has forgotten the program's zero without a request of the program."""
+        """Whether the firmware has discarded the zero of the program without a request of the program."""
         self._lines_lost = False
-        """The board may still answer lines for which this port no longer waits; it must drop them before the next
-        line."""
+        """Whether the board may still answer lines for which this port no longer waits; the board must discard
+        them before the next line is sent."""
         self._next_seq: int | None = None
         """Number of the board's next TEXT; None: any number."""
         self._before_switch: Telemetry | None = None
@@ -42,7 +43,7 @@ class TextLink:
         self._heard_s = 0.0
 
     def open(self) -> None:
-        """Let the firmware forget the program before this one; raises BeatrixError."""
+        """Let the firmware discard the lines and the zero of the previous program; raises BeatrixError."""
         self.zero_forgotten, self._lines_lost = False, True
         self._reopen()
 
@@ -69,18 +70,18 @@ class TextLink:
         self._board.enable(on=False)
 
     def received(self, seq: int) -> bool:
-        """Note the number of a TEXT or warning of the board; True if earlier ones were lost."""
+        """Record the number of a TEXT or warning of the board; return whether earlier ones were lost."""
         lost = self._next_seq not in (None, seq)
         self._next_seq = (seq + 1) % SEQS
         self._heard_s = time.monotonic()
         return lost
 
     def switched(self) -> None:
-        """Note that the board has answered a line that switches the motors."""
+        """Record that the board has answered a line that switches the motors."""
         self._before_switch = self._board.telemetry
 
     def sets_home(self) -> bool:
-        """Return whether @CALNOW would set the robot's home: motors on, home unknown.
+        """Return whether @CALNOW would set the robot's home, because the motors are on and home is not known.
 
         May wait SHOWN_S for telemetry.
         """
@@ -113,7 +114,7 @@ class TextLink:
 
 
 class LineSender:
-    """Sends lines to the board if the node and the board allow it; on the controller's thread."""
+    """Sends lines to the board if the node and the board allow it; used on the controller's thread."""
 
     def __init__(self, link: TextLink, node: NodeInterface, outcomes: Outcomes) -> None:
         self._link, self._node, self._outcomes = link, node, outcomes
@@ -134,14 +135,14 @@ class LineSender:
             self._outcomes.accepted(line)
 
     def _prepare_calibration(self) -> None:
-        """Request permission for @CALNOW if it sets the robot's home; else it only sets the zero of this program."""
+        """Request permission for @CALNOW if it sets the robot's home, and not only the zero of the program."""
         if self._link.sets_home():
             self._node.authorize(Effect.CALIBRATE)
             self._node.set_home()
         self._link.zero_forgotten = False
 
     def switch_off_now(self, line: Line) -> None:
-        """Switch the motors off by a request of the node, because the firmware is about to forget the line."""
+        """Switch the motors off by a request of the node, because `open` discards the lines of the program."""
         try:
             self._node.authorize(Effect.DISABLE)
             self._link.switch_off()
@@ -151,7 +152,7 @@ class LineSender:
             self._outcomes.done(line)
 
     def open(self) -> None:
-        """Let the firmware forget the program before this one."""
+        """Let the firmware discard the lines and the zero of the previous program."""
         try:
             self._link.open()
         except BeatrixError as error:

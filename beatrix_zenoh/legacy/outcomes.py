@@ -1,6 +1,6 @@
-"""The outcome of each line.
+"""Report the outcome of each line: warnings in the status, and events for lines that act on the robot.
 
-It consists of warnings in the status, events for lines that act on the robot, and the reason why a line was refused.
+Both contain the reason why a line was refused.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ WARNING_REASON: Final = {
 
 
 class Outcomes:
-    """Reports outcomes to the node; on the controller's thread, except `overdue`."""
+    """Reports outcomes to the node; used on the controller's thread, except `overdue`."""
 
     def __init__(self, node: NodeInterface) -> None:
         self._node = node
@@ -75,7 +75,7 @@ class Outcomes:
         self.declined(line, Cause(error.reason, error.message), detail=error.detail)
 
     def dropped(self, line: Line) -> None:
-        """Report a line that is dropped because the program has closed the port."""
+        """Report a line that is dropped because the program has closed the port, or another has opened it."""
         if line.sent:
             self._end(line, PORT_REOPENED)
         else:
@@ -91,7 +91,10 @@ class Outcomes:
         self._end(line, cause)
 
     def not_done(self, line: Line, *, unknown: bool, zero_forgotten: bool) -> None:
-        """Report a line that the board answered NACK; `unknown`: NACK alone, which means an unknown line."""
+        """Report a line that the board answered with NACK.
+
+        `unknown`: NACK alone, which means an unknown line; `zero_forgotten`: as `TextLink.zero_forgotten`.
+        """
         if line.effect is Effect.MOVE and not self._node.move_refused() and not refuses(line.cause):
             line.cause = CUT_SHORT
         cause = line.cause if refuses(line.cause) else explain(line, unknown=unknown)
@@ -152,7 +155,7 @@ def refuses(cause: Cause | None) -> bool:
 
 
 def board_warning(code: int) -> Cause:
-    """The cause that a warning of the firmware gives."""
+    """Return the cause that a warning of the firmware gives."""
     if code not in WARNING_TEXT:
         return Cause(Reason.OK, f"unknown warning {code}")
     known = WarningCode(code)
@@ -170,7 +173,8 @@ def explain(line: Line, *, unknown: bool) -> Cause | None:
         text = line.text.decode("ascii", "replace")
         return Cause(
             Reason.BAD_VALUE,
-            f"the motion was refused: the board does not understand `{text}`. docs/how-to/old-programs.md lists the words.",
+            f"the motion was refused: the board does not understand `{text}`. "
+            "docs/how-to/old-programs.md lists the words.",
         )
     numbers = [abs(steps(word)) for word in words[1:4]]
     if (sum(numbers[:2]) if line.word.startswith("@MOVTO") else max(numbers, default=0)) > STEPS_MAX:
@@ -179,6 +183,6 @@ def explain(line: Line, *, unknown: bool) -> Cause | None:
 
 
 def steps(word: bytes) -> int:
-    """A number as the firmware reads it: a sign and digits, up to the first other character."""
+    """Return a number as the firmware reads it: sign and digits, up to the first other character; 0 without digits."""
     found = re.match(rb"[+-]?[0-9]+", word)
     return int(found[0]) if found else 0

@@ -1,6 +1,6 @@
 """The port for programs of 2023: passes lines between terminal, controller and board.
 
-The firmware understands the lines and answers them (record 0013). The port queues them, applies access and STOP, and
+The firmware understands the lines and answers them (decision 0013). The port queues them, applies access and STOP, and
 answers every line in order, even if the board is lost.
 """
 
@@ -21,7 +21,7 @@ ECHOED = (b"ACK", b"NACK")
 
 
 class TextPort:
-    """Listens to a terminal; `lines` is the queue, which runs on the controller's thread (`post`)."""
+    """Receives the lines of a terminal; `lines` is their queue, used on the controller's thread through `post`."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class TextPort:
     # -- called by the node -----------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Begin to receive lines."""
         self._terminal.start(self)
 
     def close(self) -> None:

@@ -29,9 +29,9 @@ else:
 LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
 """Time without a byte after which an incomplete line is dropped (s)."""
 TURN_S = 0.02
-"""Period of the checks whether a program has opened the terminal, or reads again [s]."""
+"""Period of the checks whether a program has opened the terminal, or reads again (s)."""
 CHUNK = 512
-"""Bytes that are read in one period at most: 25 kB/s, as fast as the board's serial line."""
+"""Largest number of bytes that are read in one period: 25 kB/s, as fast as the board's serial line."""
 UNREAD_MAX = 1 << 16
 """Largest number of bytes that the system keeps from a program, and that the node keeps of answers that the program has
 not read; further answers are dropped as whole lines."""
@@ -58,19 +58,19 @@ class Listener(Protocol):
 
 
 class Terminal:
-    """Lines from and to the program that has opened `path`; never waits for a program that does not read.
+    """Reads lines of the program that has opened `path` and writes lines to it, without waiting for the program.
 
     Programs that follow each other within TURN_S count as one program.
 
     Raises:
-        Refused: BAD_VALUE: there can be no terminal at `path`; the message names what to choose instead.
+        Refused: BAD_VALUE: there can be no terminal at `path`; the message says what to choose instead.
     """
 
     def __init__(self, path: Path) -> None:
         if not POSSIBLE:
             raise Refused(
                 Reason.BAD_VALUE,
-                "--legacy needs a pseudo-terminal, which Windows does not have: run this node on Linux or macOS.",
+                "--legacy needs a pseudo-terminal, which Windows does not have. Run this node on Linux or macOS.",
             )
         self.path = path
         self._claim = claim(path)
@@ -89,25 +89,25 @@ class Terminal:
         self._lock = threading.Lock()
         self._open = False
         self._pending_openings = 0
-        """Openings without a call of `begin_answers`: answers still belong to the program before."""
+        """Openings without a call of `begin_answers`: until then, answers belong to the previous program."""
         self._unread = b""
         """Answers that the system does not take yet."""
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
 
     def start(self, listener: Listener) -> None:
-        """Begin to listen."""
+        """Begin to receive lines."""
         self._thread = threads.start(lambda: self._run(listener), "terminal")
 
     def write(self, lines: bytes) -> None:
-        """Give the program whole lines; they are dropped while it leaves UNREAD_MAX bytes unread."""
+        """Write whole lines to the program; drop them while it leaves UNREAD_MAX bytes unread."""
         with self._lock:
             if self._open and not self._pending_openings and len(self._unread) < UNREAD_MAX:
                 self._unread += lines
                 self._flush()
 
     def begin_answers(self) -> None:
-        """Begin to pass on answers: from now on they belong to the program that opened the terminal last."""
+        """Begin to pass on answers to the program that opened the terminal; call this once for each `opened`."""
         with self._lock:
             self._pending_openings -= 1
 
@@ -116,7 +116,7 @@ class Terminal:
             self._unread = self._unread[os.write(self._master, self._unread) :]
         except BlockingIOError:
             return
-        except OSError:  # no program has it open
+        except OSError:  # no program has the terminal open
             self._unread = b""
 
     # -- the terminal's own thread --------------------------------------------------------------
@@ -157,7 +157,7 @@ class Terminal:
             return b""
 
     def _program_opened(self) -> None:
-        """Keep the program's settings, but switch echo off, because the node would read its own answers."""
+        """Record an opening; keep the program's settings, but switch echo off: the node would read its own answers."""
         with self._lock, contextlib.suppress(OSError, termios.error):
             self._open = True
             self._pending_openings += 1

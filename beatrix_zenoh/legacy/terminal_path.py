@@ -26,10 +26,10 @@ GROUP_MODE: Final = 0o660
 
 
 def claim(path: Path) -> socket.socket:
-    """Hold `path` against other nodes for as long as this process lives and the socket is open.
+    """Reserve `path` for this node until the returned socket is closed or the process ends; only on Linux.
 
     Raises:
-        Refused: BAD_VALUE: another node holds it.
+        Refused: BAD_VALUE: another node has reserved it.
     """
     held = socket.socket(socket.AF_UNIX)
     where = str(path.parent.resolve() / path.name)
@@ -40,7 +40,7 @@ def claim(path: Path) -> socket.socket:
         held.close()
         raise Refused(
             Reason.BAD_VALUE,
-            f"--legacy {path} is used by another node: choose another path for this robot.",
+            f"--legacy {path} is used by another node. Choose another path for this robot.",
         ) from error
     return held
 
@@ -58,7 +58,7 @@ def link(path: Path, device: str) -> None:
     except FileExistsError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f"--legacy {path} already exists: choose another path, or remove it if nothing uses it.",
+            f"--legacy {path} already exists. Choose another path, or remove it if no program uses it.",
         ) from error
     except OSError as error:
         raise Refused(
