@@ -1,8 +1,9 @@
 """Kinematics of the neck: a coaxial 3-RRR spherical parallel mechanism.
 
-Frames: x forward, y left, z up, origin in the neck centre; the head's frame is the base frame at home. With arm i at
-azimuth a_i at home, arm angle t_i (from home, counter-clockwise seen from above), head orientation R and
-s1, c1 = sin, cos of alpha1, elbow axis and skull mount axis of arm i are the unit vectors
+Frames: x forward, y left, z up, origin in the neck centre; the head's frame is the base frame at home. Arm i has
+the azimuth a_i and the skull mount axis m_i at home; t_i is its angle from home, counter-clockwise seen from above. R
+is the head orientation, alpha1 = arm_angle, alpha2 = rod_twist, and s1, c1 = sin, cos of alpha1. Elbow axis and skull
+mount axis of arm i are the unit vectors
 
     w_i = Rz(a_i + t_i) (s1, 0, -c1)          v_i = R m_i
 
@@ -79,7 +80,7 @@ class Neck:
     """Inverse and forward kinematics of one geometry."""
 
     def __init__(self, geometry: Geometry = ROBOT.geometry) -> None:
-        """Raise Refused if no neck of this geometry closes upright."""
+        """Raise Refused (BAD_VALUE) if no neck of this geometry closes upright, or if it cannot move from there."""
         a1, a2, b = (math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
         if geometry.hand not in {-1, 1}:
             raise Refused(Reason.BAD_VALUE, f"Hand is {geometry.hand}; it must be +1 or -1.")
@@ -100,11 +101,11 @@ class Neck:
         fall = math.pi - b
         far = a1 + a2 if a1 + a2 <= math.pi else math.tau - a1 - a2
         self.reach = min(fall - abs(a1 - a2), far - fall)
-        """Tilt (rad) up to which every direction is reachable, without regard to arm gaps."""
+        """Tilt (rad) that the head can reach in every direction, without regard to arm gaps."""
         self._home = _linearise(self._mounts, self._elbows((0.0, 0.0, 0.0)), self._c2)
         if self.reach <= 0 or abs(self._home.det) < 1e-6:
             raise Refused(
-                Reason.BAD_VALUE, f"A neck of {geometry} cannot move from upright; check its angles."
+                Reason.BAD_VALUE, f"A neck of {geometry} cannot move from upright. Check its angles."
             )
         self._frame = inverse_of_columns(x, y, cross(x, y))
 
@@ -159,7 +160,8 @@ class Neck:
     def forward(self, arms: Sequence[float]) -> tuple[float, float, float]:
         """Yaw, pitch, roll (rad) for arm angles (rad), in the home assembly; yaw follows the arms through any turns.
 
-        Raises BeatrixError (OUT_OF_REACH) if the arms fit no head in the home assembly.
+        Raises BeatrixError: OUT_OF_REACH if no head orientation of the home assembly fits the arms; BAD_VALUE if an
+        angle is not finite.
         """
         solution = self._solve(arms)
         yaw, pitch, roll = ypr_of(self._attitude(solution.mounts))

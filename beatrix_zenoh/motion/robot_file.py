@@ -128,7 +128,7 @@ def check(robot: RobotData, given: set[str]) -> None:
 
 
 def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, tuple[float, str]]) -> None:
-    """Check one table; `ends` are the limits that follow from other values, with their reasons."""
+    """Raise Refused if a value of one table is out of range; `ends`: limits from other values, with their reasons."""
     for field, (low, high, unit) in ALLOWED[table].items():
         value = getattr(getattr(robot, table), field)
         end, why = ends.get(field, (0.0, ""))
@@ -178,8 +178,8 @@ def check_motions(robot: RobotData) -> None:
         most = math.degrees(snaps - GRID - TILT_KNOWN_BEYOND)
         raise Refused(
             Reason.BAD_VALUE,
-            f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another position "
-            f"where the head tilts by {math.degrees(snaps):.0f}°. At most {math.floor(most)}° is possible.",
+            f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another "
+            f"position where the head tilts by {math.degrees(snaps):.0f}°. At most {math.floor(most)}° is possible.",
         )
 
 

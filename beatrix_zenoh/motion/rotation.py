@@ -28,9 +28,9 @@ def inverse_of_columns(x: Vector, y: Vector, z: Vector) -> Triple:
 
 
 def turned(vectors: Triple, turn: Vector) -> Triple:
-    """Return the vectors turned about `turn` by 2 atan(|turn| / 2), which is |turn| up to its third power.
+    """Return the vectors turned about `turn` by 2 atan(|turn| / 2) rad: |turn| except for terms of third order.
 
-    Cayley's map: exactly a rotation, and faster to compute than the exponential map.
+    This is Cayley's map: an exact rotation, and faster to compute than the exponential map.
     """
     x, y, z = turn[0] / 2, turn[1] / 2, turn[2] / 2
     k = 2 / (1 + x * x + y * y + z * z)
@@ -65,7 +65,7 @@ def ypr_of(rotation: Rotation) -> Vector:
 
 def tilt_of(pitch: float, roll: float) -> float:
     """Angle (rad) between the head's axis and the vertical; yaw does not matter."""
-    # asin of the horizontal part, because acos loses half of the digits near upright
+    # atan2 with the horizontal part, because acos loses half of the digits near upright
     sp, cp, sr, cr = math.sin(pitch), math.cos(pitch), math.sin(roll), math.cos(roll)
     return math.atan2(math.hypot(sp * cr, sr), cp * cr)
 

@@ -14,7 +14,7 @@ _REST: Arms = (0.0, 0.0, 0.0)
 _SHORTEST: Final = 1e-9
 """Sections shorter than this (s) are rounding errors."""
 _SLOWEST_SHARE: Final = 1 / 16
-"""An arm in motion keeps at least this share of the speed, so that an arm that has to reverse arrives."""
+"""Smallest share of the speed of an arm if the arms move at the start, so that an arm that must reverse can arrive."""
 
 
 class Section(NamedTuple):
@@ -41,7 +41,7 @@ class Section(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Angles of the arms over time; before the start and after the end the arms rest."""
+    """Angles of the arms over time; after the end the arms rest."""
 
     sections: tuple[Section, ...]
     target: Arms

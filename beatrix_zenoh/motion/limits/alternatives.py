@@ -59,7 +59,7 @@ def in_single(values: Arms) -> Arms:
 
 
 def typed_speed(speed: float, low: float, high: float) -> float:
-    """The nearest speed (rad/s) from `low` to `high` with few digits in degrees per second."""
+    """Return `speed` limited to `low` and `high` (rad/s), and rounded to few digits in degrees per second."""
     if speed >= high:
         return math.radians(_rounded(math.degrees(high), up=False))
     rate = _rounded(max(math.degrees(speed), 0.0), up=False)

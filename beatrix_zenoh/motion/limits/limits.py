@@ -33,7 +33,7 @@ _FASTEST_START: Final = 10.0
 """Largest velocity of an arm at the start of a motion, in multiples of the speed limit: a larger one is an error."""
 
 SLOWEST_LIMIT_DEG: Final = 5.0
-"""Slowest limit (deg/s) that the teacher may set. Clients wait for a motion as long as one at this speed can take."""
+"""Lowest limit (deg/s) that the teacher may set. Clients wait for a motion as long as one at this speed can take."""
 
 
 class Limits:
@@ -52,7 +52,7 @@ class Limits:
         self.yaw_max = math.radians(data.yaw_max)
         self.speed_max = math.radians(data.speed_max)
         self.speed_min = max(self._gear.quarters_to_speed((1, 1, 1)))
-        """The slowest speed that can be sent to the board."""
+        """The slowest speed (rad/s) that can be sent to the board."""
         self.acceleration = math.radians(data.acceleration)
         self.default_speed = math.radians(data.speed_default)
         self._arm_max = self.yaw_max + math.pi
@@ -65,7 +65,10 @@ class Limits:
         self._refusals = RefusalBuilder(rules)
 
     def check_pose(self, arms: Sequence[float]) -> None:
-        """Raise Refused (BAD_VALUE or any limit of a pose) if the head must not rest at these arm angles (rad)."""
+        """Check that the head may rest at these arm angles (rad).
+
+        Raises Refused: BAD_VALUE, OUT_OF_REACH, YAW_LIMIT, ARM_GAP.
+        """
         x, y, z = arms
         self._check_finite(arms)
         if self._too_far((x, y, z)):

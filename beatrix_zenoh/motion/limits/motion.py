@@ -13,7 +13,7 @@ _LEAST_SHARE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
-    """Start, goal and speeds of a motion, in rad and rad/s.
+    """Start, velocity at the start, goal and top speeds of a motion, in rad and rad/s.
 
     `straight` has the meaning of the argument of `trajectory.plan`.
     """

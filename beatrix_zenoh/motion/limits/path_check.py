@@ -1,7 +1,7 @@
 """Check a trajectory against the limits everywhere, not only at sampled points.
 
-Six margins must not become negative: one of tilt, two of yaw, three of gaps. At each point the check knows them and
-their derivatives by the arms, and for a displacement d of the arms (Taylor)
+Six margins must not become negative: one of tilt, two of yaw, three of gaps. At each point the check computes them and
+their derivatives by the arms. For a displacement d of the arms Taylor's theorem gives
 
     margin(arms + d) >= margin + gradient . d - curvature / 2 * |d'|^2
 
@@ -24,7 +24,7 @@ from beatrix_zenoh.motion.rotation import dot, leaning
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 TOLERANCE: Final = math.radians(0.1)
-"""Largest excess (rad) of a limit that the check lets pass; the check reports an excess of half of this or more.
+"""Largest excess (rad) over a limit between the points of the check; at a point the check reports half as much.
 
 In a stream of motions, each begun while the previous one is just beyond a limit, the excess may be a third larger.
 Arms stop on whole microsteps, so a goal at a limit is up to half a step (0.045 deg) beyond it when it is read back.
@@ -195,7 +195,7 @@ class _Floors:
     def visit(self, clearance: Clearance) -> int | None:
         """Return the index of a margin that is used up here, or None.
 
-        After a start outside the limits this raises the floors, so that the motion cannot go back outside.
+        After a start outside the limits this method raises the floors, so that the motion cannot go back outside.
         """
         for index, value in enumerate(clearance.values):
             floor = self.values[index]
@@ -244,7 +244,7 @@ def _gap_gradients(neck: Neck) -> tuple[Arms, Arms, Arms]:
 
 
 def known_tilt(neck: Neck, tilt_max: float) -> float:
-    """Tilt (rad) up to which the check knows the curvature of a neck whose head may tilt by `tilt_max` (rad)."""
+    """Return the tilt (rad) up to which the check computes the curvature; `tilt_max`: tilt limit (rad)."""
     return min(tilt_max + TILT_KNOWN_BEYOND, neck.reach - _SHORT_OF_REACH)
 
 

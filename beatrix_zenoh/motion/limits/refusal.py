@@ -50,7 +50,7 @@ class RefusalBuilder:
     def of_pose(self, index: int, pose: Arms, motion: PlannedMotion) -> Refused:
         """Return the refusal of a head orientation (rad) that exceeds the limit of this index.
 
-        motion: start and speeds of the motion to it; its goal is not used.
+        motion: start and speeds of the motion to this orientation; the goal of `motion` is not used.
         """
         value = tilt_of(pose[1], pose[2]) if index == TILT else pose[0]
         return _refused(
