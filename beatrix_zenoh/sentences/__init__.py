@@ -1,6 +1,6 @@
 """Sentences of refusals, made from reason and detail only, in several languages.
 
-A sentence says what happened, what is allowed and what to do. Its template depends on the reason, the limit and a case
+A sentence states the event, the allowed values and what to do. Its template depends on the reason, the limit and a case
 that `case_of` finds from the detail; a language is a table of templates. Angles are rad in a detail and degrees in a
 sentence.
 """
@@ -27,8 +27,8 @@ TEACHER_LIMIT: Final = "speed_limit"
 def render(reason: Reason, detail: Detail | None = None, language: str = "en") -> str:
     """Return the sentence of a refusal in the language of this code.
 
-    If the detail, perhaps of another version, lacks a value of the template, the general sentence of the reason is
-    used.
+    If the detail lacks a value of the template, for example because a node of another version sent it, the result is
+    the general sentence of the reason.
 
     Raises:
         KeyError: there is no such language.

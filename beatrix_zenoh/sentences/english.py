@@ -107,7 +107,8 @@ ENGLISH: Final = Language(
         ),
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60 --name ROBOT`, with the robot's name; STOP is open to every seat."
+            "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60 --name ROBOT`, "
+            "where ROBOT is its name; STOP is open to every seat."
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",
@@ -116,7 +117,10 @@ ENGLISH: Final = Language(
             Reason.TEACHER_ONLY,
             None,
             "seat",
-        ): "{holder} is not the teacher's seat: only `teacher` may send this request. As the teacher, set BEATRIX_WHO=teacher, or in a class `beatrix join` with teacher.toml.",
+        ): (
+            "{holder} is not the teacher's seat: only `teacher` may send this request. As the teacher, set "
+            "BEATRIX_WHO=teacher; in a class, run `beatrix join teacher.toml`."
+        ),
         (Reason.NOT_HOLDER, None, "wait"): (
             "{holder} drives this robot, which is at rest. Try again in {wait_s}; STOP is open to every seat."
         ),
@@ -153,7 +157,7 @@ ENGLISH: Final = Language(
             Reason.HOST_LOST,
             None,
             "",
-        ): "The board received no frame of its node for too long and stopped the arms.",
+        ): "The board received no frame from its node for too long, and stopped the arms.",
         (
             Reason.CLIENT_LOST,
             None,
@@ -175,18 +179,19 @@ ENGLISH: Final = Language(
             "{needs}; `beatrix reset` sends RESET."
         ),
         (Reason.CONTRACT_MISMATCH, None, ""): (
-            "The firmware is of another version than the node, or was built for another robot. Close the program that uses the board, "
-            "then run `beatrix flash`."
+            "Firmware and node have different versions, or the firmware was built for another robot. Close the program "
+            "that uses the board, then run `beatrix flash`."
         ),
         (Reason.TIMED_OUT, Limit.DURATION, ""): (
-            "This motion would take {value}; a preview looks at most {high} ahead. Choose a higher speed or a shorter motion."
+            "This motion would take {value}; a preview covers at most {high}. Choose a higher speed or a shorter "
+            "motion."
         ),
         (
             Reason.NAME_TAKEN,
             None,
             "",
         ): "A robot of this name is already on line. Choose another name with --name, or end the other robot.",
-        (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then try again.",
+        (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then repeat the request.",
         **silences.ENGLISH,
     },
 )

@@ -9,7 +9,7 @@ _MOST_DECIMALS = 9
 _ROUNDING = 1e-5
 """Smallest tolerance, in units of the last digit."""
 _SINGLE = 2.0**-23
-"""Tolerance in proportion to a limit: it arrives in single precision, which must not change the shown digits."""
+"""Tolerance in proportion to a limit, because the single precision of a received limit must not change its text."""
 
 
 def in_unit(value: float, unit: str) -> float:
@@ -23,7 +23,7 @@ def symbol(unit: str) -> str:
 
 
 def decimals_of(number: float) -> int:
-    """Return the number of decimals that shows at least two significant digits, at least one."""
+    """Return the number of decimals, from 1 to 9, that shows at least two significant digits."""
     if not number or not math.isfinite(number) or abs(number) >= 0.95:
         return 1
     return min(_MOST_DECIMALS, 1 - math.floor(math.log10(abs(number) * (1 + _ROUNDING))))
@@ -47,14 +47,16 @@ def most(number: float) -> str:
 
 
 def _tolerance(units: float) -> float:
-    """Return how far a limit may be from the number that was meant, both in units of the last digit."""
+    """Return the allowed error of a limit; both are in units of the last digit."""
     return max(_ROUNDING, abs(units) * _SINGLE)
 
 
 def apart(number: float, limits: Iterable[tuple[float, str]]) -> str:
     """Format a refused number with enough decimals that the text is on the same side of every limit as the number.
 
-    limits: each as number and as shown text.
+    Args:
+        number: the refused number.
+        limits: each limit as a number, and as the text that shows it.
     """
     bounds = [(limit, float(text)) for limit, text in limits]
     for decimals in range(decimals_of(number), _MOST_DECIMALS + 1):

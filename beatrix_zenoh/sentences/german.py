@@ -140,7 +140,8 @@ GERMAN: Final = Language(
         ),
         (Reason.NOT_HOLDER, None, ""): "Ein anderer Platz steuert den Roboter. Versuche es später.",
         (Reason.NOT_HOLDER, None, "taken"): (
-            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60 --name ROBOTER`, mit seinem Namen; STOP steht jedem Platz offen."
+            "{holder} hat diesen Roboter genommen. Warte auf ihn mit `beatrix lease take --wait 60 --name ROBOTER`, "
+            "wobei ROBOTER sein Name ist; STOP steht jedem Platz offen."
         ),
         (
             Reason.NOT_HOLDER,
@@ -152,12 +153,15 @@ GERMAN: Final = Language(
             None,
             "",
         ): "Die Lehrkraft hat diesen Roboter angehalten. Warte, bis sie ihn freigibt.",
-        (Reason.TEACHER_ONLY, None, ""): "Das darf nur die Lehrkraft.",
+        (Reason.TEACHER_ONLY, None, ""): "Nur die Lehrkraft darf diese Anfrage senden.",
         (
             Reason.TEACHER_ONLY,
             None,
             "seat",
-        ): "{holder} ist nicht der Platz der Lehrkraft: das darf nur `teacher`. Als Lehrkraft BEATRIX_WHO=teacher setzen, oder in einer Klasse `beatrix join` mit teacher.toml.",
+        ): (
+            "{holder} ist nicht der Platz der Lehrkraft: Nur `teacher` darf diese Anfrage senden. Setze als Lehrkraft "
+            "BEATRIX_WHO=teacher; in einer Klasse rufe `beatrix join teacher.toml` auf."
+        ),
         (Reason.NOT_HOLDER, None, "wait"): (
             "{holder} steuert diesen Roboter, der ruht. Versuche es in {wait_s} wieder; STOP darf jeder Platz senden."
         ),
@@ -195,17 +199,17 @@ GERMAN: Final = Language(
             Reason.BOARD_LOST,
             None,
             "",
-        ): "Der Knoten hört seine Platine nicht. Prüfe ihr Kabel und ihren Strom.",
+        ): "Die Platine antwortet ihrem Knoten nicht. Prüfe ihr Kabel und ihren Strom.",
         (
             Reason.HOST_LOST,
             None,
             "",
-        ): "Die Platine hat ihren Knoten zu lange nicht gehört und die Arme angehalten.",
+        ): "Die Platine hat zu lange nichts von ihrem Knoten empfangen und die Arme angehalten.",
         (
             Reason.CLIENT_LOST,
             None,
             "",
-        ): "Die Sitzung dieser Anfrage ist beendet. Für sie bewegt sich nichts.",
+        ): "Die Sitzung, die diese Anfrage gesendet hat, ist beendet; deshalb bewegt sich der Roboter nicht.",
         (Reason.STOPPED, None, ""): "STOP wurde gedrückt. Versuche es wieder, wenn die Arme ruhen.",
         (Reason.STOPPED, None, "wait"): (
             "STOP wurde gedrückt, während {holder} steuerte. Sende {wait_s} lang keine Bewegung, dann versuche es wieder; "
@@ -238,11 +242,11 @@ GERMAN: Final = Language(
             "{needs}; `beatrix reset` sendet RESET."
         ),
         (Reason.CONTRACT_MISMATCH, None, ""): (
-            "Die Firmware hat eine andere Version als der Knoten oder wurde für einen anderen Roboter gebaut. Beende, was "
-            "die Platine benutzt, dann rufe `beatrix flash` auf."
+            "Die Firmware hat eine andere Version als der Knoten oder wurde für einen anderen Roboter gebaut. Beende "
+            "das Programm, das die Platine benutzt, dann rufe `beatrix flash` auf."
         ),
         (Reason.TIMED_OUT, Limit.DURATION, ""): (
-            "Diese Bewegung würde {value} dauern; eine Vorschau sieht höchstens {high} voraus. Wähle eine höhere "
+            "Diese Bewegung würde {value} dauern; eine Vorschau umfasst höchstens {high}. Wähle eine höhere "
             "Geschwindigkeit oder eine kürzere Bewegung."
         ),
         (
@@ -254,7 +258,7 @@ GERMAN: Final = Language(
             Reason.SHUTDOWN,
             None,
             "",
-        ): "Der Knoten schließt. Starte ihn wieder, dann versuche es noch einmal.",
+        ): "Der Knoten schließt. Starte ihn wieder, dann sende die Anfrage noch einmal.",
         **silences.GERMAN,
     },
 )

@@ -1,4 +1,4 @@
-"""The sentences of requests without an answer, in each language."""
+"""The sentences about requests without an answer, in each language."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ ENGLISH: Final[Mapping[Key, str]] = {
     ),
     (Reason.TIMED_OUT, None, ""): ("The robot did not answer in time. Try again."),
     (Reason.TIMED_OUT, None, "robot"): (
-        "{field} did not answer within {value}: it publishes positions, so it runs, but is very busy. Try again, or wait "
-        "longer for the answer."
+        "{field} did not answer within {value}: it publishes positions, so it is running but very busy. Try again, or "
+        "wait longer for the answer."
     ),
     (Reason.ACCESS_DENIED, None, ""): (
         "The access rules of the router refuse this request from this account. Ask the teacher."
     ),
     (Reason.ACCESS_DENIED, None, "robot"): (
-        "{field} is on line, but this request was refused by the router: account {holder} may not send it. A seat drives "
+        "{field} is on line, but the router refuses this request: account {holder} may not send it. A seat drives "
         "the robots of the class and its own; choose one of these with --name. STOP is open to every seat."
     ),
     (Reason.ACCOUNT_REFUSED, None, ""): (
@@ -117,8 +117,9 @@ GERMAN: Final[Mapping[Key, str]] = {
         "Der Roboter ist da, aber sein Knoten ist eingefroren. Beende den Knoten und starte ihn wieder."
     ),
     (Reason.NODE_FROZEN, None, "robot"): (
-        "{field} ist da, hat aber binnen {value} nicht geantwortet und sendet keine Positionen: Sein Knoten oder das "
-        "Netz dazwischen steht. Beende den Knoten und starte ihn wieder; bewegen sich die Arme, schalte ihren Strom aus."
+        "{field} ist da, hat aber binnen {value} nicht geantwortet und sendet keine Positionen: Sein Knoten ist "
+        "eingefroren, oder das Netz ist unterbrochen. Beende den Knoten und starte ihn wieder; bewegen sich die "
+        "Arme, schalte ihren Strom aus."
     ),
     (Reason.TIMED_OUT, None, ""): ("Der Roboter hat nicht rechtzeitig geantwortet. Versuche es wieder."),
     (Reason.TIMED_OUT, None, "robot"): (

@@ -11,14 +11,14 @@ from beatrix_zenoh.sentences import figures
 from beatrix_zenoh.sentences.language import Language
 
 _LONGEST: Final = 60
-"""Largest number of characters of a text from a request in a sentence."""
+"""Number of characters after which a text from a request is cut off."""
 
 
 def slots_of(detail: Detail, language: Language) -> dict[str, str]:
     """Return the fields for the templates of a language, as far as the detail has them.
 
-    value, low, high: with their unit. arms: names. leaves_s, leaves_arms, field, known, holder, wait_s, needs: as in
-    `Detail`. head, position, speed: of the alternative.
+    The fields value, low and high contain their unit, and arms the names. The fields leaves_s, leaves_arms, field,
+    known, holder, wait_s and needs are those of `Detail`; yaw, pitch, roll, position and speed are of the alternative.
     """
     slots = _measured(detail, language)
     if detail.arms:

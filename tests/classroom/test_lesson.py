@@ -45,7 +45,7 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
     for name in ("bea1", "ana"):
         ready(Robot(name, "hw", client=ana)).look(yaw=5)
     assert Robot("ana", "hw", client=clients["ben"]).status().holder == "ana"
-    with pytest.raises(NoAnswer, match="refused by the router: account ben") as denied:
+    with pytest.raises(NoAnswer, match="the router refuses this request: account ben") as denied:
         Robot("ana", "hw", client=clients["ben"]).look(yaw=0)
     assert denied.value.reason is Reason.ACCESS_DENIED
     with pytest.raises(Refused, match="ana drives this robot"):

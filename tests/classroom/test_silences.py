@@ -186,7 +186,7 @@ TABLE = [
     (
         denied,
         Reason.ACCESS_DENIED,
-        "ana (hw) is on line, but this request was refused by the router: account ben",
+        "ana (hw) is on line, but the router refuses this request: account ben",
     ),
     (
         absent,
