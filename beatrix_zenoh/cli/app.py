@@ -7,17 +7,17 @@ from collections.abc import Callable
 
 
 def main() -> None:
-    """Run the command line of this process; ends with SystemExit."""
+    """Run the command line of this process, and raise SystemExit with its exit code."""
     process(lambda: run(sys.argv[1:]))
 
 
 def process(work: Callable[[], int]) -> None:
-    """Run `work`, the whole task of this process, which returns the exit code; ends with SystemExit."""
+    """Run `work`, the whole task of this process, and raise SystemExit with the exit code that it returns."""
     try:
         code = work()
         from beatrix_zenoh.shutdown import ignore_signals
 
-        ignore_signals()  # the work is done and printed, and Python exits now
+        ignore_signals()  # so that a signal cannot change the exit code now that the work is done
     except KeyboardInterrupt:
         code = 130  # the exit code that shells use for Ctrl-C
     sys.exit(code)
@@ -34,8 +34,8 @@ def run(words: list[str]) -> int:
         if error.name not in ("typer", "rich"):
             raise
         sys.stderr.write(
-            f"The command line needs {error.name}, which is not installed: "
-            'pip install ".[cli]" in the folder of BEATRIX\n'
+            f"The command line needs {error.name}, which is not installed. "
+            'Run `pip install ".[cli]"` in the folder of BEATRIX.\n'
         )
         return 1
     return runner.run(app, words, "beatrix")

@@ -29,11 +29,11 @@ SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
 
 PROBE = "from sim_node.gl import backend; print(backend() or '')"
 PROBE_S = 45.0
-"""Two drivers are tried, each for at most 20 s."""
+"""Time limit of the probe (s), which tries two drivers for at most 20 s each."""
 
 
 class Finding(NamedTuple):
-    """A result of one check; the user must do `todo` and may do `advice`, if they are not empty."""
+    """A result of one check. The user must do `todo` and may follow `advice`; both may be empty."""
 
     what: str
     found: str
@@ -51,7 +51,7 @@ class Finding(NamedTuple):
 
 
 def this_computer() -> Iterator[Finding]:
-    """Run all checks that need no network, except `graphics_probe`."""
+    """Yield the findings of all checks that need no network, except `graphics_probe`."""
     yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
     hidden = list(hidden_packages())
@@ -98,7 +98,7 @@ def packages() -> Iterator[Finding]:
 
 
 def version(name: str) -> str | None:
-    """Version of an installed distribution."""
+    """Return the version of a distribution; None if it is not installed."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -123,9 +123,10 @@ def hidden_packages() -> Iterator[Finding]:
 
 @contextlib.contextmanager
 def graphics_probe() -> Iterator[Callable[[], Finding]]:
-    """Start to draw with OpenGL in a process of its own; yield a function that waits for the result.
+    """Start a subprocess that draws with OpenGL; yield a function that waits for its result.
 
-    A broken driver hangs or crashes, and importing MuJoCo takes half a second.
+    A broken driver would hang or crash this process. Other checks run during the half second that MuJoCo takes to
+    import.
     """
     if importlib.util.find_spec("mujoco") is None:
         yield lambda: Finding(
@@ -143,7 +144,7 @@ def graphics_probe() -> Iterator[Callable[[], Finding]]:
 
 
 def graphics(child: subprocess.Popen[str]) -> Finding:
-    """A finding about OpenGL, which draws the eyes of a simulation, from the output of PROBE."""
+    """Return a finding about OpenGL, which draws the pictures of simulated eyes, from the output of PROBE."""
     try:
         name = child.communicate(timeout=PROBE_S)[0].strip()
     except subprocess.TimeoutExpired:
@@ -157,7 +158,7 @@ def graphics(child: subprocess.Popen[str]) -> Finding:
     missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return Finding(
         "graphics",
-        "OpenGL does not work: simulated eyes are drawn by ray casting, at a lower resolution",
+        "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
         advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
         if missing
         else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
@@ -173,11 +174,11 @@ def serial_ports() -> Iterator[Finding]:
         yield Finding("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")
     for device in devices:
         if os.access(device, os.R_OK | os.W_OK):
-            yield Finding(f"port {device}", "may be opened")
+            yield Finding(f"port {device}", "this user may open it")
         else:
             yield Finding(
                 f"port {device}",
-                "may not be opened",
+                "this user may not open it",
                 "sudo usermod -aG dialout $USER, then log out and in again",
             )
 
@@ -186,10 +187,10 @@ def cameras() -> Iterator[Finding]:
     """Findings about USB cameras by their permanent paths, and whether this user may open them."""
     for device in sorted(VIDEO_DEVICES.glob("*-video-index0")):
         if os.access(device, os.R_OK | os.W_OK):
-            yield Finding("camera", f"{device} may be opened")
+            yield Finding("camera", f"{device}: this user may open it")
         else:
             yield Finding(
                 "camera",
-                f"{device} may not be opened",
+                f"{device}: this user may not open it",
                 "sudo usermod -aG video $USER, then log out and in again",
             )

@@ -1,7 +1,7 @@
 """`python -m beatrix_zenoh.cli.child …` runs `beatrix …` and ends when its parent process has ended.
 
-Standard input is a pipe from the parent, which writes nothing. Reading from it returns when the parent has ended, also
-if it was killed; this process then sends itself SIGTERM.
+Standard input is a pipe to which the parent writes nothing. Reading from it returns when the parent has ended, even if
+the parent was killed; this process then sends itself SIGTERM.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ class Action(StrEnum):
 
 
 def classroom(
-    action: Annotated[Action, typer.Argument(help="init: make the accounts, or add those of new seats.")],  # noqa: ARG001
+    action: Annotated[Action, typer.Argument(help="init: make the accounts that are missing.")],  # noqa: ARG001
     file: Annotated[Path, typer.Argument(metavar="class.toml", help="The class file.")],
     out: Annotated[
         Path | None,
@@ -39,8 +39,8 @@ def classroom(
 ) -> None:
     """Make the accounts of a class. Writes a file for the router, each seat and each robot, and cards to print.
 
-    All files are for the teacher only, who gives each seat its own file. If repeated, it keeps existing accounts and
-    makes the new ones.
+    All files are for the teacher only, who gives each seat and robot its own file. A repeated run keeps existing
+    accounts and adds those of new seats and robots.
     """
     from beatrix_zenoh.classroom import class_file, provision, router_file
 
@@ -74,7 +74,9 @@ def join(
             metavar="FILE", help="The account file of this seat or robot; - reads standard input."
         ),
     ] = None,
-    leave: Annotated[bool, typer.Option("--leave", help="Forget the account of this computer.")] = False,
+    leave: Annotated[
+        bool, typer.Option("--leave", help="Delete the account stored on this computer.")
+    ] = False,
 ) -> None:
     """Join a class. From then on all verbs and programs use its router, and this seat's account.
 
@@ -83,10 +85,10 @@ def join(
     """
     place = accounts.joined()
     if leave == (file is not None):
-        raise typer.BadParameter("give the account file of your seat, or --leave.")
+        raise typer.BadParameter("Give either the account file of your seat or --leave.")
     if file is None:
         place.unlink(missing_ok=True)
-        say("This computer is in no class now.")
+        say("This computer has no account of a class now.")
         return
     account = accounts.parse(sys.stdin.read(), "The text") if file == STDIN else accounts.load(file)
     before = f" It replaces the account that was stored in {place}." if place.exists() else ""
@@ -94,13 +96,16 @@ def join(
         place.parent.mkdir(parents=True, exist_ok=True)
         write_private(place, account.text())
     except OSError as error:
-        raise Refused(Reason.BAD_VALUE, f"Cannot store the account: {error}.") from error
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"Cannot store the account: {error}. Check the permissions and the free space of {place.parent}.",
+        ) from error
     say(f"Joined class {account.class_name} as {account.name}. Router: {account.connect}.{before}")
     _check(account)
 
 
 def _check(account: Account) -> None:
-    """Print whether the router accepts the account now; before a lesson the router may not run yet."""
+    """Print whether the router accepts the account now; before a lesson it may not be running yet."""
     try:
         zbus.connect(account.connect, account=account).close()
     except BeatrixError as error:

@@ -70,9 +70,10 @@ def compare(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Compare simulation and hardware. Prints lag, differences and missed steps, from a recording or live.
+    """Compare simulation and hardware. Prints lag and differences, from a recording or live; live also missed steps.
 
-    Live: start it, then move both. The exit code is 1 if a threshold (--max-...) is exceeded; the output names each.
+    Live: start the command, then move both robots. The exit code is 1 if a threshold (--max-...) is exceeded; the
+    output names each exceeded threshold.
     docs/how-to/compare.md explains the figures.
     """
     from beatrix_zenoh.cli.comparison_text import as_document, text
@@ -106,10 +107,10 @@ def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecor
     """Measure both robots of a name; raises NoAnswer if one is not on line."""
     from beatrix_zenoh.recording.record_robots import record_robots
 
-    title = "Measuring both: move them"
+    title = "Measuring: move both robots"
     with open_targets(selection, Which.BOTH) as targets, progress_bar(title, seconds) as bar:
         if bar is None:
-            note(f"Measuring both for {seconds:g} s: move them.")
+            note(f"Measuring for {seconds:g} s: move both robots.")
         sim, hw = record_robots(targets.robots(), seconds, bar or (lambda _passed_s: None))
     return sim, hw
 
@@ -134,7 +135,7 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
 
 
 def only_robot(path: Path, names: list[str], found: Recorded) -> str:
-    """The only name; raises Refused with the robots of the recording if there is not exactly one."""
+    """Return the only name; raises Refused with the robots of the recording if there is not exactly one."""
     if len(names) == 1:
         return names[0]
     held = ", ".join(f"{robot} ({twin})" for robot, twin in found.robots)
@@ -150,14 +151,15 @@ def only_robot(path: Path, names: list[str], found: Recorded) -> str:
 
 
 def draw(path: Path, found: Comparison, title: str) -> None:
-    """Write the plot, never a part of it; raises Refused if it cannot be drawn or written."""
+    """Write the plot, completely or not at all; raises Refused if it cannot be drawn or written."""
     from beatrix_zenoh.cli.demo_files import replace_when_complete
 
     try:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:
         raise Refused(
-            Reason.BAD_VALUE, f'--png needs {error.name}: pip install ".[plot]" in the folder of BEATRIX.'
+            Reason.BAD_VALUE,
+            f'--png needs {error.name}. Run `pip install ".[plot]"` in the folder of BEATRIX.',
         ) from error
     if path.suffix.lower() != ".png":
         raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
@@ -166,4 +168,4 @@ def draw(path: Path, found: Comparison, title: str) -> None:
             twin_figure(found, title).savefig(unfinished, dpi=150)
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"--png {path}: {error.strerror}. Name another file.") from error
-    note(f"The plot is {path}.")
+    note(f"The plot is in {path}.")

@@ -36,11 +36,11 @@ SAMPLE_HEADS = (
 )
 AFTER = '"after": each motion of the hardware is shifted by its own lag; head: the angle between both heads.'
 UNCERTAIN_S = 0.001
-"""If the clock offset is less certain than this, the text says so."""
+"""Uncertainty of the clock offset (s) from which the text states it."""
 
 
 def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]) -> str:
-    """Tables, a sentence about the lag, and each threshold that was exceeded."""
+    """Return tables, sentences about lag, gaps and clocks, and one for each threshold that was exceeded."""
     return "\n".join([
         axes_table(found.axes),
         AFTER,
@@ -69,12 +69,12 @@ def axes_table(axes: Sequence[AxisDifference]) -> str:
 
 
 def number(value: float, digits: int) -> str:
-    """A number as text, or a dash for NaN: not measured."""
+    """Format a number with this many decimals; NaN, which means not measured, as a dash."""
     return "-" if math.isnan(value) else f"{value:z.{digits}f}"
 
 
 def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str, ...]:
-    """A row of the second table."""
+    """Return the row of one robot in the table of samples."""
     regular = found.regularity[index]
     return (
         f"{live.robot} ({live.twin})",
@@ -129,7 +129,10 @@ def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
 def as_document(
     found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]
 ) -> Mapping[str, object]:
-    """Return a comparison for JSON; the names end with the unit (s, ms or deg). NaN (null in JSON): not measured."""
+    """Return a comparison for JSON, in the units at the ends of the names.
+
+    Axes are in deg, but their lags in s. NaN, null in JSON, means not measured.
+    """
     return {
         "result": not exceeded,
         "message": lag_sentence(found),

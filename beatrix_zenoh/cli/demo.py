@@ -42,7 +42,7 @@ def demo(
 ) -> None:
     """Show simulation and robot moving together.
 
-    Starts a simulation and a second robot, which is the same firmware on a virtual board. Both nod, shake and look
+    Starts a simulation and a second robot, which runs the same firmware on a virtual board. Both nod, shake and look
     around. The demo records both, prints their differences, and opens the recording if there is a display (not with
     --gui, which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements
     differ or a file could not be written.
@@ -58,7 +58,7 @@ def demo(
             recording = begin_recording(supervisor, settings)
             good = present(twin, out, recording, as_json=as_json, show=not gui)
         if keep or window is not None:
-            supervisor.new_lines()  # drops the output so far: the report contains its results
+            supervisor.new_lines()  # discards the output so far, because the report contains its results
             with end_on_interrupt():
                 note(advice(settings.connect, NEXT, supervisor.folder))
                 last = None if keep else window
@@ -70,7 +70,7 @@ def demo(
 
 
 def make_folder(out: Path) -> None:
-    """Make the folder; raises Refused (BAD_VALUE)."""
+    """Make the folder; raises Refused (BAD_VALUE) if that fails."""
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -92,7 +92,7 @@ def start(supervisor: Supervisor) -> Settings:
 
 
 def present(twin: Twin, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool) -> bool:
-    """Play, compare and report; True if both made the same movement and all files were written."""
+    """Play, compare and report; return whether both made the same movement and all files were written."""
     from beatrix_zenoh.cli.demo_report import measure
 
     choreography = shipped("hello")

@@ -35,11 +35,11 @@ write_picture(Path(sys.argv[1]), Neck().inverse(*(math.radians(float(angle)) for
 """
 
 Write = Callable[[Path], None]
-"""Writes a file under a temporary name; raises OSError, or Unavailable."""
+"""A function that writes a file to the path given; raises OSError, or Unavailable."""
 
 
 class Unavailable(Exception):
-    """A file cannot be drawn on this computer; the demo continues without it."""
+    """Raised if a file cannot be drawn on this computer; the demo continues without it."""
 
 
 class Files(NamedTuple):
@@ -65,7 +65,7 @@ def write_files(out: Path, found: Comparison, more: Mapping[str, Write]) -> File
         except OSError as error:
             files.failures.append(f"{out / name} could not be written: {error.strerror or error}.")
         except Unavailable as error:
-            note(f"Without {name}: {error}")
+            note(f"The demo continues without {name}: {error}")
         else:
             files.written.append(str(out / name))
     return files
@@ -98,7 +98,7 @@ def write_plot(path: Path, found: Comparison) -> None:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:
         raise Unavailable(
-            f'it needs {error.name}: run `pip install ".[plot]"` in the folder of BEATRIX'
+            f'it needs {error.name}. Run `pip install ".[plot]"` in the folder of BEATRIX.'
         ) from error
     twin_figure(found, "One movement, two robots").savefig(path, dpi=150)
 
@@ -111,9 +111,9 @@ def write_picture(path: Path) -> None:
             command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PICTURE_S, check=False
         )
     except subprocess.TimeoutExpired:
-        raise Unavailable(f"not drawn within {PICTURE_S:.0f} s") from None
+        raise Unavailable(f"it was not drawn within {PICTURE_S:.0f} s.") from None
     if done.returncode != 0:
-        raise Unavailable((done.stderr.strip().splitlines() or ["no reason given"])[-1])
+        raise Unavailable((done.stderr.strip().splitlines() or ["The reason is not known."])[-1])
 
 
 class DemoRecording:
@@ -138,7 +138,7 @@ class DemoRecording:
         self._supervisor.finish(self._recorder)
 
     def writers(self, positions: list[Positions]) -> dict[str, Write]:
-        """Functions that write the recording and a picture of it, at the largest yaw, by file name."""
+        """Return functions that write the recording, and a picture of it at the largest yaw, by file name."""
         furthest = max(positions, key=lambda sample: abs(sample.head.yaw))
 
         def write_recording(path: Path) -> None:
@@ -161,12 +161,12 @@ def begin_recording(supervisor: Supervisor, settings: Settings) -> DemoRecording
     try:
         return DemoRecording(supervisor, settings)
     except Refused as error:
-        note(f"Without a recording: {error.message}")
+        note(f"The demo continues without a recording. {error.message}")
         return None
 
 
 def show_recording(path: Path) -> None:
-    """Open the recording in a viewer that runs on after the demo, if there is a display."""
+    """Open the recording in a viewer that keeps running after the demo, if there is a display."""
     if not (
         sys.platform in ("win32", "darwin") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):

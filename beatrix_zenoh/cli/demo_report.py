@@ -103,13 +103,13 @@ def measure(twin: Twin, choreography: Choreography, show_step: Callable[[str, St
 
 
 def take_positions(streams: list[tuple[Subscription[Positions], Measured]]) -> None:
-    """Take the positions from the queues before the subscriptions drop them."""
+    """Append the queued positions to the records, before the subscriptions discard them."""
     for subscription, record in streams:
         record.positions += subscription.take()
 
 
 class RobotFigures(msgspec.Struct, frozen=True):
-    """Times of one robot (ms): from query to `accepted`, and between positions."""
+    """Times of one robot from query to `accepted`, and rate and standard deviation of the period of its positions."""
 
     accepted_median_ms: float
     accepted_longest_ms: float
@@ -166,7 +166,7 @@ def compare_twins(done: Measurement) -> Comparison:
 
 
 def figures(measured: Measured) -> RobotFigures:
-    """Latencies and rate of one robot."""
+    """Return the figures of one robot."""
     times = [positions.t_mono_ns / 1e6 for positions in measured.positions]
     periods = [b - a for a, b in itertools.pairwise(times)]
     return RobotFigures(
@@ -196,7 +196,7 @@ def as_text(report: Report) -> str:
 
 
 def robot_row(name: str, robot: RobotFigures) -> tuple[str, ...]:
-    """A row of the second table."""
+    """Return the row of one robot in the table of times and rates."""
     return (
         name,
         f"{robot.accepted_median_ms:.1f}",

@@ -51,7 +51,7 @@ def echo(
     on: On = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document a line.")] = False,
 ) -> None:
-    """Print positions, status, events or pictures as they arrive. Degrees; ends with Ctrl-C or --count.
+    """Print positions, status, events or pictures as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
 
     Events are requests, refusals, STOPs, changes of driver and board, and warnings. Without --on, events of both
     simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
@@ -85,12 +85,12 @@ def twin_key(targets: Targets) -> str:
 
 
 def limited(messages: Iterable[T], count: int) -> Iterator[T]:
-    """The first `count` messages; all if it is 0."""
+    """Return the first `count` messages; all messages if `count` is 0."""
     return itertools.islice(messages, count or None)
 
 
 def show_positions(robot: Robot, positions: Positions, *, as_json: bool) -> None:
-    """Print positions on one line; `t_s` is the robot's monotonic clock."""
+    """Print positions on one line; `t_s` is the time by the robot's monotonic clock (s)."""
     now = reading(positions)
     if as_json:
         print_json({**reading_row(robot, now), "seq": positions.seq, "t_s": round(now.t, 6)})
@@ -126,7 +126,7 @@ def show_event(place: Place, event: Event, *, as_json: bool) -> None:
 
 
 def event_line(place: Place, event: Event) -> str:
-    """Time by the robot's clock, robot, seat, subject, outcome."""
+    """Return an event as a line: time by the robot's clock, robot, seat, subject, outcome and message."""
     clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
     milliseconds = event.t_wall_ns // 1_000_000 % 1000
     subjects = dict.fromkeys((str(event.kind), event.action))  # the action of a motion query repeats the kind
@@ -137,7 +137,7 @@ def event_line(place: Place, event: Event) -> str:
 
 
 def outcome(event: Event) -> str:
-    """The outcome of a request, or empty if its message begins with it."""
+    """Return the outcome of a request as a word; empty if the event is no request, or its message gives the outcome."""
     good = event.reason is Reason.OK
     if event.phase is Phase.DONE:
         return "done" if good else "ended"

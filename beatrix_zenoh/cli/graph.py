@@ -1,4 +1,4 @@
-"""`beatrix graph`: the programs and keys that are live at a router, as text or as a drawing."""
+"""`beatrix graph`: the programs that are connected to a router, and their keys, as text or as a drawing."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs and keys that are live at the router."""
+    """Show the programs that are connected to the router, and their keys."""
     with Client(resolve(None, connect, who)) as client:
         programs, endpoint = network.read(client), client.bus.endpoint
     if svg is not None:
@@ -40,7 +40,7 @@ def graph(
             {"result": True, "endpoint": endpoint, "programs": [as_row(program) for program in programs]}
         )
     elif svg is not None:
-        say(f"{svg} written.")
+        say(f"The drawing is in {svg}.")
     else:
         say(text(programs, endpoint))
 
@@ -56,7 +56,7 @@ def as_row(program: Program) -> dict[str, object]:
 
 
 def lines(program: Program, nodes: Sequence[Program]) -> list[str]:
-    """Describe the keys that a program serves, publishes and subscribes to, one line each."""
+    """Return a line for each key that a node publishes or serves, or for each node that a client subscribes to."""
     if program.robot is not None:
         serves = sorted({short(key) for key in program.serves} - {short(key) for key in program.publishes})
         return [

@@ -94,7 +94,7 @@ def hz(
 
 
 def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
-    """A subscription to the stream that is measured."""
+    """Return a subscription to the stream of a robot."""
     if stream is PeriodicStream.POSITIONS:
         return cast("Subscription[Numbered]", robot.positions_stream())
     eye = stream.removeprefix("camera/")
@@ -103,13 +103,16 @@ def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
 
 
 def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:
-    """Figures of one robot; `offset_s` is its wall clock minus that of this computer.
+    """Return the figures of one robot; `offset_s` is the robot's wall clock minus this computer's.
 
     Raises:
         NoAnswer: TIMED_OUT, fewer than three publications arrived.
     """
     if len(arrivals) < FEWEST:
-        raise NoAnswer(Reason.TIMED_OUT, f"Only {len(arrivals)} arrived. Measure for longer, with --seconds.")
+        raise NoAnswer(
+            Reason.TIMED_OUT,
+            f"{len(arrivals)} messages arrived; at least {FEWEST} are needed. Measure for longer with --seconds.",
+        )
     periods = [(b.t_mono_ns - a.t_mono_ns) / 1e6 for a, b in itertools.pairwise(arrivals)]
     ages = [(one.t_wall_ns - one.value.t_wall_ns) / 1e6 + offset_s * 1e3 for one in arrivals]
     steps = [b.value.seq - a.value.seq for a, b in itertools.pairwise(arrivals)]

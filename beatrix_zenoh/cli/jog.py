@@ -33,7 +33,7 @@ DIRECTION_ANSWERS = {
 }
 """Each answer, and whether it means counter-clockwise."""
 PREPARE = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
-AGAIN = f"Then {PREPARE}, and repeat `beatrix doctor --jog`."
+AGAIN = f"Then type {PREPARE}, and repeat `beatrix doctor --jog`."
 NO_ARM = (
     "No arm turned. Is the motor power on? USB powers only the firmware, not the motors. If it is on, switch it off "
     "and check that drivers and motors are plugged in as docs/how-to/board.md shows."
@@ -51,10 +51,12 @@ class Observation(NamedTuple):
 
 
 def jog(selection: Selection, *, as_json: bool) -> None:
-    """Turn one arm after the other, ask the user about each, and print what to do; exit with code 1 if a plug is wrong.
+    """Turn one arm after the other, ask the user about each, and print what to do.
+
+    The exit code is 1 if there is something to do.
 
     Raises:
-        Refused: the robot cannot move yet; the message gives the reason.
+        Refused: the robot cannot move yet, with the reason, or the user named an arm twice.
         WrongUsage: standard input has ended.
     """
     with open_targets(selection, Which.HW) as targets:
@@ -95,12 +97,12 @@ def observe(robot: Robot, index: int) -> Observation:
     if arm is None:
         return Observation(None, counter_clockwise=True)
     return Observation(
-        arm, ask("Which way first? counter-clockwise (ccw) or clockwise (cw):", DIRECTION_ANSWERS)
+        arm, ask("Did it first turn counter-clockwise (ccw) or clockwise (cw)?", DIRECTION_ANSWERS)
     )
 
 
 def ask(question: str, answers: Mapping[str, T]) -> T:
-    """Ask until the user types one of the answers, or the beginning of one. Raises the errors of `read_answer`."""
+    """Ask until the user types an answer or its beginning; return its meaning. Raises the errors of `read_answer`."""
     while True:
         words = read_answer(question)
         found = {meaning for answer, meaning in answers.items() if words and answer.startswith(words)}
@@ -115,7 +117,7 @@ def ask_azimuth(known_deg: float) -> float:
     while True:
         words = read_answer(
             "Where does the short arm point now, at home? Degrees from straight ahead, positive to the robot's left "
-            f"(the robot's own value is {known_deg:.6g}; a difference of less than {JOG_DEG:g} does not matter):"
+            f"(the robot reports {known_deg:.6g}; a difference of less than {JOG_DEG:g} does not matter):"
         )
         try:
             azimuth = float(words.replace(",", "."))  # a decimal comma
@@ -140,7 +142,7 @@ def read_answer(question: str) -> str:
 
 
 def replug(seen: list[Observation]) -> list[str]:
-    """Return the steps that correct the plugs on the shield, with the power off; empty if all is correct.
+    """Return the steps that correct the plugs on the shield, with the power off; empty if all plugs are correct.
 
     Raises:
         Refused: the user named an arm twice.

@@ -44,9 +44,9 @@ def lease(
     who: Who = None,
     on: On = None,
 ) -> None:
-    """Take a robot: only your seat and the teacher move it.
+    """Take a robot, so that only your seat and the teacher can move it, or give it back.
 
-    While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows who holds it.
+    While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows the holder.
     """
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
         robots = targets.robots()
@@ -67,14 +67,14 @@ def lease(
 
 
 def _hold(robots: Sequence[Robot]) -> None:
-    """Wait until an error: Refused when the lease of a robot has ended, NoAnswer when a robot is lost."""
+    """Wait until an error is raised: Refused if the lease of a robot has ended, NoAnswer if a robot is lost."""
     pause = threading.Event()
     while not pause.wait(CHECK_S):
         for robot in robots:
             status = robot.status()
             if status.lease == robot.lease_number:
                 continue
-            robot.lease_number = 0  # nothing to give back
+            robot.lease_number = 0  # so that `close` gives nothing back
             raise Refused(
                 Reason.NOT_HOLDER,
                 f"{robot}: your lease has ended; {_holder_now(status, robot.client.settings.who)}. `beatrix ls` shows "
@@ -83,7 +83,7 @@ def _hold(robots: Sequence[Robot]) -> None:
 
 
 def _holder_now(status: Status, seat: str) -> str:
-    """Return which seat holds the robot after the lease of `seat` has ended."""
+    """Return a clause that names the holder after the lease of `seat` has ended."""
     if not status.holder:
         return "it is free now"
     if status.holder != seat:
@@ -94,12 +94,12 @@ def _holder_now(status: Status, seat: str) -> str:
 
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """Stop every robot and let only the teacher move it. For the seat `teacher`."""
+    """Stop every robot and let only the teacher move it. Requires the seat `teacher`."""
     _govern(LeaseAction.FREEZE, 0.0, name, connect, who, as_json=as_json)
 
 
 def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """Let every seat move the robots again. For the seat `teacher`."""
+    """Let every seat move the robots again. Requires the seat `teacher`."""
     _govern(LeaseAction.UNFREEZE, 0.0, name, connect, who, as_json=as_json)
 
 
@@ -110,7 +110,7 @@ def limit(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Limit the speed of every robot. For the seat `teacher`."""
+    """Limit the speed of every robot, or end the limit. Requires the seat `teacher`."""
     most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
     _govern(LeaseAction.LIMIT, most, name, connect, who, as_json=as_json)
 
@@ -133,7 +133,7 @@ def _govern(
     *,
     as_json: bool,
 ) -> None:
-    """Send a query (`speed` in rad/s) to all robots on line, or those `wanted`; exit with the first failure's code."""
+    """Send a query (`speed` in rad/s) to the robots `wanted`, or to all on line; exit with the first failure's code."""
     with Client(resolve(None, connect, who)) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
@@ -158,8 +158,8 @@ def _govern(
         print_json({"result": not code, "robots": rows})
     elif failed and len(failed) < len(rows):
         note(
-            f"Done at {len(rows) - len(failed)} of {len(rows)} robots, not at {', '.join(failed)}. "
-            "`beatrix top` shows which are frozen. Type the command again for the others."
+            f"Done for {len(rows) - len(failed)} of {len(rows)} robots, not for {', '.join(failed)}. "
+            "`beatrix top` shows which robots are frozen. Type the command again for the others."
         )
     if code:
         raise typer.Exit(code)

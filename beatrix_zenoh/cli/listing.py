@@ -22,7 +22,7 @@ from beatrix_zenoh.settings import resolve
 
 HEADS = ("robot", "on", "state", "driver", "version", "firmware")
 BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
-"""Faults that the warnings of the board describe in more detail, if it has any."""
+"""Faults that the warnings in a status describe in more detail, if there are any."""
 
 
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
@@ -46,7 +46,7 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
 
 
 class ListedRobot(NamedTuple):
-    """A robot on line, and its replies; None if it did not answer."""
+    """A robot on line, and its replies, each None if it did not arrive."""
 
     place: Place
     status: Status | None
@@ -63,7 +63,7 @@ def look_up(client: Client) -> list[ListedRobot]:
 
 
 def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
-    """Return the robots that a monitor sees, with their replies, in the order of `look_up`."""
+    """Return the robots that a monitor reports, with their replies, in the order of `look_up`."""
     infos = client.infos()
     monitor.settle()
     robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
@@ -113,7 +113,7 @@ def problems(status: Status | None) -> list[str]:
         return ["is on line but does not answer: its node or its connection is frozen."]
     if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
         return [*status.warnings, *lease_notes(status)]
-    fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which this version does not know.")
+    fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which is unknown in this version.")
     return [fault, *status.warnings, *lease_notes(status)]
 
 
@@ -130,9 +130,9 @@ def lease_notes(status: Status) -> list[str]:
 
 
 def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
-    """Return a sentence that names the robots that are not frozen while others are; none if all are alike.
+    """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
 
-    A robot that was not on line when the teacher froze the others is free when it returns.
+    A robot that was not on line when the teacher froze the others is not frozen when it returns.
     """
     free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
     if not free or len(free) == len(frozen):
@@ -209,7 +209,7 @@ def geometry_deg(info: Info) -> dict[str, float]:
 
 
 def in_degrees(values: msgspec.Struct, names: Iterable[str]) -> dict[str, float]:
-    """Fields in radians, converted to degrees."""
+    """Return the fields of these names, converted from radians to degrees."""
     return {name: round(math.degrees(getattr(values, name)), 3) for name in names}
 
 

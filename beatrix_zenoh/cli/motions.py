@@ -42,8 +42,8 @@ Lead = Annotated[
     float,
     typer.Option(
         metavar="S",
-        help="With --on both: the hardware starts this many seconds after the simulation. Ctrl-C before that keeps it "
-        "unmoved.",
+        help="With --on both: the hardware starts this many seconds after the simulation. Ctrl-C before then "
+        "prevents that.",
     ),
 ]
 COUNT_S = 1.0
@@ -101,7 +101,7 @@ def home(
 
 
 def arm_speed(text: str | None) -> float | list[float] | None:
-    """One number or three, separated by commas; raises BadParameter for anything else."""
+    """Return one number or three (deg/s) from a text with commas; raises BadParameter for any other text."""
     if text is None:
         return None
     try:
@@ -126,7 +126,10 @@ def check_lead(lead: float, on: Which | None) -> None:
 def carry_out(
     targets: Targets, query: MotionQuery | PoseQuery, lead_s: float, *, no_wait: bool, as_json: bool
 ) -> None:
-    """Carry out a motion on the robots selected and print their positions; a motion of both is previewed first."""
+    """Carry out a motion on the robots selected and print their positions; a motion of both is previewed first.
+
+    With `no_wait`, begin the motion only; the text output is then the robot's message instead of the positions.
+    """
     robots = targets.robots()
     if len(robots) > 1 and no_wait:
         raise typer.BadParameter("--no-wait needs one robot: use --on sim or --on hw.")
@@ -152,7 +155,7 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
 
     Raises:
         Refused: with the robot's reason.
-        NoAnswer: no reply came in time.
+        NoAnswer: no reply arrived in time.
     """
     with Client(robot.client.settings, announce=False) as client:
         detached = Robot(robot.name, robot.twin, client=client, timeout_s=robot.timeout_s)
@@ -160,7 +163,7 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
 
 
 def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
-    """Preview the motion on a copy of the simulation, print the result, then carry it out on both."""
+    """Preview the motion on a copy of the simulation, print the result, then carry the motion out on both robots."""
     settings = targets.client.settings
     with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
         plan = twin.preview_query(query)
@@ -174,7 +177,7 @@ def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> N
 
 
 def count_down(plan: Plan, lead_s: float) -> None:
-    """Carry out a plan with a lead, and print the remaining lead each second; Ctrl-C cancels like `Plan.abort`."""
+    """Carry out a plan with a lead, and print the remaining lead each second; Ctrl-C cancels the motion."""
     motion = plan.commit(lead_s, wait=False)
     try:
         while not (motion.hardware_sent or motion.done()):
@@ -204,11 +207,11 @@ def cancelled(motion: TwinMotion) -> str:
 
 @contextlib.contextmanager
 def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
-    """On Ctrl-C in this block, stop the robots and print their positions at rest."""
+    """On Ctrl-C in this block, stop the robots, print their positions at rest, and raise KeyboardInterrupt again."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
-        # The text is empty if Ctrl-C came while no motion was running.
+        # A text means that the waiting function has stopped the robots; it contains their positions.
         rests = str(interrupt) or "\n".join(
             f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(robots))
         )
@@ -220,7 +223,7 @@ def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
 
 
 def show_positions(robots: list[Robot], *, as_json: bool) -> None:
-    """Print head and arm angles of the robots now."""
+    """Print the present head and arm angles of the robots (deg)."""
     readings = [(robot, robot.positions()) for robot in robots]
     if as_json:
         print_json({"result": True, "robots": [reading_row(robot, reading) for robot, reading in readings]})

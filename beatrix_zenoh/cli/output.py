@@ -10,7 +10,7 @@ import msgspec
 from beatrix_zenoh._generated.messages import Reason
 
 FAILED, USAGE, INTERRUPTED, UNREAD = 1, 2, 130, 141
-"""Exit codes; 0 is done. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""
+"""Exit codes; 0 means success. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""
 CODES = {
     Reason.NO_ROUTER: 3,
     Reason.TIMED_OUT: 4,
@@ -42,7 +42,7 @@ def note(text: str) -> None:
 
 
 def printable(text: str) -> str:
-    """The text without control characters, which names in foreign keys and messages may contain."""
+    """Replace control characters, which names in foreign keys and messages may contain, by question marks."""
     return "".join(letter if letter.isprintable() or letter in "\n\t" else "?" for letter in text)
 
 
@@ -57,7 +57,7 @@ def print_failure(reason: Reason, message: str) -> None:
 
 
 def columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table with a line for each row under its heads; numbers are aligned to the right."""
+    """Return a table as text: the heads, then a line for each row. Columns of numbers are aligned to the right."""
     lines = [list(heads), *(list(row) for row in rows)]
     widths = [max(len(line[i]) for line in lines) for i in range(len(heads))]
     right = [bool(rows) and all(numeric(row[i]) for row in rows) for i in range(len(heads))]

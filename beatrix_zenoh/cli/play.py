@@ -48,7 +48,7 @@ def play(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Play a choreography. All poses are checked before a robot moves; Ctrl-C stops.
+    """Play a choreography. All poses are checked before a robot moves; Ctrl-C stops the robots.
 
     docs/how-to/motion-files.md explains the file format.
     """
@@ -72,7 +72,7 @@ def play(
 
 
 def check(found: Choreography, robots: list[Robot]) -> None:
-    """Check all poses for each robot; raises Refused with line and time."""
+    """Check all poses for each robot; raises Refused with line and time of the first that exceeds a limit."""
     from beatrix_zenoh.recording.choreography_check import check_choreography
     from beatrix_zenoh.recording.follow import robots_of
 
@@ -90,7 +90,7 @@ def play_both(targets: Targets, found: Choreography, lead: float, *, lockstep: b
 
 
 def progress(found: Choreography) -> Callable[[str, Step], None]:
-    """A function that prints each pose as it begins."""
+    """Return a function that prints each pose as it begins."""
     number, last = itertools.count(1), len(found.steps)
 
     def show(title: str, pose: Step) -> None:

@@ -21,10 +21,10 @@ from beatrix_zenoh.shutdown import SIGNALS
 READY_S = 20.0
 """Time to start (s); a busy computer that imports MuJoCo for the first time may need all of it."""
 END_S = 4.0
-"""Time to end (s), because a node stops its robot first; after this time the child is killed."""
+"""Time to end (s), in which a node also stops its robot; after this time the child is killed."""
 POLL_S = 0.02
 LAST_LINES = 5
-"""Number of lines that are shown of the output of a failed child."""
+"""Number of output lines of a failed child that are shown."""
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Flag of Windows that corresponds to `process_group` on other systems."""
 
@@ -79,7 +79,7 @@ class Child:
             return b""
 
     def end(self, grace_s: float = END_S) -> None:
-        """Send SIGTERM and wait; kill it after `grace_s` (s)."""
+        """Send SIGTERM to the process and wait; kill the process after `grace_s` (s)."""
         self._process.terminate()
         try:
             self._process.wait(grace_s)
@@ -93,8 +93,8 @@ class Child:
 class Supervisor:
     """Child processes that run during a `with` block; the last one started ends first.
 
-    Their output goes to a temporary folder. It is deleted at the end, unless a child has failed and its error message
-    does not show all of its output.
+    Their output goes to a temporary folder. The folder is deleted at the end, unless a child has failed and the error
+    message does not show all of its output.
     """
 
     def __init__(self) -> None:
@@ -103,7 +103,7 @@ class Supervisor:
         self.children: list[Child] = []
 
     def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`. With `may_end` it may end after it was ready."""
+        """Start `beatrix …`; wait for it with `wait_ready`. With `may_end` the child may end after it was ready."""
         child = Child(title, arguments, self.folder / f"{title}.log", may_end=may_end)
         self.children.append(child)
         return child
@@ -192,7 +192,7 @@ def signals_interrupt() -> Iterator[None]:
 
 @contextmanager
 def signals_ignored() -> Iterator[None]:
-    """Ignore the signals in this block, so that no child keeps running; ending them takes a bounded time."""
+    """Ignore these signals in this block, so that all children are ended; this takes a bounded time."""
     with _handled(signal.SIG_IGN):
         yield
 

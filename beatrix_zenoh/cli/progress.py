@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class ProgressBar(Protocol):
-    """Shows how much is completed, and another title if one is given."""
+    """A function that shows the completed amount, and a new title if it is given."""
 
     def __call__(self, completed: float, title: str | None = None) -> None: ...
 

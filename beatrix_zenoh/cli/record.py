@@ -22,7 +22,7 @@ from beatrix_zenoh.recording.viewer import PORT, program
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
 
-if TYPE_CHECKING:  # numpy and rerun would delay every verb
+if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.file_output import FileOutput
     from beatrix_zenoh.recording.output import Output
     from beatrix_zenoh.recording.recorder import Recorder
@@ -161,7 +161,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
 
 
 def viewer_if_possible(port: int) -> Viewer | None:
-    """Start a viewer and return it; return None if one is open already, or, after a note, if none can be started."""
+    """Start a viewer and return it; return None if a viewer is open already, or none can be started (prints a note)."""
     try:
         return open_viewer(port)
     except BeatrixError as error:
@@ -228,7 +228,7 @@ def write_motion(
         )
     with open_targets(selection, on) as targets:
         (robot,) = targets.robots()
-        note(f"Recording {robot} into {file}: move it. Ctrl-C ends the recording.")
+        note(f"Recording {robot} into {file}. Move the robot; Ctrl-C ends the recording.")
         begin_s = time.monotonic()
         points = record_motion(
             robot, file, going=lambda _points: not seconds or time.monotonic() - begin_s < seconds

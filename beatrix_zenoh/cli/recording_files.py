@@ -22,7 +22,7 @@ def read_recording(path: Path) -> Recorded:
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f'{path}: reading a recording needs {error.name}: pip install ".[rerun]" in the folder of BEATRIX.',
+            f'{path}: reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
         ) from error
     found = read(path)
     note_if_incomplete(path)

@@ -54,7 +54,7 @@ def replay(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Replay a recorded motion. The whole path is checked before a robot moves; Ctrl-C stops.
+    """Replay a recorded motion. The whole path is checked before a robot moves; Ctrl-C stops the robots.
 
     docs/how-to/motion-files.md explains the file format.
     """
@@ -94,7 +94,7 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
 
 
 def recorded_path(file: Path, name: str) -> ArmPath:
-    """Return the path of a robot in a recording: the one of this name, else the only one; the simulation if recorded.
+    """Return the path of the robot of this name in a recording, or of the only robot; of the simulation if recorded.
 
     Raises:
         Refused: the recording contains several robots, and none of this name.
@@ -117,7 +117,12 @@ def recorded_path(file: Path, name: str) -> ArmPath:
 
 
 def plan_path(path: ArmPath, infos: list[Info]) -> Following:
-    """Plan and check the whole path for each robot, and print a summary; raises Refused with line and time."""
+    """Plan and check the whole path for each robot, print a summary, and return the plan for the first robot.
+
+    Raises:
+        Refused: the path exceeds a limit or is too fast; the message names line and time.
+        WrongUsage: the path is too long.
+    """
     from beatrix_zenoh.recording.follow import follow, robots_of
 
     if path.duration_s > LONG_S:

@@ -23,13 +23,13 @@ from beatrix_zenoh.settings import Settings
 OFFSET_S = 0.05
 """Largest clock offset without advice (s); with a larger offset the times of two robots are hard to compare."""
 RATE_S = 0.6
-"""Time over which the rate of positions is measured."""
+"""Time over which the rate of positions is measured (s)."""
 SLOW = 0.9
 """Fraction of the contract's rate of positions; a lower rate is reported."""
 
 
 def network(settings: Settings, name: str | None = None) -> Iterator[Finding]:
-    """Findings about router, account and robots; the checks end at the first step that fails.
+    """Yield findings about router, account and robots; stop after the first step that fails.
 
     With `name`, a robot of this name must be on line.
     """
@@ -54,7 +54,7 @@ def network(settings: Settings, name: str | None = None) -> Iterator[Finding]:
 
 
 def accepted(client: Client) -> Finding:
-    """A finding about the account, whose session the router has opened."""
+    """Return a finding about the account with which the router has accepted this session."""
     account = client.settings.account
     if account is None:
         return Finding("account", "none: this router is open to every program")
@@ -108,7 +108,7 @@ def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) 
 
 
 def rate(name: str, hz: float) -> Finding:
-    """A finding about the positions that arrive in a second."""
+    """Return a finding about the rate of positions (Hz)."""
     text = f"{hz:.0f} positions a second of {keys.POSITIONS_HZ}"
     if hz < SLOW * keys.POSITIONS_HZ:
         return Finding(
@@ -138,7 +138,7 @@ def devices(name: str, status: Status) -> Iterator[Finding]:
     if board.connected:
         yield Finding(name, f"board {board.name or 'without a name'} at {board.port}")
     for camera in status.cameras:
-        text = f"camera {camera.eye}: {camera.source or 'works while it is watched'}"
+        text = f"camera {camera.eye}: {camera.source or 'runs only while a client subscribes'}"
         if camera.connected and not camera.trouble:
             yield Finding(name, text)
         else:

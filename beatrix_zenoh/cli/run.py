@@ -1,4 +1,4 @@
-"""Run a verb: an expected error becomes one sentence and an exit code, never a traceback."""
+"""Run a verb, and report an expected error as one sentence and an exit code, never as a traceback."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
     """Run the verb and return the exit code. Expected errors are printed; other exceptions propagate."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # so that a verb works at a terminal without a degree sign
+            stream.reconfigure(errors="replace")  # so that a terminal without a degree sign causes no error
     try:
         return _invoke(app, words, program)
     except OSError as error:
@@ -46,7 +46,7 @@ def run(app: typer.Typer, words: Sequence[str], program: str) -> int:
 
 
 def run_command(command: Callable[..., None], program: str, words: Sequence[str] | None) -> int:
-    """Like `run`, for a program with a single verb; `words` are by default the arguments of the process."""
+    """Run a program with a single verb as `run` does; `words` are by default the arguments of the process."""
     app = typer.Typer(add_completion=False, rich_markup_mode=None)
     app.command()(command)
     return run(app, sys.argv[1:] if words is None else words, program)

@@ -38,8 +38,8 @@ def router(
 ) -> None:
     """Run the router. Robots, simulations and programs connect to it.
 
-    Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program in the
-    network may do everything: in a network with other people use --class, after `beatrix classroom init`.
+    Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program in the network
+    may send every request. In a network with other people use --class, after `beatrix classroom init`.
     """
     access = None
     if of_class is not None:
@@ -86,7 +86,7 @@ def run(process: str, arguments: list[str]) -> int:
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
-        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed: {install(process)}")
+        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed. {install(process)}")
     try:
         main = next(iter(entries)).load()
     except ModuleNotFoundError as error:
@@ -96,11 +96,11 @@ def run(process: str, arguments: list[str]) -> int:
 
 
 def missing(process: str, error: ModuleNotFoundError) -> Refused:
-    """The refusal for a program that needs a package that is not installed."""
-    text = f"`beatrix {process}` needs {error.name}, which is not installed: {install(process)}"
+    """Return the refusal for a program that needs a package that is not installed."""
+    text = f"`beatrix {process}` needs {error.name}, which is not installed. {install(process)}"
     return Refused(Reason.BAD_VALUE, text)
 
 
 def install(process: str) -> str:
-    """The command that installs the packages of `beatrix PROCESS`."""
-    return f'pip install ".[{EXTRAS.get(process, process)}]" in the folder of BEATRIX'
+    """Return a sentence with the command that installs the packages of `beatrix PROCESS`."""
+    return f'Run `pip install ".[{EXTRAS.get(process, process)}]"` in the folder of BEATRIX.'

@@ -1,4 +1,4 @@
-"""`beatrix stop`: stop every robot that can be stopped, also if settings, files or arguments are wrong."""
+"""`beatrix stop`: stop every robot that can be stopped, even if settings, files or arguments are wrong."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Outcome(NamedTuple):
 
     robot: str
     twin: str
-    """Empty if no robot of this name is on line."""
+    """Empty if the name is invalid, or no robot of this name is on line."""
     reason: Reason
     message: str
     code: int
@@ -70,7 +70,7 @@ def stop(
 ) -> None:
     """Stop robots at once, even if another seat drives. Stops robot and simulation of a name, by default all robots.
 
-    If one name is wrong or not on line, the other robots are stopped nevertheless.
+    If one name is wrong or not on line, the other robots are still stopped.
     """
     settings, wrong_settings = resolve_valid(connect=connect, who=who)
     asked, wrong_names = check_names(name or ())
@@ -84,7 +84,7 @@ def stop(
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings) as client:
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
-        present = client.robots()  # STOP goes first; later a frozen robot would have lost its token
+        present = client.robots()  # after STOP is sent, but before a frozen robot loses its token
         found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
         if emergency:
             requests = [*stop_simulations(client, asked, twin), *requests, *emergency_by_name(client, found)]
@@ -101,12 +101,12 @@ def stop(
 
 
 def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[GroupRequest[CommandReply]]:
-    """Send STOP to simulations, because the router of a class passes no EMERGENCY_STOP to those of other seats."""
+    """Send STOP to simulations, because the router of a class forwards no EMERGENCY_STOP to those of other seats."""
     return [] if twin == "hw" else [request_stop(client, robot, "sim") for robot in asked]
 
 
 def emergency_by_name(client: Client, places: Sequence[Place]) -> list[GroupRequest[CommandReply]]:
-    """Send EMERGENCY_STOP to each robot, because the router of a class passes a student's query with wildcards to none."""
+    """Send EMERGENCY_STOP to each robot, because the router of a class does not forward a student's with wildcards."""
     return [request_stop(client, *place, emergency=True) for place in places]
 
 
@@ -121,7 +121,7 @@ def noting(errors: Sequence[WrongUsage]) -> Iterator[None]:
 
 
 def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
-    """The valid names, and an outcome for each invalid one."""
+    """Return the valid names, and an outcome for each invalid name."""
     asked, wrong = [], []
     for robot in robots:
         try:
@@ -132,7 +132,7 @@ def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
 
 
 def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
-    """The error if no robot of the names given is on line."""
+    """Return the error for the case that no robot of the names given is on line."""
     found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
     hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
     reasons = [absent_reason(robot, present) for robot in asked]

@@ -47,16 +47,16 @@ class Targets:
 def open_targets(
     selection: Selection, which: Which | None, *, acts: bool = False, both: bool = False
 ) -> Iterator[Targets]:
-    """Open a session and select the robots; notes on stderr which robot is used if no name was given.
+    """Open a session and select the robots; print a note with the robot's name if it was not given.
 
     Args:
         selection: from the command line.
         which: the value of --on.
-        acts: the verb acts on the robots: note if it uses the hardware because no simulation is on line.
+        acts: the verb acts on the robots; print a note if it uses the hardware because no simulation is on line.
         both: without --on select both robots of the name if both are on line.
 
     Raises:
-        NoAnswer: no router answers, or no robot is on line.
+        NoAnswer: no router answers, no robot is on line and no name was given, or a robot of --on both is not on line.
         Refused: several robots are on line, and no name was given.
     """
     settings = resolve(selection.name, selection.connect, selection.who)
@@ -86,7 +86,7 @@ def is_named(selection: Selection, settings: Settings) -> bool:
 
 
 def only_name(present: Present, endpoint: str) -> str:
-    """The name of the only robot on line; raises the errors of `open_targets`."""
+    """Return the name of the only robot on line; raises the errors of `open_targets`."""
     found = sorted({robot for robot, _ in present})
     if not found:
         raise NoAnswer(
@@ -102,10 +102,10 @@ def only_name(present: Present, endpoint: str) -> str:
 
 
 def select_twins(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:
-    """The twins of --on; without it the simulation if it is on line, otherwise the hardware.
+    """Return the twins of --on; without it the hardware if only that is on line, otherwise the simulation.
 
     Raises:
-        NoAnswer: --on both was given, and one robot is not on line: neither may move.
+        NoAnswer: --on both was given, and one robot is not on line, so that neither may move.
     """
     if which is Which.BOTH:
         missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]

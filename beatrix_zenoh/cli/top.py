@@ -26,7 +26,7 @@ NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
 LOST = "The router at {} is lost, or this computer has lost the network. The table returns with the router."
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
-"""Time for which `--once` collects data before it prints; also the period of the tables in a pipe (s)."""
+"""Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
 
 
@@ -50,7 +50,7 @@ def top(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Watch robots and seats live: head (degrees), rates, drivers. Ends with Ctrl-C."""
+    """Show robots and seats live, with head angles (degrees), rates and drivers. Ends with Ctrl-C."""
     with Client(resolve(None, connect, who)) as client:
         monitor = Monitor(client)
         seats = Seats(client)
@@ -75,7 +75,7 @@ def rows_of(monitor: Monitor) -> list[Row]:
 def row_of(robot: RobotState) -> Row:
     """The row of one robot."""
     status, reading, silent = robot.status, robot.reading, robot.positions_age_s
-    gone = status is not None and not status.board.connected  # then the angles are old
+    gone = status is not None and not status.board.connected  # then the angles are out of date
     lost = robot.presence is not Presence.ON_LINE
     return Row(
         place=(robot.robot, robot.twin),
@@ -97,7 +97,7 @@ def cells(row: Row) -> tuple[str, ...]:
 
 
 def notes(rows: list[Row]) -> list[str]:
-    """The problems of all robots, and which are not frozen while others are, a line each."""
+    """Return the problems of all robots, and the robots that are not frozen while others are, a line each."""
     found = [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
     return found + unfrozen_note({row.place: bool(row.lease["frozen"]) for row in rows if row.lease})
 

@@ -87,10 +87,10 @@ def up(
     connect: Connect = None,
     as_json: Json = False,
 ) -> None:
-    """Start router, simulation and robot at once.
+    """Start router, simulation and robot together.
 
-    Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy
-    programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log the simulation
+    Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy,
+    programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log, the simulation
     writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that it started.
     """
     settings = resolve(name, connect)
@@ -123,10 +123,10 @@ def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions)
 def report(
     supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
 ) -> None:
-    """Print what runs, then the output of the children until Ctrl-C; raises Refused if a child ends."""
+    """Print the running processes, then their output until Ctrl-C; raises Refused if a child ends that must run."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
-        supervisor.new_lines()  # drops the output so far: the status of the robots contains it
+        supervisor.new_lines()  # discards the output so far, because the status of the robots contains it
     own = {twin: found.get((settings.robot, twin)) for twin in options.served}
     with end_on_interrupt():
         if as_json:
@@ -143,7 +143,7 @@ def report(
 
 
 def legacy_twin(twins: Container[str]) -> str:
-    """The twin that programs of 2023 drive: the hardware if it is served."""
+    """Return the twin that programs of 2023 drive: the hardware if it is served, otherwise the simulation."""
     return "hw" if "hw" in twins else "sim"
 
 
@@ -155,7 +155,7 @@ def log_of(log_file: Path, twin: str) -> Path:
 def show_json(
     supervisor: Supervisor, settings: Settings, options: UpOptions, own: Mapping[str, Status | None]
 ) -> None:
-    """Print what runs, as JSON."""
+    """Print the running processes and the warnings as JSON."""
     legacy = None if options.legacy is None else str(options.legacy.absolute())
     print_json({
         "result": True,
@@ -169,7 +169,7 @@ def show_json(
 
 
 def show(settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None]) -> None:
-    """Print what runs, as a table, and the warnings below it."""
+    """Print a table of the running processes, and the warnings below it."""
     rows = [("router", "", settings.connect, router)]
     for twin, place in options.served.items():
         status = own[twin]
@@ -192,9 +192,9 @@ def warnings(own: Mapping[str, Status | None]) -> list[str]:
 
 
 def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
-    """Commands to type next.
+    """Return the commands to type next.
 
-    They calibrate a robot only if it is not known to be calibrated, since that declares the present position home.
+    Only a robot that is not known to be calibrated gets `calibrate`, because that declares the present position home.
     """
     uncalibrated = [twin for twin, status in own.items() if status is None or not status.calibrated]
     one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
@@ -220,17 +220,17 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
     """Start a router if none answers; returns its state as text.
 
     Raises:
-        NoAnswer: NO_ROUTER, no router answers, and it is that of another computer or of a class.
+        NoAnswer: NO_ROUTER, no router answers, and the endpoint is on another computer or that of a class.
     """
     if zbus.is_listening(endpoint):
         return "runs already"
     if account is not None:
-        zbus.connect(endpoint, account=account).close()  # raises, with what to do
+        zbus.connect(endpoint, account=account).close()  # raises NoAnswer with advice
     if not zbus.is_local(endpoint):
         port = endpoint.rpartition(":")[2]
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"No router at {endpoint}, which is another computer: start one there with "
+            f"No router answers at {endpoint}, which is another computer. Start one there with "
             f"`beatrix router --listen tcp/0.0.0.0:{port}`, or omit --connect to start one here.",
         )
     supervisor.start("router", "router", "--listen", endpoint)
@@ -239,7 +239,7 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
-    """Commands to type next, and the folder with the output of the children."""
+    """Return a text with the commands to type next, and the folder with the output of the children."""
     lines = [f"  beatrix {words}" for words in verbs]
     if endpoint != DEFAULT_ENDPOINT:
         lines.insert(0, f"  {'set' if os.name == 'nt' else 'export'} BEATRIX_CONNECT={endpoint}")

@@ -34,7 +34,7 @@ def view(
     web: Annotated[
         bool,
         typer.Option(
-            "--web", help="Show them in a browser on this computer; other computers cannot connect."
+            "--web", help="Show the viewer in a browser on this computer; other computers cannot connect."
         ),
     ] = False,
     port: ViewerPort = PORT,
@@ -80,7 +80,7 @@ def announce(port: int, web_port: int | None, what: str) -> None:
 
 
 def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer | None:
-    """Start a viewer and return it; None if a viewer that accepts live data is open already.
+    """Start a viewer and return it; return None if a window is open already and there is no file to show.
 
     Args:
         port: port on which the viewer accepts data.

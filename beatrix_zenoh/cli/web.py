@@ -42,7 +42,7 @@ def web(
         raise missing("web", error) from error
     settings = resolve(name, connect, who)
     if settings.who == TEACHER:
-        text = "Pages with the seat `teacher` would outrank the class: choose another seat with --who or BEATRIX_WHO."
+        text = "A page with the seat `teacher` would outrank the class. Choose another seat with --who or BEATRIX_WHO."
         raise Refused(Reason.BAD_VALUE, text)
     pin = (chosen_pin() or new_pin()) if lan else None
 

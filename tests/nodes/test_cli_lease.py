@@ -72,7 +72,7 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert done.returncode != 0
         assert done.stdout.startswith("bea1 (hw): The robot is frozen")
         assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
-        assert "Done at 1 of 2 robots, not at bea2 (hw)." in done.stderr
+        assert "Done for 1 of 2 robots, not for bea2 (hw)." in done.stderr
         hung.close()
         stage.node("bea2")  # returns, free
         assert len(waiting) == 1

@@ -139,7 +139,7 @@ def test_a_robot_of_another_version_is_listed_and_hides_no_other(stage: Stage, r
         assert (rows["bea"]["state"], rows["odd"]["state"]) == ("ready", "fault OVERHEATED")
         assert rows["odd"]["version"] == "9.0"
         assert done.stderr.count("beatrix/odd/hw/state/status") == 1
-        assert "which this version does not know" in shell.good("ls")
+        assert "which is unknown in this version" in shell.good("ls")
         done = shell.run("top", "--once", "--json")
         rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
         assert (rows["bea"]["state"], rows["bea"]["hz"] > 30) == ("ready", True)

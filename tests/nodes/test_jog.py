@@ -54,7 +54,7 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
                 "Move the motor of the middle arm from X to Y.",
                 "Move the motor of the short arm from Y to X.",
                 "Reverse the plug of the short arm's motor",
-                "Then `beatrix enable --on hw`, `beatrix calibrate --on hw`, and repeat `beatrix doctor --jog`.",
+                "Then type `beatrix enable --on hw`, `beatrix calibrate --on hw`, and repeat `beatrix doctor --jog`.",
             ],
             "No arm turned",
         ),

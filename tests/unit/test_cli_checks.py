@@ -92,7 +92,10 @@ def test_cameras_are_listed_by_their_path(monkeypatch: pytest.MonkeyPatch, tmp_p
     for name in ("usb-0:1:1.0-video-index0", "usb-0:1:1.0-video-index1"):  # the second delivers no pictures
         (tmp_path / name).touch()
     (finding,) = checks.cameras()
-    assert (finding.found, finding.todo) == (f"{tmp_path}/usb-0:1:1.0-video-index0 may be opened", "")
+    assert (finding.found, finding.todo) == (
+        f"{tmp_path}/usb-0:1:1.0-video-index0: this user may open it",
+        "",
+    )
     monkeypatch.setattr("os.access", lambda *_: False)
     (finding,) = checks.cameras()
     assert "usermod -aG video" in finding.todo

@@ -56,5 +56,5 @@ def test_losses_are_unknown_if_sequence_numbers_decrease(
 
 
 def test_two_publications_are_too_few() -> None:
-    with pytest.raises(NoAnswer, match="Only 2 arrived"):
+    with pytest.raises(NoAnswer, match="2 messages arrived; at least 3 are needed"):
         figures(1, 2)
