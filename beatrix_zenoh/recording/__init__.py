@@ -1,1 +1,1 @@
-"""Recordings: written, read, compared, drawn, and played again."""
+"""Write, read, compare, draw and replay recordings."""

@@ -1,4 +1,4 @@
-"""The check of a whole choreography before a robot moves."""
+"""Check a whole choreography before a robot moves."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ class AxisDifference:
 
     axis: str
     lag_s: float
-    """lag of the second behind the first; NaN: the axis did not move, or moved differently"""
+    """lag of the second robot behind the first; NaN: the axis did not move, or moved differently"""
     largest: float
     rms: float
     largest_after: float
@@ -52,19 +52,19 @@ class Comparison:
     """The comparison of a second recording with a first, on a common grid of times."""
 
     lag_s: float
-    """lag (s) of the set points of the second behind those of the first, or of its positions if its set points were not
-    recorded; NaN if nothing moved"""
+    """lag (s) of the set points of the second robot behind those of the first, or of its positions if its set points
+    were not recorded; NaN if nothing moved"""
     moved: tuple[MovedPart, ...]
     """the motions, each with the lag of its positions"""
     t: Floats
     first: Floats
     second: Floats
     second_after: Floats
-    """the second, after removal of each motion's lag"""
+    """angles of the second robot, after removal of each motion's lag"""
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]
-    """largest distance of each from its own set points at rest (deg); NaN: not known. A lost full step is 0.69 deg."""
+    """largest distance of each robot from its set points at rest (deg); NaN: unknown. A lost full step is 0.69 deg."""
     regularity: tuple[Regularity, Regularity]
 
     @property
@@ -84,10 +84,10 @@ class Comparison:
 
 
 def compare(first: Recording, second: Recording) -> Comparison:
-    """Compare the common part of two recordings without holes; their clocks must agree.
+    """Compare the longest common part of two recordings without a hole; their clocks must agree.
 
     Raises:
-        ValueError: they overlap by less than a second.
+        ValueError: that part is shorter than a second, or a recording has fewer than two positions.
     """
     whole = first, second
     first, second = unbroken(first, second)
@@ -116,12 +116,12 @@ def compare(first: Recording, second: Recording) -> Comparison:
 
 
 def columns(row: int) -> tuple[int, ...]:
-    """The axes that give the lag of this row: the axis itself, or all axes of the head."""
+    """Return the columns from which the lag of a row is calculated: its own, or all of the head for row HEADS."""
     return (row,) if row < len(AXES) else tuple(range(len(ARMS), len(AXES)))
 
 
 def axis_difference(row: int, lag_s: float, before: Floats, after: Floats, rest: Flags) -> AxisDifference:
-    """The figures of one row from its differences (deg) before and after removal of the lags."""
+    """Summarise the differences (deg) of one row before and after removal of the lags."""
     still = before[rest]
     return AxisDifference(
         (*AXES, HEADS)[row],

@@ -1,4 +1,4 @@
-"""The difference between hardware and simulation of one name, on a common grid of times."""
+"""The difference between hardware and simulation of one robot, on a common grid of times."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 GRID_NS: Final = 20_000_000
-"""50 Hz, the rate of positions; grid points are whole multiples."""
+"""Period of the grid, that of positions at 50 Hz; grid points are whole multiples of it."""
 GAP_NS: Final = 100_000_000
 """Samples further apart than this are not interpolated."""
 WAITING: Final = 250
-"""Samples of one robot (5 s) that are kept until samples of the other robot arrive."""
+"""Samples of one twin (5 s) that are kept until samples of the other twin arrive."""
 
 Angles = tuple[float, ...]
 
@@ -24,9 +24,9 @@ class AngleDifference(NamedTuple):
 
 
 class Difference:
-    """Takes samples of both robots as they arrive; yields a difference for each grid point that both cover.
+    """Takes samples of both twins as they arrive; yields a difference for each grid point that both cover.
 
-    Between two samples of a robot its angles are interpolated linearly.
+    Between two samples of a twin its angles are interpolated linearly.
     """
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Difference:
 
 
 def at(samples: deque[tuple[int, Angles]], time_ns: int) -> Angles | None:
-    """Return the angles at a time from the first to the last sample, None inside a gap; drop older samples."""
+    """Return the angles (deg) at a time; None before the first sample or inside a gap. Drops older samples."""
     while len(samples) > 1 and samples[1][0] <= time_ns:
         samples.popleft()
     (before_ns, before), (after_ns, after) = samples[0], samples[min(1, len(samples) - 1)]

@@ -1,7 +1,7 @@
-"""The robot's shape for 3D views: simple solids on the bodies of the simulated neck, and how the bodies turn.
+"""The robot's shape for 3D views: simple solids on the bodies of the simulated neck, and the rotations of the bodies.
 
-Every body's frame lies in the neck centre and is unrotated at home, as in the MuJoCo model: a body's pose is a rotation
-and nothing else. Names are those of the model.
+As in the MuJoCo model, every body's frame has its origin in the neck centre and is unrotated at home, so each body only
+rotates. Names are those of the model.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ BASE: Final = (61, 69, 79)
 ARM_COLOURS: Final = {"short": (219, 61, 54), "middle": (51, 166, 92), "long": (46, 107, 209)}
 """Colours of the arms in 3D views and plots, as in the simulation."""
 
+# Lengths in m.
 RING_RADIUS: Final = 0.046
 RING_HEIGHT: Final = 0.013
 POST_RADIUS: Final = 0.054

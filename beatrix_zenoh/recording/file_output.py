@@ -1,4 +1,4 @@
-"""An output that writes rows to a file, or to one file after another."""
+"""An output that writes rows to a file, or to several files in turn."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FileOutput:
         """Begin the file; with `rotate_s` > 0 begin a new file after that time: lesson-001.rrd, then lesson-002.rrd.
 
         Raises:
-            Refused: BAD_VALUE: the file exists or cannot be written.
+            Refused: BAD_VALUE, the file exists or cannot be written.
         """
         self._path, self._say, self._rotate_s = path, say, rotate_s
         self._rows: list[Row] = []
@@ -59,7 +59,7 @@ class FileOutput:
             self._rows += rows
 
     def update(self, now_s: float) -> bool:
-        """Write twice a second; True if a new file has begun."""
+        """Write the kept rows twice a second; return True if a new file has begun."""
         if self.full or now_s < self._written_s + PERIOD_S:
             return False
         self._written_s = now_s
@@ -72,7 +72,7 @@ class FileOutput:
         return False
 
     def close(self) -> bool:
-        """Write the rest and the end of the file; False if that was not possible in time."""
+        """Write the rest and the end of the file; return False if writing fails or takes too long."""
         self._write()
         done = self._stream.flush(CLOSE_S)
         if done:
@@ -119,5 +119,5 @@ class FileOutput:
 
 
 def numbered(path: Path, number: int) -> Path:
-    """`lesson-001.rrd` for `lesson.rrd`."""
+    """Return the path with a number before its suffix, for example `lesson-001.rrd`."""
     return path.with_name(f"{path.stem}-{number:03d}{path.suffix}")

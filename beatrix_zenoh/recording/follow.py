@@ -33,7 +33,7 @@ LOOK_S: Final = 0.08
 times they leave the path where it turns."""
 STEP_S: Final = 0.01
 LEAD_IN_S: Final = 0.08
-"""Targets begin this long before the path, because an arm at full acceleration cannot catch up."""
+"""Targets begin this long before the path, because an arm that already accelerates fully cannot catch up."""
 AHEAD_S: Final = 0.7
 """The longest time from now to the target's point on the path. A target is only as far ahead as the arm needs to brake,
 because a robot checks each motion up to its end, and there arms of different speeds must still be close to the path."""
@@ -41,9 +41,9 @@ TURN_DEG: Final = 0.1
 """Smaller reversals of the path are ignored: about a microstep."""
 REST_DEG: Final = 0.001
 AT_REST_DEG_S: Final = 10.0
-"""The speed of the last correction where the path rests."""
+"""Lowest speed of a correction where the path rests."""
 KEEP_S: Final = 1.0
-"""At rest a target is repeated after this time, because the lease of a robot ends after two seconds of rest."""
+"""At rest a target is repeated after this time, because a seat holds a robot only until 2 s after a motion."""
 OFF_DEG: Final = 3.0
 """Largest allowed deviation of an arm from the path (deg)."""
 SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
@@ -107,7 +107,7 @@ def robots_of(infos: Sequence[Info]) -> list[RobotData]:
 
 
 def degrees(angle: float) -> float:
-    """Float32 rad in degrees, rounded to remove the error of float32."""
+    """Convert a float32 angle (rad) to degrees, rounded to remove the error of float32."""
     return round(math.degrees(angle), 4)
 
 
@@ -134,7 +134,7 @@ def follow(path: ArmPath, robot: RobotData) -> Following:
 
 
 class OffThePath(Exception):
-    """The deviation (deg) from the path is too large at a time of the path (s)."""
+    """Raised if an arm deviates too far (deg) from the path, at a time of the path (s)."""
 
     def __init__(self, deg: float, t: float) -> None:
         super().__init__(deg, t)
@@ -207,7 +207,7 @@ def speed_for(way: float, now: float, acceleration: float) -> float:
 
 
 def furthest(coming: Floats, sign: float, enough: float) -> float:
-    """Return the furthest point (deg) in a direction before the path turns back, or the first one beyond `enough`."""
+    """Return the furthest point (deg) in a direction before the path turns back, or the first point beyond `enough`."""
     ahead = sign * coming
     # Leave out the path before a reversal within LOOK_S.
     ahead = ahead[int(np.argmin(ahead[: round(LOOK_S / STEP_S) + 1])) :]
@@ -217,26 +217,26 @@ def furthest(coming: Floats, sign: float, enough: float) -> float:
 
 
 def too_fast(path: ArmPath, limits: Limits, off: OffThePath) -> str:
-    """The message for a path that is too fast, with a speed factor that works."""
+    """Return the message for a path that is too fast."""
     return (
-        f"{path.where(off.t)}: too fast. The arms would deviate by {off.deg:.1f}° from the path; at most {OFF_DEG:g}° is "
-        f"allowed. They turn at {math.degrees(limits.speed_max):g}°/s at most, and reach that at "
-        f"{math.degrees(limits.acceleration):g}°/s². {advice(path, limits)}"
+        f"{path.where(off.t)}: the path is too fast. The arms would deviate by {off.deg:.1f}° from the path; "
+        f"at most {OFF_DEG:g}° is allowed. They turn at {math.degrees(limits.speed_max):g}°/s at most, and "
+        f"accelerate at {math.degrees(limits.acceleration):g}°/s². {advice(path, limits)}"
     )
 
 
 def advice(path: ArmPath, limits: Limits) -> str:
-    """Advice for a path that is too fast."""
+    """Return the advice for a path that is too fast, with the largest factor of SLOWER that works."""
     for factor in SLOWER:
         with suppress(OffThePath, BeatrixError):
             planned(path.at_speed(factor), limits)
-            return f"Give it more time, for example with --speed-factor {path.factor * factor:.2g}."
-    return "Give it more time: put its points further apart."
+            return f"Give the path more time, for example with --speed-factor {path.factor * factor:.2g}."
+    return "Give the path more time: put its points further apart."
 
 
 @contextmanager
 def _placing(path: ArmPath, t: float) -> Iterator[None]:
-    """Prefix the message of an error with its place in the path."""
+    """Prefix the message of an error with the time `t` (s) and the line in the path."""
     try:
         yield
     except BeatrixError as error:

@@ -26,7 +26,7 @@ NEAR_S = 0.5
 FAR_S = 5.0
 """Largest lag of the second search (s), made if no lag of the first search explains the second recording."""
 LOCAL_S = 0.15
-"""The largest difference between the lag of one motion and the lag of the whole."""
+"""The largest difference between the lag of one motion and the lag of the whole recording."""
 EXPLAINED = 0.1
 """A lag explains the second recording if it leaves less than this share of the variance."""
 UNEXPLAINED = 0.5
@@ -54,8 +54,8 @@ class MovedPart(NamedTuple):
 def lag(first: Recording, second: Recording, columns: Sequence[int] = tuple(range(len(ARMS)))) -> float:
     """Return the lag (s) of the second behind the first; NaN if nothing moved, or no lag up to 5 s explains the second.
 
-    The shift with the least sum of squared differences of these axes: in steps of the grid, then of 1 ms, then at the
-    vertex of the parabola through the best three. Constant differences do not count. At least
+    The lag is the shift with the least sum of squared differences of these axes. The search has steps of the grid, then
+    of 1 ms, and ends at the vertex of the parabola through the best three. Constant differences do not count. At least
     half of the shared time is compared, so the longest lag that can be found is a quarter of the shared time.
     """
     t = common_grid(first, second)
@@ -76,7 +76,7 @@ def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
 
 
 def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float) -> Shift:
-    """The best shift of the second at times t (s), within `limit_s` of `around_s`."""
+    """Return the best shift of the second at times t (s), within `limit_s` of `around_s`; NaN if the first rests."""
     t = t[:: 1 + len(t) // MOST]
     still = resample(first, t)
     if np.max(np.ptp(still, axis=0)) < REST_DEG:
@@ -99,7 +99,7 @@ def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, 
 
 
 def moved_parts(first: Recording, second: Recording, lag_s: float) -> list[MovedPart]:
-    """The motions of both, each with its own lag; `lag_s` is the lag of the whole (s).
+    """Return the motions of both, each with its own lag; `lag_s` is the lag of the whole recording (s).
 
     Lags differ because the request of each motion has its own delay.
     """
@@ -117,7 +117,7 @@ def moved_parts(first: Recording, second: Recording, lag_s: float) -> list[Moved
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:
-    """Begin and end (exclusive) of each unbroken run of true flags."""
+    """Return begin and end (exclusive) of each run of true flags."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
     return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
 

@@ -86,7 +86,7 @@ class LiveOutput:
         return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
 
     def close(self) -> bool:
-        """Send the rest; return False if the viewer does not receive it.
+        """Send the rest and disconnect; return False if the viewer blocks either.
 
         The process must then exit without waiting for Rerun.
         """

@@ -16,7 +16,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class RobotSet:
-    """The robots so far, and those of them that have sent pictures."""
+    """The robots found so far, and those that have sent pictures."""
 
     robots: Mapping[Place, Figure]
     with_pictures: frozenset[Place] = frozenset()
@@ -27,7 +27,7 @@ class RobotSet:
         return sorted({name for name, _ in self.robots})
 
     def twins(self, name: str) -> list[Place]:
-        """The robots of one name, the simulation first."""
+        """Return the twins of one robot, the simulation first."""
         return [(name, twin) for twin in ("sim", "hw") if (name, twin) in self.robots]
 
 
@@ -50,5 +50,5 @@ class Output(Protocol):
         ...
 
     def close(self) -> bool:
-        """Write the rest and close; False if that was not possible in time."""
+        """Write the rest and close; return False if that takes too long."""
         ...

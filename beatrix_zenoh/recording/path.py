@@ -20,11 +20,11 @@ from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
 POINT_S = 0.05
 """Time between the points of a path that is made from a recording."""
 LEAST = 1e-12
-"""deg2/s2; a smaller product of two speeds counts as zero."""
+"""A smaller product of two speeds (deg2/s2) counts as zero."""
 STILL_S = 0.5
 """Rest that is kept before the first motion and after the last."""
 LONGEST_S: Final = 3600.0
-"""The longest path: planning and checking it takes minutes, and about 100 MB."""
+"""The longest path, because planning and checking it takes minutes and about 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class ArmPath:
         return float(self.t[-1])
 
     def where(self, t: float) -> str:
-        """Name a time of the path (s), with the line of the next point if there is one."""
+        """Describe a time of the path (s) for a message, with the line of the next point if the path is from a file."""
         t = max(0.0, t)
         if not self.lines:
             return f"{self.source}, t = {t:.2f} s"
@@ -54,7 +54,7 @@ class ArmPath:
         return f"{self.source}, line {line} (t = {t:.2f} s)"
 
     def at_speed(self, factor: float) -> ArmPath:
-        """Return the path, `factor` times as fast; raises WrongUsage if the factor is wrong or the result too long."""
+        """Return the path at `factor` times its speed; raises WrongUsage if the factor or the duration is invalid."""
         whole = checked_factor(self.factor * checked_factor(factor))
         path = ArmPath(self.source, self.t / factor, self.arms, self.lines, whole)
         path.check_length()
@@ -72,9 +72,9 @@ class ArmPath:
         )
 
     def at(self, t: Floats) -> Floats:
-        """Arms (m, 3) in deg at times t (m,) in s.
+        """Return the arm angles (m, 3) in deg at times t (m,) in s.
 
-        They are cubic between points, without overshoot, and at rest before and after.
+        They are cubic between points, without overshoot, and constant before and after.
         """
         t = np.clip(t, self.t[0], self.t[-1])
         i = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
@@ -106,11 +106,11 @@ class ArmPath:
 
 
 def path_of(read: MotionFile, neck: Neck) -> ArmPath:
-    """The path that a motion file holds, for a robot with this neck.
+    """Return the path of a motion file, for a robot with this neck.
 
     Raises:
-        WrongUsage: BAD_VALUE: the file is a choreography, has only one point, or two points at one time.
-        Refused: OUT_OF_REACH: no arms reach a head orientation; the message names the line.
+        WrongUsage: BAD_VALUE, the file is a choreography, has only one point, or has two points at the same time.
+        Refused: OUT_OF_REACH, no arm angles reach a head orientation; the message names the line.
     """
     if read.with_speed:
         raise WrongUsage(
@@ -119,7 +119,9 @@ def path_of(read: MotionFile, neck: Neck) -> ArmPath:
         )
     points = read.points
     if len(points) < 2:
-        raise WrongUsage(Reason.BAD_VALUE, f"{read.source} has one point: a path needs at least two.")
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{read.source} has one point; a path needs at least two. Add a point."
+        )
     for before, after in itertools.pairwise(points):
         if after.t == before.t:
             raise WrongUsage(
@@ -153,7 +155,7 @@ def path_of_recording(source: str, recorded: Recording) -> ArmPath:
     """The path of a recorded robot: its set points if they were recorded, else its positions.
 
     Raises:
-        WrongUsage: BAD_VALUE: the robot did not move, or moved for more than a day.
+        WrongUsage: BAD_VALUE, the robot did not move, or moved for more than a day.
     """
     arms = recorded.arms
     moved = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[:1]), axis=1) > REST_DEG)
@@ -164,7 +166,7 @@ def path_of_recording(source: str, recorded: Recording) -> ArmPath:
         )
     begin_s = max(arms.t[0], arms.t[moved[0]] - STILL_S)
     end_s = min(arms.t[-1], arms.t[unfinished[-1]] + STILL_S)
-    if end_s - begin_s > DAY_S:  # before memory is allocated: the clock may have been changed meanwhile
+    if end_s - begin_s > DAY_S:  # a changed clock could make the next lines allocate all memory
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"{source}: its motions span {end_s - begin_s:.0f} s; at most {DAY_S:.0f} s is allowed. Record shorter parts.",

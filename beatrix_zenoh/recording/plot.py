@@ -1,4 +1,4 @@
-"""Figures of movements; the only importer of matplotlib. Needs no display."""
+"""Figures of movements. Only this module imports matplotlib; it needs no display."""
 
 from __future__ import annotations
 

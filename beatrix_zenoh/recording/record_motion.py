@@ -51,7 +51,7 @@ class Thinning:
         return points
 
     def last(self) -> list[Timed]:
-        """The last point, unless it was returned already."""
+        """Return the last point, or no point if it was returned already."""
         left = self._before is not None and self._before is not self._kept
         return [self._before] if left and self._before is not None else []
 
@@ -69,7 +69,7 @@ def record_motion(
     The recording ends with Ctrl-C, or when `going` returns False. The file is complete after each point.
 
     Args:
-        robot: any client may drive it.
+        robot: the robot, which any client may drive.
         path: the file, which is replaced if it exists.
         head: write yaw, pitch, roll; else the angles of the arms.
         points_hz: points per second during motions, at most 50.
@@ -77,7 +77,7 @@ def record_motion(
 
     Raises:
         WrongUsage: the file cannot be written.
-        NoAnswer: the robot is not on line, or its positions have ended; the file holds the motion until then.
+        NoAnswer: the robot is not on line, or its positions have ended; the file contains the motion until then.
     """
     with naming(str(robot)):
         info = robot.info()
@@ -102,7 +102,7 @@ def record_motion(
 
 
 def comments(robot: Robot, info: Info) -> Sequence[str]:
-    """The comment lines of the file."""
+    """Return the comment lines of the file."""
     return (
         f"Set points of {robot}, version {info.version}; times in s, angles in degrees.",
         "`beatrix replay` follows them; docs/how-to/motion-files.md explains the format.",
@@ -118,7 +118,7 @@ def write(file: TextIO, points: Sequence[Timed], about: Sequence[str]) -> int:
 
 
 def timed(stream: Iterable[Positions], place_of: Callable[[Positions], Place]) -> Iterator[Timed]:
-    """Places with times from the first; repeated time stamps are left out."""
+    """Yield each place with its time (s) since the first; skip repeated time stamps."""
     begin_ns = last_ns = -1
     for positions in stream:
         if positions.t_mono_ns > last_ns:

@@ -1,4 +1,4 @@
-"""Record robots for some seconds, all by the clock of this computer."""
+"""Record robots for some seconds, with all times by the clock of this computer."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def record_robots(
 def live_recording(
     robot: Robot, positions: Sequence[Positions], offset: Offset, before: Status
 ) -> LiveRecording:
-    """The positions by this computer's clock, with the more exact of the clock offsets before and after."""
+    """Return the positions by this computer's clock; the more exact of the offsets before and after is used."""
     with naming(str(robot)):
         after, status = offset_of(robot), robot.status()
     better = min(offset, after, key=lambda each: each.bound)

@@ -72,7 +72,7 @@ class Recorder:
             raise self._thread.failure
 
     def close(self) -> bool:
-        """Write the publications that have arrived and close the outputs; False if one could not be closed in time."""
+        """Write the publications that have arrived and close the outputs; return False if one takes too long."""
         if self._closed is None:
             self._closed = self._thread.close()
             self._subscriptions.close()

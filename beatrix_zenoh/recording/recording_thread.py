@@ -25,16 +25,17 @@ from beatrix_zenoh.recording.timebase import Timebase
 
 PERIOD_S: Final = 0.05
 WAITING: Final = 500
-"""Publications of a robot that are kept until its clock offset is known; then the oldest are dropped and counted."""
+"""Publications of a robot that are kept until its clock offset is known; if more arrive, the oldest are
+dropped and counted."""
 REPORT_S: Final = 5.0
 END_S: Final = 15.0
 """The longest that `close` waits for a disk or a viewer."""
 UNKNOWN_NS: Final = 1_000_000_000
-"""Error of a clock offset that was estimated from arrival times."""
+"""Assumed error of a clock offset that was estimated from arrival times."""
 
 
 class RecordingThread:
-    """Converts the publications that have arrived, 20 times a second, and passes the rows on."""
+    """Converts new publications to rows 20 times a second, and passes the rows to the outputs."""
 
     def __init__(
         self,
@@ -65,7 +66,7 @@ class RecordingThread:
 
     @property
     def dropped(self) -> int:
-        """Publications that were not written: they arrived too fast, or their time stamps were impossible."""
+        """Number of publications that were not written: they arrived too fast, or their time stamps were impossible."""
         return self._subscriptions.dropped + self._overflowed + self._wrong_times
 
     @property
@@ -74,7 +75,7 @@ class RecordingThread:
         return sorted(self._rows)
 
     def close(self) -> bool:
-        """Write the publications that have arrived and close all outputs; False if one could not be closed in time."""
+        """Write the publications that have arrived and close all outputs; return False if one takes too long."""
         self._ending.set()
         self._thread.join(END_S)
         if self._thread.is_alive():
@@ -107,7 +108,7 @@ class RecordingThread:
                 rows_of_robot.begin_again()
 
     def _arrived(self, arrival: Arrival[Value]) -> Iterator[Row]:
-        """The rows of a publication; it is kept while the robot's clock offset is unknown."""
+        """Yield the rows of a publication, or keep it while the robot's clock offset is unknown."""
         place = arrival.robot, arrival.twin
         known = self._timebase.knows(place)
         if known and isinstance(arrival.value, Positions) and not self._fits(place, arrival):
@@ -122,7 +123,7 @@ class RecordingThread:
         self._waiting[place].append(arrival)
 
     def _answered(self, answer: RobotAnswer) -> Iterator[Row]:
-        """Use the answer of a robot; the rows of the publications that were kept until then."""
+        """Use the answer of a robot; yield the rows of the publications that were kept until then."""
         place, waiting = answer.place, self._waiting.pop(answer.place, ())
         if answer.offset is not None:
             self._timebase.learn(place, answer.offset.offset_ns, answer.offset.bound_ns)
@@ -145,7 +146,7 @@ class RecordingThread:
     def _fits(self, place: Place, arrival: Arrival[Value]) -> bool:
         """Return whether the time stamps of a publication are possible.
 
-        Rows with wrong times would spoil the recording.
+        Rows with wrong times would make the recording useless.
         """
         value = arrival.value
         return value.t_wall_ns >= 0 and self._timebase.fits(place, value.t_mono_ns, arrival.t_mono_ns)
@@ -176,7 +177,7 @@ class RecordingThread:
                 yield Numbers(of_difference(place[0], what), difference.time_ns, robot_ns, angles)
 
     def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[Row]:
-        """The picture, if one is due."""
+        """Yield the row of a picture if one is due."""
         path = of_robot(place, "camera", image.eye)
         due_ns = self._picture_due_ns.get(path, time_ns)
         # A slightly early picture counts: otherwise rounding would turn 5 Hz of 15 Hz into 3.75 Hz.
@@ -189,21 +190,26 @@ class RecordingThread:
         yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
 
     def _lost_robots(self) -> Iterator[Row]:
-        """The state row of each robot that publishes no positions any more."""
+        """Yield the state LOST of each robot that publishes no positions any more."""
         now_ns = time.monotonic_ns()
         for place, (arrived_ns, time_ns) in self._last.items():
             if now_ns - arrived_ns > LOST_S * 1e9:
                 yield from self._rows[place].lost(time_ns)
 
     def _dropped_rows(self, now_s: float) -> Iterator[Row]:
-        """A log line and a count, if publications were dropped."""
+        """Report dropped publications to the user; yield a log line and a count."""
         dropped = self.dropped
         if dropped == self._reported or now_s < self._reported_s + REPORT_S:
             return
         self._reported, self._reported_s = dropped, now_s
-        text = f"{dropped} publications dropped so far: they come faster than this computer writes them."
+        text = (
+            f"{dropped} publications were dropped so far: they arrive faster than this computer writes them."
+        )
         if self._wrong_times:
-            text = f"{dropped} publications dropped so far, {self._wrong_times} of them with impossible time stamps."
+            text = (
+                f"{dropped} publications were dropped so far, "
+                f"{self._wrong_times} of them with impossible time stamps."
+            )
         self._say(text)
         time_ns = self._timebase.own_ns(time.monotonic_ns())
         yield Line(f"{RECORDER}/log", time_ns, time_ns, text, "WARN")

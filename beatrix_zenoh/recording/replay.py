@@ -99,7 +99,8 @@ class Stream:
             except Refused as refusal:
                 if refusal.reason not in BAD_SPEED_REASONS:
                     raise
-                self.motion = self.robot.begin(target.query)  # with the speeds of the plan
+                # The corrected speeds may exceed a limit, so use those of the plan.
+                self.motion = self.robot.begin(target.query)
 
     def _corrected(self, query: MotionQuery) -> MotionQuery:
         """Return the target with speeds that correct the deviation from the plan.
@@ -146,13 +147,13 @@ def replay(
     *,
     lead_s: float = 0.0,
 ) -> None:
-    """Move to the start of a path, then follow it; of both robots the hardware moves `lead_s` (s) after the simulation.
+    """Move to the start of a path, then follow it; the hardware moves `lead_s` (s) after the simulation.
 
     With both robots, the motion to the start is previewed on a copy of the simulation. If one robot refuses a target or
     is stopped, both are stopped and the replay ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
 
     Raises:
-        WrongUsage: `lead_s` is not a time, or is given for one robot.
+        WrongUsage: `lead_s` is not a valid time, or is given for one robot.
         Refused, Interrupted, NoAnswer: the error of the first target that failed.
     """
     lead_s = wait_s("lead_s", lead_s)

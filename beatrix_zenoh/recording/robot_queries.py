@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.recording.figure import geometry_of
 
 AGAIN_S: Final = 30.0
-"""Clocks of two computers drift apart by up to some 0.1 ms/s: 3 ms until they are measured again."""
+"""Period of the queries: clocks of two computers drift apart by up to some 0.1 ms/s, which is 3 ms in this time."""
 ANSWER_S: Final = 1.0
 
 
@@ -45,11 +45,11 @@ class RobotQueries:
         self._thread = threads.start(self._run, "recorder-queries")
 
     def request(self, place: Place) -> None:
-        """Query a robot now."""
+        """Queue a query of a robot."""
         self._requests.put(place)
 
     def answers(self) -> list[RobotAnswer]:
-        """The answers since the last call."""
+        """Return the answers since the last call."""
         found = []
         with contextlib.suppress(queue.Empty):
             while True:
@@ -85,7 +85,7 @@ class RobotQueries:
                 if info.geometry is not None:
                     self._geometries[place] = geometry_of(info.geometry)
         except BeatrixError:
-            if again:  # The robot is away for the moment; its earlier values still hold.
+            if again:  # The robot does not answer now, but its earlier values are still valid.
                 return
             offset = None
         self._answers.put(RobotAnswer(place, offset, self._geometries.get(place, ROBOT.geometry)))

@@ -43,7 +43,7 @@ class State(StrEnum):
 
 
 class RobotRows:
-    """Makes the rows of one robot; only changes get a new row."""
+    """Makes the rows of one robot; bodies and the state get a new row only if they change."""
 
     def __init__(self, place: Place, figure: Figure) -> None:
         self.place, self.figure = place, figure
@@ -56,7 +56,7 @@ class RobotRows:
         """Arms and head of the newest positions (deg)."""
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
-        """Arms and head in deg, and each body that has turned."""
+        """Yield arms, set points and head in deg, and each body that has turned."""
         stamp = (time_ns, positions.t_wall_ns)
         numbers = {
             "arms": arms_deg(positions.position),
@@ -78,19 +78,19 @@ class RobotRows:
                 yield Orientation(of_model(self.place, path), *stamp, turn)
 
     def begin_again(self) -> None:
-        """Repeat the rows of all bodies and the state, for a file that begins now."""
+        """Let the next publications repeat all bodies and the state, for a new file or viewer."""
         self._turns.clear()
         self._state = None
 
     def status(self, status: Status, time_ns: int) -> Iterator[Row]:
-        """The state, if it has changed."""
+        """Yield the state if it has changed."""
         self._status = status
         if status.moving or not status.enabled:
             self._stopped = False
         yield from self._changed_to(self._state_now(), time_ns, status.t_wall_ns)
 
     def event(self, event: Event, time_ns: int) -> Iterator[Row]:
-        """The event as a line, and the state after a STOP."""
+        """Yield the event as a line, and the state if it changes by a STOP."""
         stamp = (time_ns, event.t_wall_ns)
         text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {line_of(event)}"
         yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event))
@@ -103,7 +103,7 @@ class RobotRows:
         yield from self._changed_to(State.LOST, time_ns, time_ns)
 
     def back(self, time_ns: int, robot_ns: int) -> Iterator[Row]:
-        """Yield the present state: the positions of the robot have returned."""
+        """Yield the present state if the robot was lost: its positions have returned."""
         if self._state is State.LOST and self._status is not None:
             yield from self._changed_to(self._state_now(), time_ns, robot_ns)
 
@@ -172,7 +172,7 @@ def clock(time_ns: int) -> str:
 
 
 def level_of(event: Event) -> str:
-    """Return the log level of an event: ERROR for STOP, WARN for refusals and losses, else INFO."""
+    """Return the log level: that of a log event, ERROR for STOP, WARN for refusals, warnings and losses, else INFO."""
     if event.kind is EventKind.LOG:
         return event.action if event.action in ("INFO", "DEBUG", "ERROR") else "WARN"
     if event.kind is EventKind.STOP:

@@ -20,7 +20,7 @@ ARMS = ("short", "middle", "long")
 HEAD = ("yaw", "pitch", "roll")
 AXES = (*ARMS, *HEAD)
 GRID_S = 0.01
-"""Positions come every 20 ms; half of that loses no detail."""
+"""Step of common grids (s): positions arrive every 20 ms, and half of that loses no detail."""
 SHARED_S = 1.0
 """Shortest overlap (s) of two recordings that can be compared."""
 REST_S = 0.1
@@ -68,10 +68,10 @@ class Regularity:
 
 
 def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording:
-    """Positions as they were published, in degrees, by the source's monotonic clock.
+    """Convert published positions to a recording in degrees.
 
     Args:
-        positions: of one robot, in order. Of several with the same time stamp the first is kept.
+        positions: those of one robot, in order. Of several with the same time stamp the first is kept.
         clock_s: the source's monotonic clock minus the clock of the result (s).
     """
     if not positions:
@@ -90,7 +90,7 @@ def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording
 
 
 def of_samples(samples: Samples, begin_ns: int) -> Recording:
-    """Positions that were read from a file; times from `begin_ns` (ns since 1970)."""
+    """Convert positions that were read from a file; times from `begin_ns` (ns since 1970)."""
     times, kept = np.unique(samples.time_ns, return_index=True)
     angles = np.hstack([samples.arms, samples.head])[kept]
     return Recording((times - begin_ns) / 1e9, np.unwrap(angles, period=360, axis=0), samples.commanded[kept])
@@ -111,7 +111,7 @@ def regularity(recorded: Recording) -> Regularity:
 
 
 def unbroken(first: Recording, second: Recording) -> tuple[Recording, Recording]:
-    """The longest common part without a hole in either recording."""
+    """Return the longest common part without a hole in either recording; both whole recordings if there is none."""
     if min(len(first.t), len(second.t)) < 2:
         return first, second
     edges = [max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])]
@@ -135,7 +135,7 @@ def hole(recorded: Recording, begin_s: float, end_s: float) -> bool:
 
 
 def part_of(recorded: Recording, begin_s: float, end_s: float) -> Recording:
-    """The part of a recording between two times (s)."""
+    """Return the part of a recording between two times (s), up to the nearest samples outside."""
     kept = slice(
         max(0, int(np.searchsorted(recorded.t, begin_s, side="right")) - 1),
         int(np.searchsorted(recorded.t, end_s)) + 1,
@@ -145,10 +145,10 @@ def part_of(recorded: Recording, begin_s: float, end_s: float) -> Recording:
 
 
 def common_grid(first: Recording, second: Recording) -> Floats:
-    """Times every 10 ms at which both were recorded.
+    """Return times every 10 ms at which both were recorded.
 
     Raises:
-        ValueError: they overlap by less than a second.
+        ValueError: they overlap by less than a second, or one has fewer than two positions.
     """
     if min(len(first.t), len(second.t)) < 2:
         raise ValueError("a recording with fewer than two positions cannot be compared")
@@ -161,12 +161,12 @@ def common_grid(first: Recording, second: Recording) -> Floats:
 
 
 def resample(recorded: Recording, t: Floats) -> Floats:
-    """Angles at other times, linearly between positions."""
+    """Interpolate the angles (deg) linearly at times `t` (s)."""
     return np.column_stack([np.interp(t, recorded.t, column) for column in recorded.angles.T])
 
 
 def resting(angles: Floats) -> Flags:
-    """Grid points at which the arms rest; angles (n, 3) or wider in deg, the arms first."""
+    """Return whether the arms rest, for each grid point; angles (n, 3) or wider in deg, the arms first."""
     window = int(REST_S / GRID_S)
     padded = np.pad(angles[:, : len(ARMS)], ((window, window), (0, 0)), mode="edge")
     views = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1, axis=0)
@@ -174,7 +174,7 @@ def resting(angles: Floats) -> Flags:
 
 
 def turned(difference: Floats) -> Floats:
-    """Differences of angles within half a turn: 359 deg apart is 1 deg apart."""
+    """Reduce differences of angles (deg) to at most half a turn: 359 becomes -1."""
     return np.asarray((difference + 180.0) % 360.0 - 180.0, dtype=np.float64)
 
 

@@ -44,7 +44,7 @@ class RobotSubscriptions:
                 ]
 
     def take(self) -> list[Arrival[Value]]:
-        """All publications since the last call, in the order of arrival."""
+        """Return all publications since the last call, in the order of arrival."""
         arrivals: list[Arrival[Value]] = [
             arrival for subscription in self._subscriptions for arrival in subscription.take_arrivals()
         ]

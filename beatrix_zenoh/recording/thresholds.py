@@ -1,4 +1,4 @@
-"""Thresholds for a comparison, for exercises with pass and fail."""
+"""Thresholds for a comparison, for exercises that pass or fail."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Thresholds:
     largest_deg: float | None = None
     """largest difference of an axis after removal of each motion's lag"""
     rest_deg: float | None = None
-    """largest difference of an axis while both rest"""
+    """largest difference of an axis while both robots rest"""
     missed_steps: int | None = None
     """full motor steps that slipped in the simulation"""
 

@@ -161,7 +161,7 @@ class Viewer:
 
         Raises:
             Refused: the viewer has ended; the message quotes its last output.
-            NoAnswer: TIMED_OUT.
+            NoAnswer: TIMED_OUT, the viewer does not listen within START_S.
         """
         deadline = time.monotonic() + START_S
         while not answers(port or self.port):
@@ -178,7 +178,7 @@ class Viewer:
 
     @property
     def code(self) -> int | None:
-        """Exit code, None while it runs; 0 when its window was closed."""
+        """Exit code of the viewer; None while it runs, 0 if its window was closed."""
         return self._process.poll()
 
     def end(self) -> None:

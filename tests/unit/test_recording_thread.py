@@ -165,7 +165,7 @@ def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
     rig.subscriptions.dropped = 12
     until(lambda: bool(rig.messages), "the message")
     assert rig.messages == [
-        "12 publications dropped so far: they come faster than this computer writes them."
+        "12 publications were dropped so far: they arrive faster than this computer writes them."
     ]
     recorded = {row.path: row for row in rig.output.rows}
     line, count = recorded["_recorder/log"], recorded["_recorder/dropped"]

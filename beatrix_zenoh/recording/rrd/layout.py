@@ -1,4 +1,4 @@
-"""The viewer's tabs: one over the other, side by side, plots, log and states."""
+"""The viewer's four tabs: both twins one over the other, both side by side, plots, and log with states."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def overlay(shown: RobotSet, name: str) -> rrb.View:
             f"+ {path}"
             for path in solids_of(place, shown.robots[place].bodies, "ghost" if ghost else "solid")
         ]
-    title = f"{name}: hardware, and a blue ghost: the simulation" if len(twins) > 1 else titled(twins[0])
+    title = f"{name}: hardware, and the simulation as a blue ghost" if len(twins) > 1 else titled(twins[0])
     return scene_view(f"/{name}", contents, title)
 
 
@@ -87,7 +87,7 @@ def beside(shown: RobotSet, name: str) -> rrb.Container:
 
 
 def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
-    """A 3D view from a fixed place."""
+    """Return a 3D view from a fixed viewpoint."""
     return rrb.Spatial3DView(
         origin=origin,
         contents=contents,
@@ -108,7 +108,7 @@ def eye_view(place: Place, side: str) -> rrb.View:
 def plots_of(shown: RobotSet, name: str) -> rrb.Container:
     """Plots of arms, head, and the difference between hardware and simulation."""
     twins = shown.twins(name)
-    # Half of the screen's height each: the viewer leaves out the numbers of lower axes.
+    # Each gets half of the screen's height, because the viewer leaves out the numbers of lower axes.
     curves = rrb.Vertical(
         plot([of_robot(place, "arms") for place in twins], f"arms (°){STYLES * (len(twins) > 1)}", ARMS_DEG),
         plot([of_robot(place, "head") for place in twins], f"head (°){STYLES * (len(twins) > 1)}", HEAD_DEG),

@@ -24,7 +24,7 @@ def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
 
     Raises:
         Refused, NoAnswer: the viewer cannot be started here.
-        ConnectionError: the viewer has ended meanwhile.
+        ConnectionError: the viewer ends before all pictures are taken.
     """
     found = []
     with Viewer(free_port(), "--headless", "--window-size", SIZE, "--hide-welcome-screen") as viewer:

@@ -36,22 +36,22 @@ Columns = dict[tuple[str, str], Column]
 
 
 def read(path: Path) -> Recorded:
-    """Read a recording, also one whose recorder was killed.
+    """Read a recording, even if its recorder was killed.
 
     Raises:
-        Refused: BAD_VALUE: the file is not a recording of BEATRIX, or is damaged.
+        Refused: BAD_VALUE, the file is not a recording of BEATRIX, or is damaged.
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
     for name, twin, what in [_parts(entity) for entity, component in columns if component == SCALARS]:
         root = f"/{name}/{twin}"
-        # A recorder that was killed just after its start may have written only some of them.
+        # A recorder that was killed just after its start may have written only some of these columns.
         whole = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
         if twin in ("sim", "hw") and what == "arms" and whole:
             robots[name, twin] = _samples(columns, root)
     if not robots:
         raise Refused(
-            Reason.BAD_VALUE, f"{path}: it holds no positions of a robot. `beatrix record` writes such files."
+            Reason.BAD_VALUE, f"{path} contains no positions of a robot. `beatrix record` writes recordings."
         )
     names = sorted({name for name, _ in robots})
     return Recorded(
@@ -63,7 +63,7 @@ def read(path: Path) -> Recorded:
 
 
 def holds_samples(path: Path) -> bool:
-    """Return whether a recording holds positions of any robot."""
+    """Return whether a recording contains positions of any robot."""
     try:
         return bool(read(path).robots)
     except Refused:
@@ -83,7 +83,7 @@ def _columns(path: Path) -> Columns:
 
 
 def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
-    """Entity, component and rows of each column of each chunk that has times."""
+    """Yield entity, component and rows of each column of each chunk that has times."""
     if not path.is_file():
         raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
     check_recording(path)

@@ -80,7 +80,7 @@ def curves(place: Place) -> Iterator[Item]:
 
 
 def of_name(robot: str) -> Iterator[Item]:
-    """The static items of hardware and simulation together."""
+    """Yield the names and styles of the curves of the difference between hardware and simulation."""
     for what, names, colours in (
         ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
         ("head", HEAD_NAMES, HEAD_COLOURS),
@@ -92,7 +92,7 @@ def of_name(robot: str) -> Iterator[Item]:
 
 
 def thinner(solid: Solid) -> Solid:
-    """The same solid, a little thinner."""
+    """Return the solid with each size reduced by THINNER_M, but at most by half."""
     return replace(solid, size=tuple(max(size - THINNER_M, size / 2) for size in solid.size))
 
 

@@ -23,7 +23,7 @@ APPLICATION = "beatrix"
 class Stream:
     """One recording, sent to one file or viewer. Used by one thread.
 
-    Rows are sent as columns: about twenty times cheaper than single rows, and with explicit times.
+    Rows are sent as columns, which takes about a twentieth of the time of single rows and allows explicit times.
     """
 
     def __init__(self, recording_id: str, name: str) -> None:
@@ -79,7 +79,7 @@ class Stream:
             self._stream.send_columns(path, indexes, columns(part))
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until everything is written or sent; False after the time limit, or if `broken`."""
+        """Wait until everything is written or sent; return False after the time limit, or if `broken`."""
         try:
             self._stream.flush(timeout_sec=timeout_s)
         except (RuntimeError, ValueError) as error:
