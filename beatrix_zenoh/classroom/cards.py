@@ -28,7 +28,7 @@ Then run: <code>beatrix join {name}.toml</code></p>
 
 
 def cards(classroom: Classroom, accounts: list[Account]) -> str:
-    """Return a page of HTML that loads nothing.
+    """Return an HTML page with all cards, which loads no other files.
 
     Each code contains the text of an account file, so keep the page private.
     """

@@ -1,4 +1,4 @@
-"""Certificates of a class: an authority of its own signs those of router, seats and robots."""
+"""Certificates of a class, whose own authority signs those of routers, seats and robots."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from beatrix_zenoh.bus.credentials import Identity
 
 BEGIN = dt.datetime(2020, 1, 1, tzinfo=dt.UTC)
-"""First day of all certificates: long ago, so that they are also valid for a computer whose clock has no battery."""
+"""First day of all certificates, long ago, so that a computer whose clock has no battery accepts them, too."""
 AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
 """Validity of the authority (ten years), and of an account (a school year and its holidays)."""
 RENEW_DAYS = 60
@@ -41,7 +41,7 @@ class Authority:
         """Parse the text of an authority's file; raises ValueError."""
         key = serialization.load_pem_private_key(text.encode(), password=None)
         if not isinstance(key, ec.EllipticCurvePrivateKey):
-            raise ValueError("the key is of another kind")  # noqa: TRY004  # the content of a file, not an argument
+            raise ValueError("it has no elliptic-curve key")  # noqa: TRY004  # the content of a file, not an argument
         return cls(x509.load_pem_x509_certificate(text.encode()), key)
 
     @property
@@ -79,7 +79,7 @@ class Authority:
 
 
 def expiry(certificate: str) -> dt.date:
-    """The last day of a certificate (PEM)."""
+    """Return the last day on which a certificate (PEM) is valid."""
     return x509.load_pem_x509_certificate(certificate.encode()).not_valid_after_utc.date()
 
 

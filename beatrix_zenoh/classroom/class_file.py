@@ -92,7 +92,7 @@ class Classroom:
 
 
 def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
-    """Check fields and types; raises WrongUsage."""
+    """Check the fields of a table and convert it; raises WrongUsage."""
     for given, kind, section in ((table, _ClassFile, ""), (table.get("router"), _Router, " of [router]")):
         if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
             known = ", ".join(kind.__struct_fields__)
@@ -146,7 +146,7 @@ def read(path: Path) -> Classroom:
     )
     for endpoint in zbus.endpoints(f"{made.connect},{made.link or made.listen}"):
         zbus.parse_endpoint(endpoint)
-        if endpoint.startswith("tls/["):  # Zenoh 1.10 compares the brackets, too, with the certificate
+        if endpoint.startswith("tls/["):  # Zenoh 1.10 compares address and brackets with the certificate
             raise wrong(path, f"{endpoint} cannot have a certificate: give an IPv4 address or a name instead")
     return made
 

@@ -1,4 +1,4 @@
-"""Accounts of a class: makes and keeps their files."""
+"""Create and update the files of a class: accounts, routers and cards."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import Refused, WrongUsage
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
 """Characters of passwords, without those that look alike."""
 GROUPS, GROUP = 4, 4
-"""Number of groups in a password, and characters in each: 79 bits, too many to find it from a recorded login."""
+"""Number of groups in a password, and characters in each: 79 bits, too many to guess it from a recorded login."""
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
@@ -45,7 +45,8 @@ def init(classroom: Classroom, folder: Path) -> Made:
     """Write all files of the class to `folder`; existing accounts keep their credentials.
 
     Raises:
-        Refused: BAD_VALUE, a package is missing, or a file cannot be read or written.
+        Refused: BAD_VALUE, a package is missing, or a file cannot be written.
+        WrongUsage: BAD_VALUE, an existing file cannot be read.
     """
     try:
         from beatrix_zenoh.classroom.cards import cards  # noqa: PLC0415  # segno is in an extra

@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import WrongUsage
 ROUTERS = {"router": "@router", "standby": "@standby"}
 """Common names of the routers' certificates, which no seat can have."""
 LONGEST = 256 * 1024
-"""Bytes of a router's file."""
+"""Largest size of a router file (bytes)."""
 
 
 class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
@@ -48,7 +48,7 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
         return head + files.toml_text(msgspec.to_builtins(self))
 
     def access(self) -> RouterAccess:
-        """Accounts and access rules."""
+        """Return the accounts and access rules."""
         first = self.link if self.role == "standby" else ""
         account = ROUTERS[self.role]
         return RouterAccess(
@@ -72,7 +72,8 @@ def load(path: Path) -> RouterFile:
     """Read a router file or, if `path` is a class file, the router file of that class.
 
     Raises:
-        WrongUsage: BAD_VALUE, it cannot be read, or the class file has changed since `beatrix classroom init`.
+        WrongUsage: BAD_VALUE, the file cannot be read or is invalid, or `beatrix classroom init` was not run after the
+            last change of the class file.
     """
     try:
         table = tomllib.loads(

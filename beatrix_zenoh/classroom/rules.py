@@ -1,4 +1,4 @@
-"""Grants of the accounts of a class: pure data, made from the keys of the contract."""
+"""Grants of the accounts of a class, made from the keys of the contract."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many connections the control page accepts, and how much it logs: a flood must not use up files or the disk."""
+"""Limits of connections and of the log, so that a flood of requests uses up neither open files nor the disk."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Final
 from tornado import httpserver, iostream
 
 CONNECTIONS_MAX: Final = 192
-"""Connections at a time: a page holds two web sockets, and a system may allow 256 open files to a process."""
+"""Largest number of connections: a page holds two web sockets, and a system may allow a process 256 open files."""
 ADDRESS_MAX: Final = 64
-"""Connections of one address at a time."""
+"""Largest number of connections of one address."""
 REFUSED_MAX: Final = 16
-"""Refused connections that are kept open until they have read why; further ones are closed at once."""
+"""Refused connections that are kept open so that the reply can be read; further ones are closed immediately."""
 REFUSED_S: Final = 1.0
 """Longest time for which a refused connection is kept open."""
 LOG_S: Final = 10.0
@@ -31,7 +31,7 @@ class Server(httpserver.HTTPServer):
     """An HTTP server that limits its connections, web sockets included."""
 
     def __init__(self, *args: object, **kwargs: object) -> None:
-        """Arguments are those of `HTTPServer`, which takes them before this is called."""
+        """Take the arguments of `HTTPServer`, which Tornado has passed to `initialize` before this call."""
         super().__init__(*args, **kwargs)
         self._open: dict[iostream.IOStream, str] = {}
         self._refused: set[iostream.IOStream] = set()
@@ -41,14 +41,14 @@ class Server(httpserver.HTTPServer):
         self._open = {one: sender for one, sender in self._open.items() if not one.closed()}
         refusal = refused(list(self._open.values()), address[0])
         if refusal:
-            LOG.warning("A connection of %s was refused: %s", address[0], refusal)
+            LOG.warning("A connection from %s was refused: %s", address[0], refusal)
             self._refuse(stream, refusal)
         else:
             self._open[stream] = address[0]
             super().handle_stream(stream, address)
 
     def _refuse(self, stream: iostream.IOStream, sentence: str) -> None:
-        """Reply with a sentence, without reading the request, and close the connection once the reply has been read."""
+        """Reply with a sentence, without reading the request, and close the connection after REFUSED_S."""
         self._refused = {one for one in self._refused if not one.closed()}
         if len(self._refused) >= REFUSED_MAX:
             stream.close()
@@ -59,13 +59,13 @@ class Server(httpserver.HTTPServer):
             "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
             f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n"
         )
-        # Closing a connection whose request is unread resets it at once, and the browser could lose the reply.
+        # Closing a connection whose request is unread resets it, and the browser could lose the reply.
         stream.io_loop.call_later(REFUSED_S, stream.close)
         with contextlib.suppress(iostream.StreamClosedError):
             stream.write(head.encode() + body).add_done_callback(lambda done: done.exception())
 
     async def close_all_connections(self) -> None:
-        """Close all connections, also those that wait for their reply to be read."""
+        """Close all connections, including the refused ones."""
         for stream in self._refused:
             stream.close()
         await super().close_all_connections()
@@ -79,7 +79,7 @@ def refused(addresses: list[str], address: str) -> str:
 
 
 class Brief(logging.Filter):
-    """Lets one record pass in LOG_S, with the number of those that were left out since the last one."""
+    """Passes at most one record in LOG_S, and adds the number of records that were left out before it."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         """`clock` returns monotonic seconds."""

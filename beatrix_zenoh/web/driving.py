@@ -33,7 +33,7 @@ QUEUE_S: Final = 3600.0
 """Longest time to wait for the robot."""
 LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 NO_ERROR: Final = (Reason.REPLACED, Reason.STOPPED)
-"""Ends of motions that the user of the page has asked for."""
+"""Reasons for the end of a motion that are not reported, because a user has caused them."""
 
 Report = Callable[[Outcome], object]
 """Takes the outcome of a request. Called on any thread."""
@@ -71,7 +71,7 @@ class Driver:
         """Number of the lease; 0: the driver waits for the robot."""
         self.client: Client | None = None
         self.stopped = False
-        """The robot was stopped because the page is silent."""
+        """Whether the robot was stopped because the page is silent or hidden."""
         self._confirmed = False
         self._settings, self._report, self._ended = settings, report, ended
         self._wake = threading.Condition()
@@ -87,7 +87,7 @@ class Driver:
         self._beat_s = time.monotonic()
         threads.start(self._run, f"web-{self.seat}")
 
-    # -- the server's thread; none of these waits ---------------------------------------------------
+    # -- the server's thread; only `close` waits -----------------------------------------------------
 
     def beat(self) -> None:
         """Record a heartbeat of the page."""
@@ -144,7 +144,7 @@ class Driver:
             )
 
     def drop(self) -> None:
-        """Drop waiting requests, because STOP was pressed; held buttons must be pressed again."""
+        """Drop waiting requests and end the jog; held buttons must be pressed again."""
         with self._wake:
             self._stops += 1
             self._waiting.clear()
@@ -199,7 +199,7 @@ class Driver:
                 self._report(refused(task.control, error.message))
 
     def _next(self) -> Task | None:
-        """The next request, commands first; None at the end."""
+        """Wait for the next request and return it, commands before jogs; None at the end."""
         with self._wake:
             self._wake.wait_for(lambda: self._closed or self._waiting or self._jog)
             if self._closed:
@@ -264,7 +264,7 @@ def home_query(speed_deg_s: float) -> MotionQuery:
 
 
 def make_ready(robot: Robot) -> str:
-    """Enable and calibrate the robot, as far as either is missing."""
+    """Enable and calibrate the robot, unless this was done before."""
     robot.make_ready()
     return "Motors on, home declared."
 

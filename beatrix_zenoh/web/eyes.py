@@ -19,7 +19,7 @@ RETRY_S: Final = 1.0
 
 
 class Eye:
-    """One camera: its newest picture, and the pages that show it."""
+    """The subscription to one camera, and its newest picture."""
 
     def __init__(self, client: Client, camera: Camera, changed: Callable[[Camera], object]) -> None:
         """Subscribe on a thread of its own; `changed` is called there for each picture."""
@@ -48,7 +48,7 @@ class Eye:
                 self._ended.wait(RETRY_S)
 
     def end(self) -> None:
-        """End the subscription: the camera may switch itself off. May wait for the router."""
+        """End the subscription, so that the camera can switch off; may wait for the router."""
         self._ended.set()
         with self._lock:
             subscription = self._subscription

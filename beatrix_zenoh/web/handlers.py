@@ -89,7 +89,7 @@ class Nothing(Guarded):
     """Replies 404 to requests for unknown addresses."""
 
     def get(self) -> None:
-        """Reply that there is nothing."""
+        """Reply with status 404."""
         self.refuse(404, NOTHING)
 
 
@@ -106,7 +106,7 @@ class Front(Guarded):
     """The control page, or the form for the PIN."""
 
     def get(self) -> None:
-        """Show the page to a browser that is logged in."""
+        """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
         if self.visitor is not None:
             self.render("page.html", token=self.xsrf_token.decode())
         elif self.context.login.needed:
@@ -119,7 +119,7 @@ class Front(Guarded):
             self.redirect("/", status=303)
 
     def post(self) -> None:
-        """Check a PIN."""
+        """Check a PIN; log in the browser if it is right."""
         typed = self.get_body_argument("pin", "")
         refusal = self.context.login.refusal(typed, self.request.remote_ip or "", time.monotonic())
         if refusal:
@@ -176,7 +176,7 @@ class Live(Socket):
     driver: Driver | None = None
 
     def open(self, *_: str, **__: str) -> None:
-        """Count the page."""
+        """Register the page, or close the web socket if PAGES_MAX pages are open."""
         visitor, self.hub = self.visitor, self.context.hub
         assert visitor is not None
         self.visitor_of_page = visitor
@@ -190,7 +190,7 @@ class Live(Socket):
         self.send(msgspec.json.encode({"kind": "hello", "name": visitor.name}).decode())
 
     def on_close(self) -> None:
-        """Stop the robot that the page moves."""
+        """Remove the page and end its driver, which stops the robot."""
         self.hub.pages.discard(self)
         self.hub.end_driver(self)
 
@@ -205,7 +205,7 @@ class Live(Socket):
         self.send(msgspec.json.encode(outcome).decode())
 
     def on_message(self, message: str | bytes) -> None:
-        """Carry out a request."""
+        """Carry out a request; close the web socket after an invalid message or too many messages."""
         now_s = time.monotonic()
         if now_s - self._second >= 1.0:
             self._second, self._count = now_s, 0
@@ -213,12 +213,12 @@ class Live(Socket):
         try:
             request = messages.read(message)
         except msgspec.DecodeError:
-            self.close(MALFORMED, "A message of this page cannot be read: load it again.")
+            self.close(MALFORMED, "A message of this page cannot be read: load the page again.")
             return
         if isinstance(request, messages.Stop):
             self.hub.stop(self.visitor_of_page, request.robot, request.stop, self)
         if self._count > MESSAGES_MAX:
-            self.close(TOO_FAST, "This page sends too many messages: load it again.")
+            self.close(TOO_FAST, "This page sends too many messages: load the page again.")
         elif not isinstance(request, messages.Stop):
             self.carry_out(request)
 

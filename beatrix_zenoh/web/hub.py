@@ -1,6 +1,6 @@
-"""The state behind all pages: session, robots, drivers, pictures.
+"""The state that all pages share: session, robots, drivers, pictures.
 
-Its methods run on the thread of the server's loop.
+The methods of `Hub` run on the thread of the server's loop.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from beatrix_zenoh.web.protection import Visitor
 from beatrix_zenoh.web.stopping import Stopping
 
 GONE_S: Final = 5.0
-"""Longest time without a heartbeat of a page that drives; then the robot is given back."""
+"""Longest time without a heartbeat of a page that drives; then the server gives the robot back."""
 CLOSE_S: Final = 3.0
 """Time for sessions and subscriptions to close."""
 SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to continue."
@@ -39,7 +39,7 @@ NAME_IN_USE: Final = (
 )
 SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
 NOT_DRIVING: Final = "You only watch this robot: press Drive first."
-NO_ROBOT: Final = "There is no robot {name} at the router. Choose one of the list."
+NO_ROBOT: Final = "There is no robot {name} at the router. Choose one from the list."
 
 
 class Page(Protocol):
@@ -74,7 +74,7 @@ class Hub:
 
         Args:
             settings: router and seat.
-            only: name of the only robot that pages may use; None: all of the router.
+            only: name of the only robot that pages may use; None: all robots at the router.
             call: runs a function with its arguments on the server's loop; any thread may use it.
 
         Raises:
@@ -168,7 +168,7 @@ class Hub:
         driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
 
     def _seat(self, page: Page, name: str) -> str:
-        """The seat of a page; a name without letters of a seat, for example a Chinese one, gets a free guest name."""
+        """Return the seat of a page; a name without valid letters, for example a Chinese one, gets a guest name."""
         used = {driver.seat for driver in self.drivers()}
         guest = page.visitor_of_page.name
         guests = itertools.chain([guest], (f"{guest}-{number}" for number in itertools.count(2)))
@@ -176,7 +176,7 @@ class Hub:
         return f"web-{names.tidy(name, free)}"[:32].strip("-")
 
     def end_driver(self, page: Page, text: str = "") -> None:
-        """Give the robot back; `text` is the reason for the page. A robot stops the motion of a session that ends."""
+        """Give the robot back; the page shows `text` as the reason. A robot stops the motion of a session that ends."""
         driver, page.driver = page.driver, None
         if driver is None:
             return
@@ -239,7 +239,7 @@ class Hub:
         self._stopping.press([self.client] if own is None else [own, self.client], robot, report)
 
     def _reporter(self, *pages: Page) -> driving.Report:
-        """A function that reports to pages, for other threads."""
+        """Return a function that reports to pages; any thread may call it."""
 
         def report(outcome: Outcome) -> None:
             for page in pages:
@@ -262,7 +262,7 @@ class Hub:
             socket.changed(camera)
 
     def newest(self, camera: Camera) -> tuple[int, bytes] | None:
-        """Number and JPEG of the newest picture of a camera; None if none has come."""
+        """Number and JPEG of the newest picture of a camera; None if none has arrived."""
         picture = self._eyes[camera][0].newest if camera in self._eyes else None
         return None if picture is None else (picture.seq, picture.jpeg)
 

@@ -1,4 +1,4 @@
-"""The rules for requests to the control page: hosts, origins, PIN, cookies; without network and clock."""
+"""The rules for requests to the control page: hosts, origins, PIN, cookies. They use neither network nor clock."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ PIN_MIN, PIN_MAX = 6, 64
 WINDOW_S: Final = 60.0
 """Time for which a wrong PIN counts."""
 WRONG_MAX: Final = 5
-"""Wrong PINs of one address within WINDOW_S."""
+"""Largest number of wrong PINs of one address within WINDOW_S."""
 WRONG_TOTAL: Final = 60
-"""Wrong PINs of all addresses within WINDOW_S: trying all PINs of six digits takes eleven days."""
+"""Largest number of wrong PINs of all addresses within WINDOW_S: trying all PINs of six digits takes eleven days."""
 VISITORS_MAX: Final = 256
 STOPS_KEPT: Final = 32
 
 WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
-WAIT: Final = "Too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
+WAIT: Final = "There were too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
 FOREIGN_HOST: Final = (
     "This server does not serve this address. Open the address that `beatrix web` has printed."
 )
@@ -49,8 +49,8 @@ def new_pin() -> str:
 def host_allowed(host: str, address: str, port: int) -> bool:
     """Return whether a Host header names the address and port at which the connection has arrived.
 
-    A page that rebinds its name to this computer sends its own name, and is refused: only numbers, and `localhost` on
-    the loopback interface, are accepted.
+    A page that rebinds its name to this computer sends its own name, and is refused: only the IP address, and
+    `localhost` on the loopback interface, are accepted.
     """
     names = [address, "localhost"] if address == "127.0.0.1" else [address]
     return host.lower() in {f"{name}:{port}" for name in names} | ({*names} if port == 80 else set())

@@ -50,15 +50,15 @@ def serve(
 
     Args:
         settings: router and seat.
-        port: TCP port; 0: any that is free.
-        only: name of the only robot that pages may use; None: all of the router.
+        port: TCP port; 0: any free port.
+        only: name of the only robot that pages may use; None: all robots at the router.
         pin: PIN for other computers; None: serve this computer only, without a PIN.
         ready: called with the port when the page is served.
         shutdown: ends the server.
 
     Raises:
         NoAnswer: NO_ROUTER.
-        Refused: BAD_VALUE, another program uses the port.
+        Refused: BAD_VALUE, another program uses the port, or the system does not allow it.
     """
     with brief_log():
         asyncio.run(_serve(settings, port, only, pin, ready, shutdown))
@@ -111,7 +111,7 @@ async def _serve(
 
 
 def bind(port: int, address: str) -> socket.socket:
-    """A socket that listens on a port; raises Refused if another program uses it."""
+    """Return a socket that listens on a port; raises Refused if the port is in use or not allowed."""
     try:
         listening = socket.create_server((address, port), backlog=BACKLOG)
     except OSError as error:
@@ -142,5 +142,5 @@ def application(context: Context) -> web.Application:
         xsrf_cookie_kwargs={"samesite": "Strict", "httponly": True},
         websocket_ping_interval=PING_S,
         websocket_max_message_size=BODY_MAX,
-        log_function=lambda _: None,  # an access log would grow without end
+        log_function=lambda _: None,  # an access log would grow without limit
     )

@@ -56,7 +56,7 @@ class Stopping:
         ]
 
     def press(self, clients: Sequence[Client], robot: str, report: Report) -> None:
-        """Send STOP now; returns at once."""
+        """Queue STOP for the sending thread; returns immediately."""
         with self._wake:
             press = self._waiting.setdefault(robot, Press(clients, robot, []))
             if len(press.reports) < REPLIES_MAX:
@@ -64,7 +64,7 @@ class Stopping:
             self._wake.notify()
 
     def _next(self) -> Press | None:
-        """The press that has waited longest; None at the end."""
+        """Wait for a press and return the oldest one; None at the end."""
         with self._wake:
             self._wake.wait_for(lambda: self._waiting or self._closed)
             return self._waiting.pop(next(iter(self._waiting))) if self._waiting else None
@@ -101,6 +101,6 @@ class Stopping:
 
 
 def report_to(press: Press, outcome: Outcome) -> None:
-    """Report an outcome to all pages that have pressed."""
+    """Report an outcome to the pages that pressed STOP."""
     for report in press.reports:
         report(outcome)

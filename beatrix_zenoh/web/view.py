@@ -47,5 +47,5 @@ def problems(status: Status) -> list[str]:
 
 
 def tidy(angles: tuple[float, ...]) -> list[float]:
-    """Angles with one decimal, without a minus before 0.0."""
+    """Round angles to one decimal, without a minus sign before 0.0."""
     return [round(angle, 1) + 0.0 for angle in angles]

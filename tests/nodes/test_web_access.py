@@ -151,7 +151,7 @@ def test_too_many_connections_of_an_address_are_refused_with_a_reason(
             until(lambda: browser.fetch("/").code == 303, "served again")
     lines = capfd.readouterr().err.splitlines()
     assert len(lines) == 1
-    assert "A connection of 127.0.0.1 was refused" in lines[0]
+    assert "A connection from 127.0.0.1 was refused" in lines[0]
 
 
 # -- PIN -----------------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ def test_wrong_pins_are_limited(locked: WebClient) -> None:
     locked.load()
     for _ in range(5):
         locked.log_in("000000")
-    assert "Too many wrong PINs. Wait" in locked.log_in(PIN).body.decode()
+    assert "There were too many wrong PINs. Wait" in locked.log_in(PIN).body.decode()
     assert "_xsrf" in locked.cookies
     assert locked.refusal()[0] == 403
 

@@ -10,14 +10,14 @@ const SPEEDS = [10, 20, 40]; // °/s
 const ROTATIONS = ["yaw", "pitch", "roll"];
 const ARMS = ["short", "middle", "long"];
 const FULL = 4004;
-// Left and right, up and down as the robot sees them: yaw left, pitch nose-down, roll right-ear-down are positive.
+// Signs of the two buttons of each part. Yaw to the left, pitch nose-down and roll right-ear-down are positive.
 const ROWS = [["yaw", 1, -1], ["pitch", -1, 1], ["roll", -1, 1], ["short", -1, 1], ["middle", -1, 1], ["long", -1, 1]];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
 let socket = null;
-let heard = 0; // time of the last state
+let heard = 0; // time (ms) of the last state
 let state = null; // the last state
 let held = null; // the button that is held
 let press = 0;
@@ -50,12 +50,12 @@ function connect() {
 }
 
 async function checkLogin() {
-  // A server that was started again does not know this browser: it shows the form for the PIN.
+  // A restarted server has no cookie of this browser, so it replies with the form for the PIN.
   try {
     const page = await fetch("/", { redirect: "manual" });
     const html = await page.text();
     if (page.type === "opaqueredirect" || !html.includes('name="token"')) location.reload();
-  } catch { /* the server is still gone */ }
+  } catch { /* the server does not answer yet */ }
   connect();
 }
 
@@ -97,7 +97,7 @@ function stop() {
   const message = { do: "stop", robot, stop: crypto.getRandomValues(new Uint32Array(2)).join("-") };
   const sent = send(message) && condition()[0] !== "server";
   showStop(sent, text(sent ? "stop.sent" : "stop.failed", { robot }));
-  // STOP is also sent by a request, in case the web socket is broken; the server carries it out once.
+  // STOP is also sent by an HTTP request, in case the web socket is broken; the server carries it out once.
   fetch("/stop", {
     method: "POST", keepalive: true, headers: { "X-XSRFToken": token }, body: JSON.stringify(message),
   }).then((response) => { if (response.ok && !sent) showStop(true, text("stop.sent", { robot })); }, () => {});
@@ -336,7 +336,7 @@ function keys(event) {
 
 build();
 byId("stop").onpointerdown = stop;
-byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // assistive programs
+byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // from assistive programs
 byId("drive").onclick = drive;
 byId("robots").onchange = (event) => {
   const [robot, twin] = event.target.value.split(" ");

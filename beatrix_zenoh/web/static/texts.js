@@ -18,10 +18,10 @@ export const TEXTS = {
   "state.ready": "Ready",
 
   "trouble.server": "This page has lost its server. The robot stops the motion of this page. To stop another motion, use the window, or type “beatrix stop”. The page connects again by itself.",
-  "trouble.router": "The server has lost the router, so the robots stop. It connects again by itself.",
+  "trouble.router": "The server has lost the router, so the robots stop. The server connects again by itself.",
   "trouble.none": "No robot is on line. Start one: “beatrix sim” or “beatrix up”.",
   "trouble.absent": "{robot} is not on line any more. Start it again, or choose another robot.",
-  "trouble.silent": "{robot} has sent nothing for {seconds} s: its node or the network has failed. The angles are old.",
+  "trouble.silent": "{robot} has sent nothing for {seconds} s: its node or the network has failed. The angles shown are old.",
   "trouble.full": "Too many pages are open. Close one, then load this page again.",
   "trouble.closed": "The server has closed this page. Load it again.",
   "trouble.emergency": "The emergency stop is latched: the motors are off. Look at the robot, then press Drive and Reset.",
@@ -74,7 +74,7 @@ export const TEXTS = {
   "eyes": "Eyes",
   "eye.0": "left eye",
   "eye.1": "right eye",
-  "eyes.off": "Check the box to switch the cameras on.",
+  "eyes.off": "Tick the box to switch the cameras on.",
   "eyes.none": "This robot has no cameras.",
   "eyes.waiting": "The page waits for pictures.",
 
