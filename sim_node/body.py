@@ -22,9 +22,9 @@ from sim_node.target import Target, TargetHandler, TargetPath
 from sim_node.viewer import Viewer, ViewerFeed
 
 ASSEMBLY_CHECK_TURNS = 5
-"""Turns of the thread between two checks of the assembly while arms move: every 30 ms."""
+"""Turns of the thread's loop between two checks of the assembly while arms move: every 30 ms."""
 RESTING_STEPS = 4
-"""Physics steps at once while the arms rest: a motion makes less than a microstep in its first 8 ms."""
+"""Physics steps made together while the arms rest: a motion makes less than a microstep in its first 8 ms."""
 FAULT_SHOWN_S = 5.0
 EYES_HZ = 15.0
 EYES_HZ_MAX = 30.0
@@ -47,8 +47,8 @@ class Simulation:
         """Start physics.
 
         Args:
-            name: of the robot.
-            robot: its values.
+            name: name of the robot.
+            robot: values of the robot.
             eyes_hz: pictures a second of each eye while a client subscribes; 0: no eyes.
             target: movement of the person in front of the eyes.
             viewer: a window that shows the robot; closed with the simulation.
@@ -66,7 +66,7 @@ class Simulation:
         self._thread = threads.start(self._run, "physics")
 
     def open_port(self) -> Port:
-        """The virtual board, which is always present."""
+        """Return the virtual board, which is always present."""
         return self._board
 
     def _run(self) -> None:
@@ -90,7 +90,7 @@ class Simulation:
     def _advance(self, steps: int) -> None:
         """Advance board and plant in turn.
 
-        While the arms rest the board makes several steps at once, which halves the load.
+        While the arms rest the board makes several steps in one call, which halves the load.
         """
         while steps > 0:
             together = min(steps, RESTING_STEPS if self._resting else 1)
@@ -104,7 +104,7 @@ class Simulation:
             steps -= together
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:  # noqa: ARG002
-        """Arms and head measured in the plant now: its own thread may have made its last step 20 ms ago."""
+        """Return the measured arms and head, after making the steps that are due: the thread may be 20 ms behind."""
         with self._lock:
             self._catch_up()
             return Pose(
@@ -135,7 +135,7 @@ class Simulation:
         return parts
 
     def scene_state(self) -> SceneState:
-        """The scene at the last step of the physics."""
+        """Return the scene at the last step of the physics."""
         with self._lock:
             reached_s, posture = self._clock.reached_s, self._plant.posture()
         return SceneState(round(reached_s * 1e9), posture, self._target.place(reached_s))
@@ -158,7 +158,7 @@ class Simulation:
         )
 
     def fault(self) -> Fault:
-        """ASSEMBLY_LEFT for some seconds after the neck was reassembled."""
+        """Return ASSEMBLY_LEFT for FAULT_SHOWN_S after the neck was reassembled, otherwise NONE."""
         recent = time.monotonic() - self._left_s < FAULT_SHOWN_S
         return Fault.ASSEMBLY_LEFT if recent else Fault.NONE
 

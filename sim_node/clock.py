@@ -1,4 +1,4 @@
-"""Simulated time in step with wall time: absolute deadlines; late steps are made up and counted, stalls skipped."""
+"""Keep simulated time in step with wall time by absolute deadlines; late steps are made up, stalls skipped."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ RESTING_S = 0.020
 """Period (s) while the arms rest and no frame for the board has arrived."""
 LATE_S = 0.010
 SLICE_S = 0.1
-"""Longest simulated time at once, so that the board receives its heartbeat in between."""
+"""Longest simulated time of one call of `due`, so that the board receives its heartbeat between two calls."""
 PAUSE_S = 0.001
-"""Time for other threads between two slices."""
+"""Shortest time for other threads between two turns."""
 STALL_S = 0.3
-"""After a longer delay simulated time continues from now: the robot notices neither the delay nor a lost heartbeat."""
+"""After a longer delay simulated time continues from now: the robot does not speed up, and misses no heartbeat."""
 WINDOW_S = 5.0
 
 
@@ -31,7 +31,7 @@ class StepClock:
         """Steps made more than LATE_S late."""
 
     def due(self, now_s: float, *, host_is_late: bool = False) -> int:
-        """Number of steps to make now; 0 while the board waits for a late host."""
+        """Return the number of steps to make now; 0 after a stall or while the board waits for a late host."""
         behind_s = now_s - self._due_s
         if behind_s > STALL_S or host_is_late:
             self._due_s = now_s
@@ -54,14 +54,14 @@ class StepClock:
         return self._due_s
 
     def wait_s(self, now_s: float, *, resting: bool) -> float:
-        """Seconds until steps are due."""
+        """Return the seconds until steps are due, at least PAUSE_S."""
         self._period_s = RESTING_S if resting else PERIOD_S
         return max(PAUSE_S, self._due_s + self._period_s - now_s)
 
     def real_time_factor(self, now_s: float) -> float:
-        """Simulated seconds per second over the last seconds."""
+        """Simulated seconds per second over the last WINDOW_S."""
         then_s, simulated_s = self._marks[0]
-        # Up to the last turn of the thread: no time is lost between two turns, unless the next one is overdue.
+        # The last turn of the thread ends the period, because no time is lost between two turns unless one is overdue.
         overdue = now_s - self._turned_s > STALL_S
         elapsed_s = (now_s if overdue else self._turned_s) - then_s
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s

@@ -25,7 +25,7 @@ from sim_node.renderer import HEIGHT, WIDTH, Renderer
 IDLE_S: Final = 10.0
 """Time after the last subscriber until the drawing process ends."""
 RETRY_S: Final = 5.0
-"""Time between two attempts to start the process."""
+"""Time between two attempts to start the process for ray casting."""
 COARSE: Final = (
     "This computer has no OpenGL for the simulated eyes: their pictures are coarse and slow. On Debian and Ubuntu: "
     "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri; then restart the simulation."
@@ -60,7 +60,7 @@ class Eyes(Component):
         """Create the eyes; the drawing process starts with the first subscriber.
 
         Args:
-            context: the node's.
+            context: the context of the node.
             robot: values of the robot that is drawn.
             hz: pictures a second of each camera, if this computer has the time.
             scene_state: returns the present scene.
@@ -103,7 +103,7 @@ class Eyes(Component):
         self._end_renderer()
 
     def _select(self, subscribed: list[str]) -> list[str]:
-        """The views to draw now: all, or only the eyes if the outside view would slow them."""
+        """Return the views to draw now: all, or only the eyes if the outside view would slow them."""
         self._rounds += 1
         if self._rate.slowed and self._rounds % OUTSIDE_EVERY:
             return [view for view in subscribed if view in names.EYES] or subscribed
@@ -129,7 +129,7 @@ class Eyes(Component):
         renderer = Renderer(self._robot, self._source())
         with self._lock:
             self._renderer = renderer
-            if self._closed.is_set():  # `close` has not closed it
+            if self._closed.is_set():  # `close` was called before this renderer was set
                 renderer.close()
         renderer.open()
         return renderer
@@ -140,9 +140,9 @@ class Eyes(Component):
         return (gl.backend() if steady else None) or RayPainter.source
 
     def _fail(self, error: OSError) -> None:
-        """End a process that has ended by itself or hangs, and report it.
+        """Close a drawing process that has failed or hangs, and report it.
 
-        It is restarted, for ray casting after a pause.
+        The next picture starts a new process, for ray casting after a pause of RETRY_S.
         """
         self._end_renderer()
         if self._closed.is_set():
@@ -158,9 +158,11 @@ class Eyes(Component):
         soon = now_s - self._gl_failed_s < SOON_S
         self._gl_failures, self._gl_failed_s = self._gl_failures + 1 if soon else 1, now_s
         if self._gl_failures < GL_FAILURES:
-            then = "it is restarted"
+            then = "the drawing process is restarted"
         else:
-            then = "it fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
+            then = (
+                "OpenGL fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
+            )
         _log.warning("Drawing with OpenGL has failed (%s): %s.", error, then)
 
     def _report(self, trouble: str) -> None:

@@ -66,7 +66,7 @@ class GlPainter:
     def __init__(
         self, spec: mujoco.MjSpec, width: int, height: int, *, name: str, shadows: bool, samples: int
     ) -> None:
-        """Draw images of `width` x `height` pixels with backend `name`; shadows, and samples of a pixel, cost time."""
+        """Draw images of `width` x `height` pixels with backend `name`; shadows and samples per pixel take time."""
         # Mesa's software driver would use all cores, and physics needs one.
         os.environ.setdefault("LP_NUM_THREADS", "0")
         model = spec.compile()
@@ -94,7 +94,7 @@ class GlPainter:
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:
-        """The picture from the camera of this name."""
+        """Draw the picture from the camera of this name."""
         model, data = self._posed.model, self._posed.data
         self._context.make_current()
         self._camera.fixedcamid = model.camera(camera).id

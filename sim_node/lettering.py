@@ -13,7 +13,7 @@ Cells = npt.NDArray[np.bool_]
 
 
 def cells(text: str) -> Cells:
-    """The text as cells, a column of space between two letters; raises KeyError for a letter without a glyph."""
+    """Return the text as cells, with an empty column between letters; raises KeyError for a letter without a glyph."""
     gap = np.zeros((ROWS, 1), np.bool_)
     letters = [part for letter in text for part in (np.array(points(letter)), gap)]
     return np.concatenate(letters[:-1], axis=1)

@@ -120,7 +120,7 @@ def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
 def _set_options(spec: mujoco.MjSpec) -> None:
     option = spec.option
     option.timestep = TIMESTEP_MS / 1000
-    # It solves loops and drives implicitly and together: with drives this stiff other integrators oscillate or lag.
+    # This integrator solves loops and drives together; with drives this stiff other integrators oscillate or lag.
     option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
@@ -173,9 +173,10 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
 
 
 def _add_motor(spec: mujoco.MjSpec, drive: Drive, name: str) -> None:
-    """A position servo as stiff as a microstepping motor near its set point.
+    """Add a position servo as stiff as a microstepping motor near its set point.
 
-    Torque T sin(p e) at the rotor, p pole pairs, linearised: T p per rad there, times ratio squared at the arm.
+    With p pole pairs, the torque T sin(p e) at the rotor for an error e is about T p per rad; the arm has this times
+    the ratio squared.
     """
     geared = drive.holding_torque * ratio(drive) * drive.efficiency
     motor = spec.add_actuator(name=f"motor_{name}", target=f"arm_{name}")
@@ -192,7 +193,7 @@ def _add_link(body: mujoco.MjsBody, start: Vector, end: Vector, mass: float) -> 
 def _add_solid(
     body: mujoco.MjsBody, kind: str, shape: mujoco.mjtGeom, size: list[float], mass: float
 ) -> mujoco.MjsGeom:
-    """A hidden geom that has mass; links and skull also touch each other."""
+    """Add a hidden geom that has mass; all geoms but rings can touch each other."""
     solid = body.add_geom(type=shape, size=size, mass=mass, group=COLLISION)
     touches = kind != "ring"
     solid.contype = solid.conaffinity = int(touches)

@@ -72,7 +72,7 @@ class Painter(Protocol):
         """Like `PosedModel.pose`."""
 
     def paint(self, camera: str) -> Image:
-        """The picture from the camera of this name."""
+        """Draw the picture from the camera of this name."""
 
     def close(self) -> None:
         """Free all resources."""

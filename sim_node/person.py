@@ -1,4 +1,4 @@
-"""The person in the scene: head and upper body, to be found by colour or by a face detector."""
+"""The person in the scene: head and upper body, which programs can find by colour or with a face detector."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sim_node.shapes import superellipsoid
 from sim_node.visuals import VisualGeoms
 
 Place = tuple[float, float, float]
-"""x forward, y left, z up (m) of the neck's centre."""
+"""x forward, y left, z up (m), from the neck centre."""
 TARGET: Final = "target"
 """The person's body; its origin is the middle between the eyes, its face points along x."""
 HOME: Final[Place] = (1.15, 0.0, 0.16)
@@ -27,7 +27,7 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
 }
 
 _FINE: Final = (28, 18)
-"""Number of points of a ring and of rings of a mesh: enough for a round shape, and fast to draw."""
+"""Points of a ring, and rings of a mesh: enough for a round shape, and fast to draw."""
 _SPHERE: Final = mujoco.mjtGeom.mjGEOM_SPHERE
 _ELLIPSOID: Final = mujoco.mjtGeom.mjGEOM_ELLIPSOID
 _CYLINDER: Final = mujoco.mjtGeom.mjGEOM_CYLINDER

@@ -21,7 +21,7 @@ from sim_node.rays import RayPainter
 CAMERA: Final = "observer"
 _SAMPLES: Final = 4
 _OVERSAMPLING: Final = 2
-"""Pictures are drawn larger by this factor, to smooth also the edges of shadows and of ray casting."""
+"""Pictures are drawn larger by this factor, which smooths all edges, also with ray casting."""
 
 
 def picture(arms: Arms, width: int, height: int) -> Image:
@@ -44,12 +44,12 @@ def _painter(spec: mujoco.MjSpec, width: int, height: int) -> Painter:
 
 
 def write_picture(path: Path, arms: Arms, width: int = 1280, height: int = 960) -> None:
-    """Write a picture as PNG file; raises OSError, or BeatrixError as `picture` does."""
+    """Write a picture as a PNG file; raises OSError, or BeatrixError as `picture` does."""
     path.write_bytes(png(picture(arms, width, height)))
 
 
 def png(image: Image) -> bytes:
-    """An image as PNG file: 8 bits, RGB, rows unfiltered (ISO/IEC 15948)."""
+    """Encode an image as a PNG file: 8 bits, RGB, rows unfiltered (ISO/IEC 15948)."""
     height, width, _ = image.shape
     rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
     rows[:, 1:] = image.reshape(height, 3 * width)

@@ -36,7 +36,7 @@ def environment() -> dict[str, str]:
 
 
 class PipedProcess:
-    """A running program of this package. One thread writes and reads, any thread may close it."""
+    """A running program of this package. One thread writes and reads; any thread may call `close`."""
 
     def __init__(self, module: str, robot: RobotData, *words: str) -> None:
         """Start `python -m module ROBOT *words`, with the robot as JSON; `first_line` waits until it is ready."""
@@ -62,7 +62,7 @@ class PipedProcess:
         self._chunks.put(b"")
 
     def first_line(self) -> str:
-        """The first line of the process's output; empty if the process ends without one or takes too long."""
+        """Wait for the first line of output and return it; empty if the process ends without one or takes too long."""
         deadline_s = time.monotonic() + OPENING_S
         try:
             while b"\n" not in self._received:
@@ -73,7 +73,7 @@ class PipedProcess:
         return line.decode().strip()
 
     def write(self, data: bytes) -> None:
-        """Write to the process; raises OSError if it has ended. Blocks while it hangs, until `close`."""
+        """Write to the process; raises OSError if it has ended. Blocks while the process hangs, until `close`."""
         try:
             self._in.write(data)
             self._in.flush()
@@ -94,7 +94,7 @@ class PipedProcess:
         except queue.Empty as error:
             raise TimeoutError("the process hangs") from error
         if not chunk:
-            self._chunks.put(b"")  # for the next call
+            self._chunks.put(b"")  # the next call must find the end, too
             raise BrokenPipeError("the process has ended")
         self._received += chunk
 

@@ -58,7 +58,7 @@ class Plant:
         self.straighten()
 
     def step(self, pulses: Counts, *, drivers_on: bool) -> None:
-        """One physics step of TIMESTEP_MS, towards `pulses`: microsteps of each motor since the board's start."""
+        """Make one physics step of TIMESTEP_MS towards `pulses`: microsteps of each motor since the board's start."""
         if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
             self._apply_drive()
         mujoco.mj_step(self.model, self.data)
@@ -153,8 +153,8 @@ class Plant:
             self.place(self._drive.set_points)
 
     def copy(self) -> Plant:
-        """An independent plant in the same state."""
-        # The model is copied, too: switching the motors writes into it.
+        """Return an independent plant in the same state."""
+        # The model is copied, too, because switching the motors changes it.
         plant = Plant(self._robot, copy.copy(self.model))
         plant._drive, plant.re_placed = copy.deepcopy(self._drive), self.re_placed
         mujoco.mj_copyData(plant.data, plant.model, self.data)
@@ -166,6 +166,6 @@ class Plant:
 
 
 def _stride(addresses: Sequence[int]) -> slice:
-    """A slice for three equally spaced addresses: indexing with it makes a view, with a list a copy."""
+    """Return a slice for three equally spaced addresses: an index slice makes a view, an index list a copy."""
     first, second, third = addresses
     return slice(first, third + 1, second - first)

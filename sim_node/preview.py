@@ -29,7 +29,7 @@ from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
 
 LONGEST_MS: Final = round(PREVIEW_MAX_S * 1000)
-"""Longest preview (simulated ms), if the firmware takes longer than was computed."""
+"""Longest preview (simulated ms), in case the firmware takes longer than was computed before."""
 SAMPLES_MAX: Final = 300
 """Largest number of samples; then every second one is dropped, and the sample rate is halved."""
 _SAMPLE_MS: Final = 20
@@ -47,7 +47,7 @@ def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight)
     """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
 
     `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it
-    before its end, or needs more than LONGEST_MS.
+    before its end, or needs more than LONGEST_MS, or if the neck would leave its home assembly.
     """
     run = _MotionSimulation(plant, firmware)
     run.send(move.kind, _SEQ_MOVE, move.pack())
@@ -108,7 +108,7 @@ class _MotionSimulation:
         self._read_frames()
 
     def at_rest(self) -> bool:
-        """Return whether the firmware makes no more steps and the arms are at rest."""
+        """Return whether the firmware makes no more steps and the arms are at rest, or _SETTLE_MS have passed since."""
         telemetry = self._telemetry
         if telemetry is None or telemetry.state & State.MOVING:
             return False

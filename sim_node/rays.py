@@ -1,4 +1,4 @@
-"""Drawing without OpenGL: MuJoCo casts a ray for each pixel, the angle to the light gives the shade."""
+"""Drawing without OpenGL: MuJoCo casts rays, and the angle to the light gives the shade."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class RayPainter:
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:
-        """The picture from the camera of this name."""
+        """Draw the picture from the camera of this name."""
         eye = self._posed.data.camera(camera).xpos.copy()
         rays = self._rays(camera)
         self._hide_outside_view(camera)
@@ -60,7 +60,8 @@ class RayPainter:
         distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         ahead = -data.camera(camera).xmat.reshape(3, 3)[:, 2]
         angle = np.arccos(np.clip(away @ ahead / distance, -1.0, 1.0))
-        radius = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)  # a plane is infinite
+        # An infinite plane has a bounding radius of 0 in MuJoCo.
+        radius = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)
         seen = angle - np.arcsin(np.minimum(radius / distance, 1.0)) < cone
         model.geom_group[:] = np.where(seen, self._posed.groups_seen_from(camera), COLLISION)
 

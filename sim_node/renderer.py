@@ -1,4 +1,4 @@
-"""The process that draws the pictures of the eyes and of the outside view, and the node's handle of it.
+"""The process that draws the pictures of the eyes and of the outside view, and the class with which a node uses it.
 
 `python -m sim_node.renderer ROBOT BACKEND` prints `ready`, then reads requests. A request contains the views to draw, a
 posture and the person's place. For each of these views the process writes the length of a JPEG picture, and the
@@ -34,11 +34,12 @@ HEIGHT: Final = 480
 QUALITY: Final = 80
 """Quality of the JPEG pictures, percent."""
 CELL: Final = 4
-"""Side (px) of the squares of a picture without OpenGL; both eyes get ten pictures a second, with 1 px three."""
+"""Side (px) of the squares of a picture without OpenGL; both eyes get ten pictures a second, and three with
+1 px."""
 BADGE: Final = "NO OPENGL"
 READY: Final = "ready"
 PICTURE_S: Final = 5.0
-"""Longest wait for a picture after the first: a hundred times the time that one takes on a slow computer."""
+"""Longest wait for a picture after the first: a hundred times what a slow computer needs."""
 
 _POSTURE: Final = 10
 _REQUEST: Final = struct.Struct(f"<{len(names.VIEWS)}?{_POSTURE + 3}d")
@@ -46,7 +47,7 @@ _LENGTH: Final = struct.Struct("<I")
 
 
 class Renderer:
-    """Draws in a subprocess. One thread draws, any thread may close it."""
+    """Draws in a subprocess. One thread draws; any thread may call `close`."""
 
     def __init__(self, robot: RobotData, source: str) -> None:
         """Start the process; `source` is a backend of OpenGL, or `rays`. Raises OSError if it cannot be started."""
@@ -76,14 +77,14 @@ class Renderer:
 
 
 def open_painter(robot: RobotData, source: str) -> Painter:
-    """A painter of the views, for use in the calling thread."""
+    """Create a painter of the views, for use in the calling thread."""
     if source == RayPainter.source:
         return RayPainter(eye_scene(robot), WIDTH, HEIGHT, cell=CELL)
     return GlPainter(eye_scene(robot), WIDTH, HEIGHT, name=source, shadows=False, samples=0)
 
 
 def paint_view(painter: Painter, view: str) -> Image:
-    """The picture of one of `names.VIEWS`; a picture drawn by ray casting has a badge."""
+    """Draw the picture of one of `names.VIEWS`; a picture drawn by ray casting has a badge."""
     image = painter.paint(f"eye_{view}" if view in names.EYES else view)
     if painter.source == RayPainter.source:
         stamp(image)
@@ -97,7 +98,7 @@ def stamp(image: Image, size: int = 3) -> None:
 
 
 def encode(image: Image) -> bytes:
-    """An image as a JPEG file."""
+    """Encode an image as a JPEG file."""
     jpeg: bytes = simplejpeg.encode_jpeg(
         np.ascontiguousarray(image), quality=QUALITY, colorspace="RGB", colorsubsampling="420"
     )
@@ -121,7 +122,7 @@ def main(words: Sequence[str]) -> None:
             jpeg = encode(paint_view(painter, view))
             pictures.write(_LENGTH.pack(len(jpeg)) + jpeg)
             pictures.flush()
-        if not lowered:  # not before the first picture: a client waits for it
+        if not lowered:  # only after the first picture, because a client waits for it
             lowered = True
             with contextlib.suppress(AttributeError, OSError):
                 os.nice(NICE)

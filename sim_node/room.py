@@ -84,7 +84,7 @@ OBJECTS: Final = (
 
 
 def add_room(spec: mujoco.MjSpec) -> None:
-    """Replace the floor of a model of the robot by the room."""
+    """Replace the floor of a model of the robot with the room."""
     spec.delete(spec.geom("floor"))
     _light(spec)
     visuals = VisualGeoms(spec, COLOURS)
@@ -249,7 +249,7 @@ def _pyramid(visuals: VisualGeoms, thing: DeskObject) -> None:
 
 
 def _books(visuals: VisualGeoms, thing: DeskObject) -> None:
-    """A pile of three."""
+    """A pile of three books."""
     x, y, z = thing.place
     for row, (colour, half_x, half_y) in enumerate(
         ((thing.colour, 0.080, 0.11), ("orange", 0.070, 0.10), ("paper", 0.075, 0.085))

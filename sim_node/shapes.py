@@ -1,4 +1,4 @@
-"""Triangle meshes of printed parts, as arrays."""
+"""Triangle meshes as arrays."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ class Shape(NamedTuple):
 
 
 def superellipsoid(size: Sequence[float], roundness: float, across: int = 40, up: int = 24) -> Shape:
-    """A superellipsoid with half axes `size` (m); roundness 1 is an ellipsoid, towards 0 it becomes a box."""
+    """Return a superellipsoid with half axes `size` (m), as `up` rings of `across` points.
+
+    With roundness 1 it is an ellipsoid; towards 0 it becomes a box.
+    """
     azimuth = np.linspace(0.0, math.tau, across, endpoint=False)
     height = np.linspace(-math.pi / 2, math.pi / 2, up + 2)[1:-1]
     rings = [
@@ -55,7 +58,7 @@ def skin(rings: Vector) -> Shape:
 
 
 def twisted_rod(start: Vector, end: Vector, radius: float, width: float, thickness: float) -> Shape:
-    """A flat bar along the great circle from direction `start` to `end`, twisted by 90 deg (m)."""
+    """A flat bar along the great circle from direction `start` to `end`, twisted by 90 deg; lengths in m."""
     angle = math.acos(float(np.clip(start @ end, -1.0, 1.0)))
     side = np.cross(start, end) / math.sin(angle)
     rings = []
@@ -70,7 +73,7 @@ def twisted_rod(start: Vector, end: Vector, radius: float, width: float, thickne
 
 
 def internal_gear(outer: float, pitch: float, height: float, teeth: int) -> Shape:
-    """A ring (radii in m) with teeth on its inside, centred in its frame."""
+    """A ring with teeth on its inside, centred in its frame; radii and height in m."""
     points = 4 * teeth
     azimuth = np.linspace(0.0, math.tau, points, endpoint=False)
     depth = pitch * 2.0 / teeth

@@ -99,7 +99,7 @@ class TargetHandler(Component):
         sessions.serve(self._key, self._query)
 
     def _query(self, incoming: Incoming) -> None:
-        """Called on a Zenoh thread."""
+        """Pass a query to the worker; called on a Zenoh thread."""
         try:
             if self._worker is not None:
                 self._worker.submit(self._answer, incoming)
@@ -112,7 +112,7 @@ class TargetHandler(Component):
         incoming.finish()
 
     def close(self) -> None:
-        """Answer the queries that wait, then end."""
+        """Answer the waiting queries, and end the thread."""
         if self._worker is not None:
             self._worker.shutdown()
 

@@ -26,18 +26,18 @@ class Viewer:
     """A window that shows the scene until the user closes it."""
 
     def __init__(self, robot: RobotData) -> None:
-        """Open the window; raises Refused if it cannot be opened, mostly because there is no display."""
+        """Open the window; raises Refused if that fails, usually because there is no display."""
         self._process = PipedProcess("sim_node.viewer_process", robot)
         if self._process.first_line() != READY:
             self.close()
             raise Refused(
                 Reason.BAD_VALUE,
-                "--view: no window can be opened, because there is no display or it has no OpenGL. Omit --view: "
-                "the simulation and its eyes need no display.",
+                "--view: no window can be opened, because there is no display or the display has no OpenGL. Omit "
+                "--view: the simulation and its eyes need no display.",
             )
 
     def show(self, state: SceneState) -> None:
-        """Show a state; raises OSError if the window is closed. Blocks while it hangs, until `close`."""
+        """Show a state; raises OSError if the window is closed. Blocks while the window hangs, until `close`."""
         self._process.write(np.concatenate((state.posture, state.target)).tobytes())
 
     def close(self) -> None:

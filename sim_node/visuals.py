@@ -1,6 +1,6 @@
 """The appearance of the simulated robot: shapes without mass or contact, lights and the observer's camera.
 
-The short arm is red, the middle one green, the long one blue, the twisted rods are yellow; the face points along x.
+The short arm is red, the middle one green, the long one blue, and the twisted rods are yellow. The face points along x.
 """
 
 from __future__ import annotations
