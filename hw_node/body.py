@@ -43,7 +43,7 @@ class Hardware:
         """Do nothing: a person has set the head upright."""
 
     def components(self, context: Context) -> list[Component]:
-        """The cameras."""
+        """Return a component for each camera."""
         return [Camera(context, choice.eye, choice.build()) for choice in self._cameras]
 
     def plant(self) -> PlantStatus | None:
@@ -51,7 +51,7 @@ class Hardware:
         return None
 
     def fault(self) -> Fault:
-        """NONE: the board reports its faults itself."""
+        """Return NONE: the board reports its faults itself."""
         return Fault.NONE
 
     def close(self) -> None:
@@ -69,7 +69,7 @@ class VirtualHardware(Hardware):
         self._ticker = RealTimeTicker(self._board)
 
     def open_port(self) -> Port:
-        """The virtual board, which is always present."""
+        """Return the virtual board, which is always present."""
         return self._board
 
     def close(self) -> None:

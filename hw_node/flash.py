@@ -35,17 +35,17 @@ HALF_WRITTEN = "The board contains an incomplete firmware and will not start it.
 COMPLETE = "The firmware is written and verified. Press the reset button to start it."
 
 Progress = Callable[[str, int, int], None]
-"""Takes the name of the step, bytes done, bytes in all."""
+"""Takes the name of the step, the bytes done, and the total number of bytes."""
 SetState = Callable[[str], None]
 """Takes the sentence that describes the board from now on."""
 
 
 def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) -> None:
-    """Reset the board, write and verify the firmware, start it.
+    """Reset the board, write and verify the firmware, and start it.
 
     The first page contains an endless loop until all others are verified, so a board that loses its connection or power
     in between does not start. One gap remains: for a few milliseconds at the beginning and at the end the first page is
-    blank, and a board that starts then executes the middle of the old or the new firmware.
+    blank, and a board that starts during that time executes the middle of the old or the new firmware.
 
     Raises:
         NoAnswer: the boot loader fails.
@@ -98,7 +98,7 @@ def report_board_state() -> Iterator[SetState]:
     """Add the state of the board to every error and interrupt inside this block.
 
     Raises:
-        NoAnswer: BOARD_LOST, also instead of OSError.
+        NoAnswer: the error of the block with that state; BOARD_LOST instead of an OSError.
     """
     state = UNTOUCHED
 

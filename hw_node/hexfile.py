@@ -35,7 +35,7 @@ def read(path: Path) -> bytes:
     """Return the image from address 0 on, 1 to FLASH bytes; gaps are BLANK.
 
     Raises:
-        WrongUsage: BAD_VALUE; the file is missing, or not an image for this board. The message names the wrong line.
+        WrongUsage: BAD_VALUE, the file is missing, or not an image for this board. The message names the invalid line.
     """
     found = sorted(piece for piece in pieces(path) if piece.data)
     if not found:
@@ -57,7 +57,7 @@ def read(path: Path) -> bytes:
 
 
 def pieces(path: Path) -> list[Piece]:
-    """The data of all lines, in file order; raises the errors of `read`."""
+    """Return the data of all lines, in file order; raises the errors of `read`."""
     found = []
     base = number = 0
     ended = False
@@ -80,7 +80,7 @@ def pieces(path: Path) -> list[Piece]:
 
 
 def content(path: Path) -> bytes:
-    """The whole file without a byte order mark; raises the errors of `read`."""
+    """Return the whole file without a byte order mark; raises the errors of `read`."""
     try:
         held = files.content(
             path,
@@ -95,7 +95,7 @@ def content(path: Path) -> bytes:
 
 
 def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
-    """Kind, address and data of one line; raises the errors of `read`."""
+    """Return kind, address and data of one line; raises the errors of `read`."""
     try:
         record = unhexlify(line.removeprefix(b":"))
     except ValueError:

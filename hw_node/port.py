@@ -1,4 +1,4 @@
-"""Serial port of a board. The only importer of pyserial."""
+"""Serial port of a board. Only this module imports pyserial."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class SerialPort:
             ) from error
 
     def write(self, data: bytes) -> bytes:
-        """Send all bytes; return b"", since replies come later.
+        """Send all bytes; return b"", because replies arrive later.
 
         Raises OSError if the device is gone or accepts no bytes for half a second.
         """
@@ -86,7 +86,7 @@ class SerialPort:
         """Do nothing: a real board runs by itself."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Received bytes, after waiting up to `timeout_s` for the first one; OSError if the device is gone."""
+        """Wait up to `timeout_s` for the first byte and return all received; raises OSError if the device is gone."""
         with as_os_error():
             if self._serial.timeout != timeout_s:  # setting it configures the whole port again
                 self._serial.timeout = timeout_s
@@ -117,7 +117,10 @@ def why_not(error: Exception) -> str:
     if number == errno.ENOENT:
         return "is not there: plug the board in, or name its port with --port"
     if number == errno.EACCES:
-        return "cannot be opened by you: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again"
+        return (
+            "cannot be opened by this user: on Linux type `sudo usermod -aG dialout $USER`, "
+            "then log out and in again"
+        )
     if number in (errno.EAGAIN, errno.EBUSY):
         return "is used by another program, for example another `beatrix hw`: end that program first"
     if number in NO_PORT or "configure port" in str(error):
@@ -142,6 +145,6 @@ def find(otherwise: str = "") -> str:
     others = ", ".join(port.device for port in ports) or "none"
     raise NoAnswer(
         Reason.BOARD_LOST,
-        f"No Arduino Mega on USB (serial ports here: {others}). Plug it in, or name its port with "
+        f"No Arduino Mega is on USB (serial ports here: {others}). Plug it in, or name its port with "
         f"--port{otherwise}.",
     )

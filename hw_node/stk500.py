@@ -1,7 +1,7 @@
 """STK500 version 2, the protocol of the Arduino Mega's boot loader (Atmel AVR068, "STK500 Communication Protocol").
 
-A message: 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply to a
-command has the same number, and a status.
+A message consists of 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply
+to a command has the same number, and contains a status.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from beatrix_zenoh.errors import NoAnswer
 
 BAUD: Final = 115_200
 PAGE: Final = 256
-"""Bytes erased and written at once."""
+"""Bytes that are erased and written together."""
 FLASH: Final = 0x3E000
 """Bytes for the firmware; the boot loader is above."""
 SIGNATURE: Final = b"\x1e\x98\x01"
@@ -52,7 +52,7 @@ class Wire(Protocol):
         """Send all bytes."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Received bytes, after waiting up to `timeout_s` for the first one."""
+        """Wait up to `timeout_s` for the first byte, and return all received ones."""
 
     def reset_board(self) -> None:
         """Reset the board; the boot loader starts."""
@@ -78,7 +78,7 @@ class Programmer:
             raise NoAnswer(
                 Reason.TIMED_OUT,
                 "The boot loader does not answer. Check that the board is an Arduino Mega 2560 and the port is right. If the "
-                "board does not reset by itself, press its reset button when you start.",
+                "board does not reset by itself, press its reset button when you start `beatrix flash`.",
             )
         self._command(bytes([ENTER, 200, 100, 25, 32, 0, 0x53, 3, 0xAC, 0x53, 0, 0]))
         found = bytes(self._command(bytes([SPI, 4, 4, 0, 0x30, 0, index, 0]))[5] for index in range(3))
@@ -129,7 +129,7 @@ class Programmer:
         return reply
 
     def _reply(self, body: bytes) -> bytes:
-        """Reply with any status: the boot loader reports the erase command as failed, but executes it."""
+        """Return the reply, whatever its status: the boot loader executes the erase command but reports a failure."""
         for _ in range(TRIES):
             reply = self._try(body, REPLY_S)
             if reply is not None:
@@ -160,7 +160,7 @@ def lost() -> NoAnswer:
 
 
 def find(received: bytes, sequence: int) -> bytes | None:
-    """The body of a complete message with this number in the received bytes; None if there is none."""
+    """Return the body of a complete message with this number in the received bytes; None if there is none."""
     for begin in range(len(received)):
         message = received[begin:]
         if message[:2] != bytes([START, sequence]) or len(message) < OVERHEAD or message[4] != TOKEN:

@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 
 class Camera(Component):
-    """One eye of the robot. Failures of its camera do not affect the rest of the node."""
+    """One eye of the robot; failures of its camera do not affect the rest of the node."""
 
     def __init__(self, context: Context, eye: str, source: FrameSource) -> None:
         self._eye, self._source = eye, source
@@ -48,7 +48,7 @@ class Camera(Component):
         seen: str | None = None
         while not self._closed:
             trouble = self._source.trouble()
-            # A problem found while taking pictures is reported until a picture comes: this check cannot find it.
+            # This check cannot find a problem of taking pictures, which must be reported until a picture arrives.
             if trouble != seen:
                 self._publisher.report(trouble)
             seen = trouble
@@ -59,7 +59,7 @@ class Camera(Component):
             self._wake.clear()
 
     def _take_pictures(self) -> bool:
-        """Publish pictures while a client subscribes; False, and reported, if the camera fails."""
+        """Publish pictures while a client subscribes; if the camera fails, report that and return False."""
         try:
             try:
                 self._source.open()

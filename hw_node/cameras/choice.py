@@ -65,10 +65,10 @@ def same_for_both(source: str) -> list[CameraChoice]:
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:
-    """Read `EYE=SOURCE` words.
+    """Convert words of the form `EYE=SOURCE`.
 
     Raises:
-        WrongUsage: BAD_VALUE, with what is wrong and what is allowed.
+        WrongUsage: BAD_VALUE, with the mistake and the allowed values.
     """
     found: dict[str, CameraChoice] = {}
     for word in words:

@@ -25,9 +25,9 @@ Range = tuple[int, int]
 
 
 class Files:
-    """The pictures of a folder in the order of their names, or of a film, repeated; they are published unchanged.
+    """The pictures of a folder in the order of their names, or of a film, repeated and not encoded again.
 
-    The rate is 30 pictures a second, or that of an AVI film.
+    The rate is 30 pictures a second, or that of an AVI film, at most HZ_MAX.
     """
 
     name: Final = "file"
@@ -40,7 +40,7 @@ class Files:
         self._timer = FrameTimer()
 
     def trouble(self) -> str:
-        """An error if the path does not exist, else empty."""
+        """Return an error message if the path does not exist, else an empty text."""
         return "" if self._path.exists() else f"{self._path} does not exist. Name {KINDS}."
 
     def open(self) -> None:
@@ -70,7 +70,7 @@ class Files:
         return hz
 
     def next(self, timeout_s: float) -> Frame | None:
-        """The next picture, at its time."""
+        """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         if not self._timer.wait(timeout_s):
             return None
         one = self._pictures[self._next % len(self._pictures)]
@@ -92,14 +92,14 @@ class Files:
         return NoAnswer(Reason.BAD_VALUE, f"{self._path} cannot be shown: {why}. Name {KINDS}.")
 
     def close(self) -> None:
-        """Close the film."""
+        """Close the film if one is open."""
         if self._film is not None:
             self._film.close()
         self._film, self._pictures = None, ()
 
 
 def avi(film: mmap.mmap) -> tuple[list[Range], float]:
-    """Ranges of the pictures in an AVI film in motion JPEG, and their rate (Hz); raises ValueError for another film."""
+    """Ranges of the pictures in an AVI film in motion JPEG, and their rate (Hz); raises ValueError for other films."""
     pictures, hz = [], float(HZ)
     for kind, begin, end in chunks(film, 0, len(film)):
         if kind == b"avih":
@@ -115,7 +115,7 @@ def avi(film: mmap.mmap) -> tuple[list[Range], float]:
 
 
 def chunks(film: mmap.mmap, at: int, end: int) -> Iterator[tuple[bytes, int, int]]:
-    """Name, begin and end of all data chunks of a RIFF file."""
+    """Yield name, begin and end of all data chunks of a RIFF file."""
     while at + 8 <= end:
         kind = film[at : at + 4]
         length = int.from_bytes(film[at + 4 : at + 8], "little")

@@ -25,7 +25,7 @@ class Segment(NamedTuple):
 
 
 def segments(picture: bytes | mmap.mmap, at: int = 0) -> Iterator[Segment]:
-    """The header segments of the picture at `at`, up to the one before its data; raises ValueError if it is invalid."""
+    """Yield the header segments of the picture at `at`, up to its data; raises ValueError if the header is invalid."""
     if picture[at : at + 2] != SOI:
         raise ValueError("it is not a JPEG picture")
     at += 2
@@ -72,7 +72,7 @@ def standard_tables() -> bytes:
 
 
 def split(stream: bytes | mmap.mmap) -> Iterator[tuple[int, int]]:
-    """Begin and end of each picture of a stream (`.mjpeg`); raises ValueError if it is damaged."""
+    """Yield begin and end of each picture of a stream (`.mjpeg`); raises ValueError if a header is damaged."""
     at = stream.find(SOI)
     while at >= 0:
         *_, last = segments(stream, at)

@@ -74,7 +74,7 @@ class UsbCamera:
         self._reader: Reader | None = None
 
     def trouble(self) -> str:
-        """Empty: OpenCV cannot check for a camera without opening it."""
+        """Return an empty text: OpenCV cannot check for a camera without opening it."""
         return ""
 
     def open(self) -> None:
@@ -86,7 +86,7 @@ class UsbCamera:
             raise self._stuck()
 
     def next(self, timeout_s: float) -> Frame | None:
-        """The next picture, with the time of its arrival at this computer: OpenCV gives no time of exposure."""
+        """Return the next picture with its time of arrival, as OpenCV gives none of exposure; None if none arrives."""
         if self._reader is None:
             return None
         try:
@@ -149,7 +149,7 @@ class Reader:
             self.begun.set()
 
     def _begin(self, capture: Capture) -> None:
-        """Request motion JPEG, because a USB bus has no bandwidth for two cameras otherwise; a driver may ignore it."""
+        """Request motion JPEG, without which a USB bus has no bandwidth for two cameras; a driver may ignore this."""
         if not capture.isOpened():
             raise NoAnswer(Reason.FAULT, missing(self._number))
         cv = self._opencv

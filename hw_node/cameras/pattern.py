@@ -56,7 +56,7 @@ def background(eye: str) -> Pixels:
 
 
 class Pattern:
-    """Test pictures at 30 Hz. The number counts all pictures since the start, `t` their monotonic clock in ms."""
+    """Test pictures at 30 Hz with their number since the start, the wall-clock time, and the monotonic time in ms."""
 
     name: Final = "pattern"
 
@@ -75,7 +75,7 @@ class Pattern:
         self._timer = FrameTimer(HZ)
 
     def next(self, timeout_s: float) -> Frame | None:
-        """The next picture, when it is due."""
+        """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         if not self._timer.wait(timeout_s):
             return None
         self._number += 1

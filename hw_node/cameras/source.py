@@ -28,7 +28,7 @@ class FrameSource(Protocol):
         """Start taking pictures."""
 
     def next(self, timeout_s: float) -> Frame | None:
-        """The next picture; None if none came in time."""
+        """Wait for the next picture and return it; None if none arrives within `timeout_s`."""
 
     def close(self) -> None:
         """Stop taking pictures; may be called twice, and after `open` has failed."""
@@ -49,6 +49,6 @@ class FrameTimer:
             return False
         if left_s > 0:
             time.sleep(left_s)
-        # No burst of late pictures after a delay.
+        # Missed deadlines are skipped, so that no burst of late pictures follows a delay.
         self._due_s = max(self._due_s + self._period_s, time.monotonic())
         return True

@@ -18,7 +18,7 @@ from hw_node.cameras import jpeg
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH
 
 RATES_HZ: Final = (HZ, 15)
-"""The second rate is for USB buses without bandwidth for two cameras at the first."""
+"""The second rate is for USB buses that have no bandwidth for two cameras at the first rate."""
 BUFFERS: Final = 4
 """Pictures that the kernel queues."""
 GONE: Final = (errno.ENODEV, errno.ENXIO, errno.EIO, errno.ENOENT, errno.EBADF, errno.EPROTO)
@@ -39,7 +39,7 @@ class UsbCamera:
         self._damaged = 0
 
     def trouble(self) -> str:
-        """An error if the path does not exist, else empty."""
+        """Return an error message if the path does not exist, else an empty text."""
         return "" if self._path.exists() else self._why_not(errno.ENODEV)
 
     def open(self) -> None:
@@ -76,7 +76,7 @@ class UsbCamera:
         self._capture.open()
 
     def next(self, timeout_s: float) -> Frame | None:
-        """The next picture, with the kernel's time of its exposure; None also for a damaged one."""
+        """Return the next picture with the time of its exposure; None if none arrives in time or it is damaged."""
         if self._device is None or self._capture is None:
             return None
         try:
@@ -92,12 +92,12 @@ class UsbCamera:
             return to_frame(one)
         except ValueError as error:  # cameras send damaged pictures after their start and on bad cables
             self._damaged += 1
-            if self._damaged & (self._damaged - 1) == 0:  # 1, 2, 4, 8 … times
+            if self._damaged & (self._damaged - 1) == 0:  # log the 1st, 2nd, 4th, 8th … picture only
                 log.warning("%s: damaged picture skipped (%s), %d so far.", self._path, error, self._damaged)
             return None
 
     def close(self) -> None:
-        """Stop and release the camera; stopping fails for one that was unplugged."""
+        """Stop and release the camera; errors of a camera that was unplugged are ignored."""
         capture, device = self._capture, self._device
         self._capture = self._device = None
         for part in (capture, device):
