@@ -25,7 +25,7 @@ class Bridge(QObject):
         self._queued.connect(self._run)  # a call from another thread is queued by Qt
 
     def post(self, call: Callable[[], None]) -> None:
-        """Run `call` in Qt's thread; any thread may post. Calls posted after `close` are dropped."""
+        """Run `call` in Qt's thread; any thread may post. No call begins after `close`."""
         if not self._closed:
             self._queued.emit(call)
 
@@ -47,5 +47,5 @@ class Bridge(QObject):
             call()
 
     def close(self) -> None:
-        """Drop all further calls."""
+        """Drop the calls that wait, and all later ones."""
         self._closed = True

@@ -1,4 +1,4 @@
-"""Keys that work everywhere in the window, independent of the focus; and STOP while a popup is open."""
+"""Keys of the whole window. Those of STOP work regardless of the focus, and while a popup is open."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
 class Keys(QObject):
     """Filters the events of the whole application before any widget receives them.
 
-    Qt's shortcuts are not enough: on a button they act 0.1 s late, and text fields and popups consume them.
+    Qt's shortcuts are not enough: a button acts 0.1 s after its shortcut, and text fields and popups consume keys.
     """
 
     stop = pyqtSignal()
@@ -87,9 +87,10 @@ class Keys(QObject):
         return None
 
     def _enter(self, focus: QWidget | None) -> Callable[[], object] | None:
-        """Return the action of Enter.
+        """Return the action of Enter; None if Qt handles the key.
 
-        Enter presses the focused button (Space, Qt's key for that, is STOP), or sends from the pad.
+        Enter presses the focused button, because Space, Qt's key for that, is STOP. If the pad or no widget has the
+        focus, Enter sends the target.
         """
         popup = QApplication.activePopupWidget()
         if popup is not None or isinstance(QApplication.activeWindow(), QDialog):

@@ -35,7 +35,7 @@ ROOMY_PX = 768
 
 
 class Panels(QWidget):
-    """Shows a view; reports intents."""
+    """All widgets of the window; shows a view and reports intents."""
 
     intent = pyqtSignal(object)
 
@@ -127,7 +127,7 @@ class Panels(QWidget):
         self._show_notice()
 
     def _arrange(self) -> None:
-        """In a low window show history and poses in the middle column, and give the pad more width."""
+        """Show history and poses at the side, or in a low window in the middle, where they leave the pad more width."""
         colours = style_of(self._theme)
         self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
         low = self.height() < colours.px(LOW_PX)
@@ -184,7 +184,7 @@ class Panels(QWidget):
             (self.class_page.list if shows_class else self.head.pad).setFocus()
 
     def show_outcome(self, rows: tuple[HistoryRowView, ...], last: str) -> None:
-        """Show the outcome of a request, and nothing else."""
+        """Show history and last line after an outcome, and nothing else."""
         self.history.show_view(rows)
         self.stop_bar.show_last(last)
 

@@ -35,7 +35,7 @@ logger = logging.getLogger("beatrix.window")
 
 
 def run(settings: Settings, theme: Theme | None, language: str | None, *, name_given: bool) -> int:
-    """Show the window until it is closed or a signal comes; returns the exit code."""
+    """Show the window until it is closed or a signal arrives; returns the exit code."""
     application, state, shutdown = qt_application(), chosen_state(theme, language), Shutdown()
     shutdown.handle_signals()
     autosave = Autosave(state)
@@ -62,7 +62,7 @@ def run(settings: Settings, theme: Theme | None, language: str | None, *, name_g
 def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iterator[Window]:
     """Yield a hidden window with a link that looks for the router; close the link at the end of the block."""
     bridge = Bridge()
-    link = Link(  # reports nothing before it is started, when the window is there
+    link = Link(  # reports nothing before `start`, and by then the window exists
         settings,
         lambda outcome: bridge.post(lambda: window.report(outcome)),
         lambda twin, image: bridge.post_latest((twin, image.eye), lambda: window.show_image(twin, image)),
@@ -106,7 +106,7 @@ def chosen_state(theme: Theme | None, language: str | None) -> State:
 
 @contextlib.contextmanager
 def errors_shown(show: Callable[[str], None]) -> Iterator[None]:
-    """Show and log unhandled errors of all threads: PyQt would end the process with a core dump."""
+    """Show and log unhandled errors of all threads; otherwise PyQt would end the process with a core dump."""
 
     def report(error: BaseException | None) -> None:
         logger.error("unhandled error", exc_info=error)

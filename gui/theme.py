@@ -49,7 +49,7 @@ class Style:
     stop_text: str
 
     def px(self, pixels: float) -> int:
-        """Return a length in this theme, from one at 100 %."""
+        """Return a length (px) in this theme, from one at 100 %."""
         return round(pixels * self.scale)
 
     def twin(self, twin: str) -> str:

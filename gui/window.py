@@ -1,4 +1,4 @@
-"""The window: shows the world that the link returns, and hands the actions of intents to the link."""
+"""The window: shows the world that the link returns, and passes the actions of intents to the link."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ REFRESH_DELAY_MS = 10
 ANSWERED = (Send, SendCommand, SendLease, Ready)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
-"""Pause in which the threads of the link send before the window draws: Python runs one thread at a time."""
+"""Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
 LEAST_WIDTH, LEAST_HEIGHT = 1024, 560
 
 
@@ -60,7 +60,7 @@ class Window(QMainWindow):
 
     @property
     def refresh_pending(self) -> bool:
-        """Whether a request was sent that the window does not show yet."""
+        """Whether the window does not show the newest request or outcome completely yet."""
         return self._delayed_refresh.isActive()
 
     def refresh(self) -> None:
@@ -76,7 +76,7 @@ class Window(QMainWindow):
 
     def handle(self, intent: Intent) -> None:
         """Carry out an intent and show its effect: at once, or after REFRESH_DELAY_MS if a robot answers it."""
-        if not isinstance(intent, Stop):  # STOP is sent before anything else is read
+        if not isinstance(intent, Stop):  # reading the world would delay STOP
             self._world = self._link.world()
         actions = self._state.handle(intent, self._world)
         self._do(actions)
@@ -86,7 +86,7 @@ class Window(QMainWindow):
             self.refresh()
 
     def report(self, outcome: Outcome) -> None:
-        """Show the outcome of an action: its line at once, other changes after REFRESH_DELAY_MS."""
+        """Show the outcome of an action: history and last line at once, the rest after REFRESH_DELAY_MS."""
         self._state.report(outcome)
         self.panels.show_outcome(*self._state.outcomes(self._world))
         self._delayed_refresh.start()

@@ -1,8 +1,8 @@
-"""Talks to router and robots on threads of its own; Qt's thread never waits for it.
+"""The connection to router and robots, on its own threads; Qt's thread waits for them only at the end.
 
-`link` joins the parts: `connection` finds router and robots; a `request_queue` for each robot sends the requests to
-that robot alone, `plans` the motions of both, `playing` choreographies, and `stopping` STOP on a thread of its own;
-`cameras` and `probe` read; `recordings` and `children` start other programs.
+`link` joins the parts. `connection` finds router and robots. A `request_queue` for each robot sends the requests to
+that robot alone, `plans` sends the motions of both, `playing` plays choreographies, `governing` sends the teacher's
+lease queries, and `stopping` sends STOP. `cameras` and `probe` read; `recordings` and `children` start other programs.
 """
 
 from __future__ import annotations

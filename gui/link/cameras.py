@@ -11,7 +11,7 @@ class Cameras(Worker):
     """Subscribes to wanted pictures when there is a session, and again when another robot is selected."""
 
     def __init__(self, on_image: OnImage) -> None:
-        """Start the thread without subscriptions; `on_image` gets twin and picture on threads of this object."""
+        """Start the thread without subscriptions; `on_image` receives twin and picture on threads of this object."""
         super().__init__("window-cameras")
         self._on_image = on_image
         self._wanted: frozenset[tuple[str, str]] = frozenset()
@@ -43,6 +43,6 @@ class Cameras(Worker):
             self._pictures = None
 
     def close(self) -> None:
-        """End the subscriptions; returns at once."""
+        """End the subscriptions and the thread; returns at once."""
         self.put(self._end)
         super().close()

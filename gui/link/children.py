@@ -1,4 +1,4 @@
-"""Simulation, router and viewer as child processes of the window, ended with it."""
+"""Simulation, router and viewer as child processes, which end with the window."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Children(Worker):
         self._simulation: Child | None = None
         self._numbers = itertools.count(1)
         self.starting = False
-        """whether a requested simulation does not serve yet"""
+        """whether a requested simulation is still starting"""
         self._trouble = ""
 
     @property
@@ -36,13 +36,13 @@ class Children(Worker):
 
     @property
     def trouble(self) -> str:
-        """The reason why a child process did not start or has ended; empty if all run."""
+        """The reason why a child process did not start or has failed; empty if there is none."""
         for processes in (self._serving, self._viewers):
             if self._trouble or self.starting or processes is None:
                 continue
             if any(child.code not in (None, 0) for child in list(processes.children)):
                 self._trouble = processes.failure()
-                processes.forget_ended()  # so that it is reported once
+                processes.forget_ended()  # so that each failure is reported once
         return self._trouble
 
     def simulate(self, robot: str, endpoint: str) -> None:
@@ -73,7 +73,7 @@ class Children(Worker):
             simulation = serving.start("simulation", *words)
             serving.wait_ready()
         except BeatrixError:
-            serving.forget_ended()  # the error says how a child has ended
+            serving.forget_ended()  # the error already describes how a child has ended
             raise
         self._simulation = simulation
 
@@ -93,7 +93,7 @@ class Children(Worker):
             self._trouble = f"A viewer cannot be started: {error}."
 
     def join(self, deadline_s: float) -> None:
-        """End all children until `deadline_s` (monotonic clock, s)."""
+        """End all children and the thread by `deadline_s` (monotonic clock, s)."""
         for processes in (self._viewers, self._serving):
             if processes is not None:
                 processes.end_all(deadline_s)

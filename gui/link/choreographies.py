@@ -20,8 +20,8 @@ from gui.link.playing import POSES
 from gui.state.actions import Play
 
 LARGEST_BYTES = 1 << 19
-"""Largest size of a file to play (bytes): about 15 000 lines. Their check takes seconds, and STOP ends a play only
-after it."""
+"""Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, and only then can STOP end
+the play."""
 
 
 def prepared(
@@ -55,9 +55,9 @@ def prepared(
 
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
-    """Return the poses, choreography or path (a time for each place) to play; raises WrongUsage."""
+    """Return the choreography (also for poses) or the path (a time for each point) to play; raises WrongUsage."""
     if action.file is None:
-        # All times are 0: each pose begins when the one before is reached.
+        # All times are 0, so that each pose begins when the previous one is reached.
         steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]
         return Choreography(steps)
     try:

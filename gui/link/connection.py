@@ -23,7 +23,7 @@ from gui.state.world import LinkPhase
 
 RETRY_S = 1.0
 LOOK_S = 0.25
-"""Period of reading the names on line until one is chosen."""
+"""Period of reading the names of robots on line, until one is selected."""
 EVENTS = 200
 """Events kept of each robot."""
 
@@ -111,14 +111,14 @@ class Connection:
         self._tasks.put(old.twin.close)  # on the connection's thread, because it may wait for a robot
 
     def states(self) -> tuple[RobotState, RobotState]:
-        """Simulation and hardware of the name that is chosen at present."""
+        """Return the states of simulation and hardware of the selected name."""
         session = self.session
         if session is None:
             return absent(self.robot, "sim"), absent(self.robot, "hw")
         return session.monitor.robot(self.robot, "sim"), session.monitor.robot(self.robot, "hw")
 
     def names(self) -> tuple[str, ...]:
-        """Names of the robots on line."""
+        """Return the names of the robots on line, sorted."""
         session = self.session
         return () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
 
@@ -135,7 +135,7 @@ class Connection:
                 time.sleep(RETRY_S)
 
     def _step(self) -> None:
-        """Look for router or robot once, then run the next task; raises queue.Empty if none comes for a while."""
+        """Look for router or robot once, then run the next task; raises queue.Empty if none arrives in time."""
         if self.session is None:
             self._connect()
         else:
@@ -170,7 +170,7 @@ class Connection:
     def _choose(self) -> None:
         """Select a name on line, once, if the user chose none: the only one, or for the teacher one of several.
 
-        The teacher has no robot of the own name. The first real robot is shown, as simulations belong to seats.
+        No robot has the teacher's name, so the first hardware is selected: simulations belong to students.
         """
         with self._lock:
             session = None if self._chosen else self.session

@@ -25,11 +25,11 @@ class ClassStates:
         self._states: tuple[RobotState, ...] = ()
 
     def watch(self, *, on: bool) -> None:
-        """Begin or end to read."""
+        """Begin or end reading."""
         self._watched, self._read_s, self._states = on, 0.0, ()
 
     def states(self, session: Session | None, now_s: float) -> tuple[RobotState, ...]:
-        """Return the states by name, the simulation first; at most PERIOD_S old."""
+        """Return the states, at most PERIOD_S old, by name, the simulation first; empty unless watched."""
         if session is None or not self._watched:
             return ()
         if now_s - self._read_s >= PERIOD_S:
@@ -40,7 +40,7 @@ class ClassStates:
 
 
 class Governing(Worker):
-    """Sends lease queries to several robots at once, on a thread of its own."""
+    """Sends lease queries to several robots at the same time, on a thread of its own."""
 
     def __init__(self, report: Callable[[Outcome], None]) -> None:
         super().__init__("window-class")

@@ -23,7 +23,7 @@ CLOSE_S: Final = 1.0
 
 
 class Pictures:
-    """Pictures of one robot's cameras; one thread may call the methods."""
+    """Pictures of one robot's cameras; only one thread may call the methods."""
 
     def __init__(self, client: Client, robot: str, on_image: OnImage) -> None:
         """Subscribe to nothing yet.
@@ -39,7 +39,7 @@ class Pictures:
     def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
         """Subscribe to exactly these cameras, pairs of twin and eye; does not wait for router or robot.
 
-        Pictures of absent robots and cameras follow when they appear. After the return no other picture is delivered.
+        Absent robots and cameras are included as soon as they appear. After the return no other picture is delivered.
         """
         for place in self._streams.keys() - wanted:
             self._streams.pop(place).end()
@@ -80,7 +80,7 @@ class Stream:
                 raise
 
     def _subscribed(self) -> Subscription[CameraImage]:
-        """Subscribe and keep only the newest picture; raises NoAnswer if no router answers."""
+        """Return a subscription that keeps only the newest picture; raises NoAnswer if no router answers."""
         robot, twin, eye = self._camera
         pictures = images(self._client, robot, twin, eye, timeout_s=None, length=1)
         with self._lock:
@@ -105,5 +105,5 @@ class Stream:
             subscription.close()
 
     def join(self, timeout_s: float) -> None:
-        """Wait for the end of the thread."""
+        """Wait for the end of the thread, at most `timeout_s` (s)."""
         self._thread.join(max(0.0, timeout_s))

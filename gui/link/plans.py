@@ -64,7 +64,7 @@ class Plans(Worker):
     def send(
         self, row: int, twin: Twin, query: MotionQuery | PoseQuery, lead_s: float, clear: Callable[[], None]
     ) -> None:
-        """Preview a motion and commit it; it replaces one that is previewed or waits for its lead."""
+        """Preview a motion and commit it; it replaces a motion that is being previewed or waits for its lead."""
         job = Job(row, twin, query, lead_s, clear)
         self.drop_trying(replaced())
         with self._lock:
@@ -91,18 +91,18 @@ class Plans(Worker):
             moving.motion.send_now()
 
     def abort(self) -> None:
-        """Stop the simulation and keep the hardware unmoved; if the hardware has its motion, stop both."""
+        """Stop the simulation and keep the hardware unmoved; if the motion was sent to the hardware, stop both."""
         self.drop(Interrupted(Reason.STOPPED, ABORTED))
 
     def drop(self, why: BeatrixError) -> None:
-        """End the previewed and the moving plan."""
+        """End the plan that is being previewed, and the one that is carried out."""
         self.drop_trying(why)
         moving = self._moving
         if moving is not None:
             moving.cancel(why)  # reported at its end
 
     def drop_trying(self, why: BeatrixError) -> None:
-        """End the plan that is still previewed."""
+        """End the plan that is still being previewed."""
         with self._lock:
             job, self._trying = self._trying, None
         if job is not None:
@@ -161,7 +161,7 @@ class Plans(Worker):
             raise error
 
     def close(self) -> None:
-        """End all plans; returns at once."""
+        """End all plans and the thread; returns at once."""
         self.drop(closed())
         super().close()
 

@@ -1,4 +1,4 @@
-"""Choreographies, played on a thread of its own until the end, a newer request or STOP."""
+"""Choreographies, played on a separate thread until the end, a newer request or STOP."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Job:
 
 
 class Playing(Worker):
-    """Plays the newest choreography; methods except `wait_ended` return at once."""
+    """Plays the newest choreography; methods except `wait_ended` and `join` return at once."""
 
     def __init__(self, report: Callable[[Outcome], None]) -> None:
         super().__init__("window-play")
@@ -68,7 +68,7 @@ class Playing(Worker):
         self.put(lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError) -> None:
-        """End the current play: by STOP to its robots, unless a newer request replaces it."""
+        """End the current play; its robots are stopped, unless a newer request replaces it."""
         job = self._job
         if job is not None:
             job.ending = job.ending or why

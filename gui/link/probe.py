@@ -37,7 +37,7 @@ class Probe:
         self._thread: threading.Thread = threads.start(self._run, f"window-probe-{twin}")
 
     def limits(self, robot: str) -> LimitInfo | None:
-        """Limits of the robot of this name; None if it has not answered since it came on line."""
+        """Return the limits of the robot of this name; None if it has not answered since it came on line."""
         known = self._limits
         return known[1] if known is not None and known[0] == (robot, self._twin) else None
 
@@ -64,7 +64,7 @@ class Probe:
             self._limits = None if info is None else (place, info.limits)
 
     def close(self) -> None:
-        """End; returns at once."""
+        """End the thread; returns at once."""
         self._end.put(None)
 
     def join(self, deadline_s: float) -> None:
@@ -73,7 +73,7 @@ class Probe:
 
 
 def reply_of(client: Client, place: Place, key: str, kind: type[M]) -> M | None:
-    """Return the reply of a robot to a query without arguments; None if none comes within ANSWER_S."""
+    """Return the reply of a robot to a query without arguments; None if none arrives within ANSWER_S."""
     try:
         request = Request(client, place, key, None, ANSWER_S)
         try:

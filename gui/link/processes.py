@@ -1,4 +1,4 @@
-"""Child processes that end within the time that a closing window has."""
+"""Child processes that end in the time that a window has for closing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KILL_S = 0.4
 
 
 class Processes(Supervisor):
-    """A supervisor that another thread can end, even while this one waits for a child."""
+    """A supervisor that one thread can end, even while another thread waits for a child."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -30,13 +30,13 @@ class Processes(Supervisor):
             return super().start(title, *arguments, may_end=may_end)
 
     def forget_ended(self) -> None:
-        """Forget children that have ended."""
+        """Remove the children that have ended."""
         for child in list(self.children):
             if child.code is not None:
                 self.finish(child)
 
     def failure(self) -> str:
-        """Return how a child has ended, with its last lines; empty if all run."""
+        """Return a sentence with the exit code and last lines of a child that has ended; empty if all run."""
         try:
             self.check()
         except Refused as refusal:
@@ -46,7 +46,7 @@ class Processes(Supervisor):
     def end_all(self, deadline_s: float) -> None:
         """End all children at the same time.
 
-        Those that still run shortly before `deadline_s` (monotonic, s) are killed.
+        Those that still run shortly before `deadline_s` (monotonic clock, s) are killed.
         """
         with self._starting:
             self._closed = True

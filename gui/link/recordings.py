@@ -1,4 +1,4 @@
-"""Recordings: a recorder as a child process, which writes into `recordings/`."""
+"""Recordings: the recorder is a child process, which writes into `recordings/`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from gui.state.world import RecordingProgress
 
 FOLDER = "recordings"
 NO_ROBOT = exit_code(Reason.NO_ANSWER)
-"""Exit code of a recorder that no robot has published to."""
+"""Exit code of a recorder that has received nothing from a robot."""
 
 
 class Recordings(Worker):
@@ -77,7 +77,7 @@ class Recordings(Worker):
             self._trouble, self._lasted_s = error.message, 0.0
 
     def end(self) -> None:
-        """End the recording; its file is complete once `progress` reports that it does not run any more."""
+        """End the recording; its file is complete once `progress` reports that it no longer runs."""
         self._ending = True
         self.put(self._end)
 
@@ -91,12 +91,12 @@ class Recordings(Worker):
             self._ended()
 
     def _ended(self) -> None:
-        """Keep the duration and, if the recorder failed, the reason."""
+        """Store the duration and, if the recorder failed, the reason."""
         child, processes = self._child, self._processes
         with self._lock:
             if self._lasted_s is None:
                 self._lasted_s = 0.0 if self._began_s is None else time.monotonic() - self._began_s
-                # A recording that the user has ended while it started is empty, which is no failure.
+                # A recording that the user ends while it is starting is empty, which is no failure.
                 accepted = (0, NO_ROBOT) if self._ending else (0,)
                 if child is not None and processes is not None and child.code not in accepted:
                     self._trouble = processes.failure()

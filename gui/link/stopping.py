@@ -1,4 +1,4 @@
-"""STOP on a thread of its own, which waits for nothing else, to both robots or to all."""
+"""STOP to both robots or to all, sent by a thread that waits for nothing else."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class SentStop(NamedTuple):
 class StopReplies:
     """Waits for one robot's replies to STOP and reports them.
 
-    Thus a silent robot does not delay the reports of the other robot.
+    Each robot has its own thread, so that a silent robot does not delay the reports of the other robot.
     """
 
     def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
@@ -57,7 +57,7 @@ class StopReplies:
             self._report_all(all_pressed)
 
     def _report_all(self, all_pressed: list[SentStop]) -> None:
-        """Report all STOPs by the reply to the newest: the waits for each reply of a frozen robot would add up."""
+        """Report the reply to the newest STOP for all: if a robot is silent, the waits for each reply would add up."""
         began_s = time.monotonic()
         try:
             reply = all_pressed[-1].wait()
@@ -124,7 +124,7 @@ class Stopping:
         self._thread = threads.start(self._run, "window-stop")
 
     def press(self, row: int) -> None:
-        """Send STOP to both robots now; returns when it was sent, after YIELD_S at the latest."""
+        """Send STOP to both robots now; returns when STOP was sent, after YIELD_S at the latest."""
         self._press(lambda: self._send(row))
 
     def press_all(self, row: int) -> None:
@@ -169,7 +169,7 @@ class Stopping:
             self._report(self._no_session(row))
 
     def close(self) -> None:
-        """End; returns at once."""
+        """End the threads; returns at once."""
         self._pressed.put(None)
         self._all_rest.close()
         for rest in self._rests.values():
