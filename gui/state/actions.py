@@ -1,4 +1,4 @@
-"""Requests to robots; `link.Link` carries actions out and reports one or more `Outcome`s for each."""
+"""Actions, which `link.Link` carries out, and the `Outcome`s that it reports for each action with a row."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Send(Action):
-    """A motion. With two robots: previewed, then made by the simulation, and `lead_s` later by the hardware."""
+    """A motion; for two robots it is previewed, then made by the simulation, and `lead_s` later by the hardware."""
 
     row: int
     """number of the request's row in the history"""
@@ -69,7 +69,7 @@ class SendLease(Action):
 
 @dataclass(frozen=True)
 class Govern(Action):
-    """A lease query to several robots at once."""
+    """A lease query to one robot or several, sent to all of them at the same time."""
 
     row: int
     action: LeaseAction
@@ -81,7 +81,7 @@ class Govern(Action):
 
 @dataclass(frozen=True)
 class WatchClass(Action):
-    """Begin or end to read the states of all robots."""
+    """Begin or end reading the states of all robots."""
 
     on: bool
 
@@ -93,7 +93,7 @@ class SendPlanNow(Action):
 
 @dataclass(frozen=True)
 class AbortPlan(Action):
-    """End the motion that waits for its lead; the hardware stays unmoved."""
+    """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ DESELECTED = "Another robot was selected in this window."
 
 @dataclass(frozen=True)
 class Outcome:
-    """The result of an action at one robot."""
+    """The result of an action, at one robot or at several."""
 
     row: int
     twin: str
@@ -177,11 +177,11 @@ class Outcome:
     """whether this is the last outcome of this robot and row"""
     reason: Reason = Reason.OK
     message: str = ""
-    """the English text of the SDK's error"""
+    """the SDK's message or error text, in English"""
     detail: Detail | None = None
     """a refusal as data, for the sentence in another language"""
     duration_s: float = 0.0
-    """accepted: expected; done: measured"""
+    """expected duration of an accepted motion, or measured duration of one that has ended (s)"""
     robots: int = 0
     """number of robots that a request to several robots was sent to"""
     failed: tuple[str, ...] = ()

@@ -82,7 +82,7 @@ def _effect(memory: Memory, world: World, jog: Jog) -> str:
 
 
 def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
-    """Send the motion of + or - in the chosen mode; one motion, also for all arms."""
+    """Send the motion of + or - in the chosen mode; for all arms it is one motion."""
     choices = memory.choices
     by = intent.sign * choices.increment
     chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)
@@ -100,7 +100,7 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
 
 
 def _start(memory: Memory, world: World) -> ArmAngles | None:
-    """Return the angles that + or - start from.
+    """Return the angles that + or - start from; None if they are unknown.
 
     They are the set point, or the goal of the motion that simulation and hardware are making. Both robots get one goal,
     so that robots that stand apart, as after STOP or during the lead, come together.

@@ -15,11 +15,11 @@ from gui.state.world import LinkPhase, World
 from gui.texts import Texts
 
 CHOICES = 3
-"""Robots that the banner offers; the list of robots has all."""
+"""Largest number of robots that the banner offers; the list of robots has all."""
 
 
 def view(memory: Memory, world: World) -> BannerView | None:
-    """Return the banner; None if a robot is on line, no emergency stop is latched, and no lease has changed hands."""
+    """Return the banner; None if a robot is on line, no latch is set, and `leases.banner` has nothing to show."""
     texts = memory.choices.texts
     latched = tuple(twin for twin in ("sim", "hw") if _is_latched(world, twin))
     if latched:

@@ -14,7 +14,7 @@ from gui.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 
 @dataclass(frozen=True)
 class Choices:
-    """Settings that only the user changes; degrees, deg/s and s."""
+    """Settings of the user; angles in deg, speed in deg/s, lead in s."""
 
     theme: Theme = Theme.DARK
     language: str = DEFAULT_LANGUAGE

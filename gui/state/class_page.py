@@ -69,7 +69,7 @@ def _empty(world: World, texts: Texts) -> str:
 
 
 def _limits(world: World) -> set[int]:
-    """Return the speed limits (deg/s) of all robots; 0: none."""
+    """Return the different speed limits of all robots (deg/s); 0 stands for no limit."""
     known = [robot.status for robot in world.robots if robot.status is not None]
     return {round(math.degrees(status.speed_limit)) for status in known}
 
@@ -83,7 +83,7 @@ def _limit_now(limits: set[int], texts: Texts) -> str:
 
 
 def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
-    """Return the outcome of the last request of this page, or why it was not sent."""
+    """Return the outcome of the last request of this page, or why it was not sent, and whether it is good."""
     refused = refusals.at(memory, (PLACE,))
     sent = [row for row in memory.rows if isinstance(row.request, Govern | StopAll) and row.place == PLACE]
     if refused is not None and memory.refusal is not None and memory.refusal.key:
@@ -177,7 +177,7 @@ def _button(key: str, named: str, intent: GovernClass | ChooseRobot, texts: Text
 
 
 def handle(memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass) -> list[Action]:
-    """Show the other page, or send a request to robots; nothing if this window is not the teacher's."""
+    """Show the other page, or send a request to robots; do nothing if this window is not the teacher's."""
     if not world.is_teacher:
         return []
     match intent:
@@ -198,7 +198,7 @@ def show(memory: Memory, page: Page) -> list[Action]:
 
 
 def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
-    """Limit the speed of all robots to the number (deg/s) that was typed; an empty text ends the limit."""
+    """Limit the speed of all robots to the number (deg/s) that the user typed; an empty text ends the limit."""
     text = typed.strip().removesuffix("°/s").strip().replace(",", ".")
     try:
         speed = limit_of(float(text)) if text else 0.0

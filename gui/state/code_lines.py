@@ -27,7 +27,7 @@ VERBS = {
 
 
 def python(request: Request) -> str:
-    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if no line can."""
+    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is none."""
     line = ""
     match request:
         case Send(query=query, twins=twins, lead_s=lead_s):
@@ -47,7 +47,7 @@ def python(request: Request) -> str:
 
 
 def command_line(request: Request, world: World) -> str:
-    """Return a command for the terminal that sends the request; empty if no command can."""
+    """Return a command for the terminal that sends the request; empty if there is none."""
     match request:
         case Send(query=query, twins=twins, lead_s=lead_s):
             words = [*_motion_words(query), *_where(twins, world), *_lead(twins, lead_s)]
@@ -72,7 +72,7 @@ def command_line(request: Request, world: World) -> str:
 
 
 def _governed(request: Govern) -> list[str]:
-    """Return the verb of a request to all robots or to some; those verbs apply to both robots of a name."""
+    """Return verb, value and names of a request to all robots or some; a name stands for both of its robots."""
     words = [request.action.value]
     if request.action is LeaseAction.LIMIT:
         words.append(_number(math.degrees(request.speed)) if request.speed else "off")
@@ -121,7 +121,7 @@ def _head(query: PoseQuery) -> dict[str, str]:
 
 
 def _speeds(query: MotionQuery) -> list[str]:
-    """Return one speed (deg/s) if all are equal, else three; none for the robot's default."""
+    """Return one speed (deg/s) if all are equal, else three; an empty list for the robot's default."""
     if query.speed is None:
         return []
     speeds = [_number(speed) for speed in arm_angles(query.speed)]
@@ -137,7 +137,7 @@ def _where(twins: tuple[str, ...], world: World) -> list[str]:
 
 
 def _names(world: World) -> list[str]:
-    """Return the options of robot and router, unless the defaults of the command line find them."""
+    """Return the options for robot and router, except those whose defaults are right."""
     name = ["--name", world.robot] if len(world.names) > 1 else []
     return [*name, *_router(world)]
 
@@ -147,5 +147,5 @@ def _router(world: World) -> list[str]:
 
 
 def _number(value: float) -> str:
-    """Return a number with the fewest digits, at most thousandths."""
+    """Return a number as text, with at most three decimals and no trailing zeros."""
     return f"{round(value, 3) + 0.0:.10g}"

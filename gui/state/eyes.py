@@ -65,7 +65,10 @@ def _reason(memory: Memory, world: World, twin: str, eye: str) -> str:
 
 
 def _outside(status: Status, texts: Texts) -> str:
-    """Return why there is no outside view; the status does not list it, but it is drawn if the eyes are drawn."""
+    """Return why there is no outside view; empty if there is one.
+
+    The status lists only the eyes, but a simulation draws both or neither.
+    """
     if not status.cameras:
         return texts("eye.not_drawn")
     return next((camera.trouble for camera in status.cameras if not camera.connected), "")
@@ -75,7 +78,7 @@ def _trouble(camera: CameraStatus | None, texts: Texts) -> str:
     """Return why a camera gives no picture; empty if it does."""
     if camera is None:
         return texts("eye.none")
-    if camera.trouble and not camera.connected:  # `streaming` is about the last two seconds
+    if camera.trouble and not camera.connected:  # `streaming` may still be true for two seconds
         return camera.trouble
     if camera.streaming:
         return ""

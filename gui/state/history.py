@@ -61,7 +61,7 @@ def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
 
 
 def last(memory: Memory, world: World) -> str:
-    """Return the last request with its outcome, on one line."""
+    """Return one line: a new error of a child program, else the last request with its outcome, else the notice."""
     texts = memory.choices.texts
     for key, trouble in troubles(world).items():
         if trouble and trouble != memory.troubles.get(key):

@@ -45,7 +45,7 @@ class Intent:
 
 @dataclass(frozen=True)
 class Stop(Intent):
-    """Stop the robots of the shown page at once, independent of the checked boxes."""
+    """Stop the robots of the shown page at once, regardless of the checked boxes."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class RunCommand(Intent):
 
 @dataclass(frozen=True)
 class MakeReady(Intent):
-    """Enable and calibrate one robot, as far as either is missing."""
+    """Enable and calibrate one robot, unless that is done already."""
 
     twin: str
 
@@ -151,7 +151,7 @@ class AskLease(Intent):
 
 @dataclass(frozen=True)
 class DismissNotice(Intent):
-    """Hide the sentence about a lease that this seat got or lost."""
+    """Hide the sentence about a lease that this seat gained or lost."""
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ class Change(Intent):
 
 @dataclass(frozen=True)
 class Abort(Intent):
-    """Keep the hardware unmoved and drop the motion."""
+    """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +278,7 @@ class StartSimulation(Intent):
 
 @dataclass(frozen=True)
 class Retry(Intent):
-    """Try the router again now."""
+    """Look for the router again now."""
 
 
 @dataclass(frozen=True)

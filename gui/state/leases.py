@@ -70,7 +70,7 @@ def limit_text(status: Status, texts: Texts) -> str:
 def follow(memory: Memory, world: World) -> None:
     """Compare the leases of this seat with those at the last call.
 
-    Note a turn that has come and a lease that was lost.
+    Store a notice about a lease that this seat gained or lost.
     """
     kept: dict[tuple[str, str], Standing] = {}
     for twin in TWINS:
@@ -110,7 +110,7 @@ def _last_request(memory: Memory, twin: str) -> SendLease | None:
 
 
 def banner(memory: Memory, world: World) -> BannerView | None:
-    """Return the banner about a lease that was got or lost, or about a frozen robot; None if there is neither."""
+    """Return the banner about a lease that was gained or lost, or about a frozen robot; None if there is neither."""
     texts, notice = memory.choices.texts, memory.lease_notice
     if notice is not None and notice.slots["robot"] == world.robot:
         slots: Mapping[str, str] = {**notice.slots, "twin": texts(f"twins.{notice.twin}")}

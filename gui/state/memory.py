@@ -84,11 +84,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Refusal:
-    """The shown refusal, as data: its sentence follows the chosen language."""
+    """The shown refusal as data, so that its sentence can be made in the chosen language."""
 
     place: str
     key: str = ""
-    """text of a refusal of the window itself; empty: a robot has refused"""
+    """text key of a refusal of the window itself; empty: a robot has refused"""
     slots: Mapping[str, str] = field(default_factory=dict)
     reason: Reason = Reason.OK
     message: str = ""
@@ -133,7 +133,7 @@ class HistoryCache:
 
 @dataclass
 class Memory:
-    """State of one window; only intents and outcomes change it."""
+    """State of one window; intents, outcomes and leases change it."""
 
     choices: Choices
     poses: tuple[SavedPose, ...] = ()
@@ -147,11 +147,11 @@ class Memory:
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, str] = field(default_factory=dict)
-    """`presence.troubles` at the newest request; they are not shown any more"""
+    """`presence.troubles` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
     """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
-    """a sentence about a lease that this seat got or lost; None: nothing new"""
+    """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history_cache: HistoryCache = field(default_factory=HistoryCache)
 
     def next_row(self) -> int:

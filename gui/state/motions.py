@@ -27,7 +27,7 @@ def send_arms(
     relative: bool = False,
     undoes: int | None = None,
 ) -> list[Action]:
-    """Send the arms to angles, or by angles (deg), at the chosen speed."""
+    """Turn the arms to angles, or by angles (deg), at the chosen speed."""
     speed = memory.choices.speed
 
     def query() -> Query:
@@ -37,7 +37,7 @@ def send_arms(
 
 
 def send_head(memory: Memory, world: World, target: Orientation, place: str) -> list[Action]:
-    """Send the head to an orientation (deg) at the chosen speed."""
+    """Turn the head to an orientation (deg) at the chosen speed."""
     speed = memory.choices.speed
 
     def query() -> Query:

@@ -29,7 +29,7 @@ WHATS: Final = {
 }
 """Text key of each action in events."""
 STREAM_S: Final = 1.0
-"""Equal requests at one robot, each within this time of the one before, are one row."""
+"""Equal requests at one robot, each within this time after the previous one, are one row."""
 LEAD_S: Final = 3.0
 """If a seat sends equal requests to simulation and hardware within this time, they are one row: the hardware may follow
 with a lead."""

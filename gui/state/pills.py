@@ -27,7 +27,7 @@ SYMBOLS: Final = {
     Condition.FAULT: "▲",
 }
 MAKE_READY: Final = "MAKE_READY"
-"""a next step like a command: ENABLE and CALIBRATE, as far as either is missing"""
+"""a next step like a command: ENABLE and CALIBRATE, unless that is done already"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
 NEXT_STEPS: Final = {
@@ -174,7 +174,7 @@ def _why_absent(world: World, twin: str, texts: Texts) -> Finding:
 
 
 def fault_of(status: Status) -> Fault:
-    """Return the fault of a robot; a board that is not connected is lost."""
+    """Return the fault of a robot; BOARD_LOST if there is none and the board is not connected."""
     if status.fault is Fault.NONE and not status.board.connected:
         return Fault.BOARD_LOST
     return status.fault
@@ -215,7 +215,7 @@ def next_step_intent(next_step: str, twin: str) -> Intent:
 
 
 def details(status: Status, texts: Texts) -> str:
-    """Return board, cameras and waiting seats, on a line each."""
+    """Return board, cameras and waiting seats, each on its own line."""
     board = status.board
     lines = [
         texts(

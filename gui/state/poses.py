@@ -20,7 +20,7 @@ from gui.state.world import World
 
 PLACE = "commands"
 PAUSE_S: Final = 0.5
-"""Time (s) between two poses of a saved choreography."""
+"""Pause (s) after each pose of a saved choreography."""
 UNDO_KEPT: Final = 50
 
 
@@ -120,7 +120,7 @@ def _write(memory: Memory, world: World, file: Path) -> list[Action]:
 
 
 def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
-    """Return poses as a choreography; each begins when the one before is reached at `speed` (deg/s)."""
+    """Return poses as a choreography (CSV); each begins PAUSE_S after the previous one is reached at `speed` (deg/s)."""
     lines, at_s, before = [",".join((TIME, *ARMS, SPEED, FIGURE))], 0.0, (0.0, 0.0, 0.0)
     for pose in poses:
         numbers = (at_s, *pose.arms, speed)
@@ -133,13 +133,13 @@ def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
 
 
 def last_undo(memory: Memory) -> tuple[int, ArmAngles] | None:
-    """Return the newest motion that no pending undo undoes, and the arms (deg) before it."""
+    """Return the row of the newest motion that no pending undo undoes, and the arms (deg) before it; or None."""
     under_way = {row.undoes for row in memory.rows if row.undoes is not None and not row.outcomes}
     return next((entry for entry in reversed(memory.undo) if entry[0] not in under_way), None)
 
 
 def undo(memory: Memory, world: World) -> list[Action]:
-    """Send the arms to where they were before the last accepted motion."""
+    """Turn the arms back to their angles before the last accepted motion."""
     found = last_undo(memory)
     if found is None:
         return memory.refuse(PLACE, "off.no_undo")

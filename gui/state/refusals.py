@@ -53,7 +53,10 @@ def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
 
 
 def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) -> str:
-    """Return a refusal in the language of the texts; the English message only if no sentence replaces it."""
+    """Return the sentence of a refusal in the language of the texts, made from `detail` if there is one.
+
+    Without `detail`, English texts use the message; the others contain it only for BAD_VALUE.
+    """
     if detail is not None:
         return sentences.render(reason, detail, texts.code)
     message = NAMED.sub("", message, count=1)
@@ -135,7 +138,7 @@ def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
     detail = refusal.detail
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
-        return WAIT  # another seat holds the robot; a `value` would be an ended lease of this seat
+        return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
     if needs[:2] == ["ENABLE", "CALIBRATE"]:
         return MAKE_READY

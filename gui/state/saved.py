@@ -44,7 +44,7 @@ class Saved(msgspec.Struct, frozen=True):
 
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the file in the user's folder of this platform."""
+    """Return the path of the file in the user's folder on this platform."""
     return user_folder(platform, environment) / FILE
 
 
@@ -59,9 +59,9 @@ def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
 
 
 def load(file: Path) -> tuple[Saved, str]:
-    """Read the saved choices; the defaults if there are none.
+    """Return the saved choices, or the defaults if there are none, and a sentence for the user.
 
-    A damaged file is renamed to end in `.bad`, and the second value is a sentence about it for the user.
+    A damaged file is renamed to end in `.bad`. The sentence reports this; it is empty if the file is not damaged.
     """
     try:
         return msgspec.json.decode(file.read_bytes(), type=Saved), ""

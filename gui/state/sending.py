@@ -58,7 +58,7 @@ def view(memory: Memory, world: World) -> SendingView:
 
 
 def _can_change(plan: PlanProgress | None) -> bool:
-    """Return whether the hardware has not been sent the motion yet."""
+    """Return whether there is a motion that was not sent to the hardware yet."""
     return plan is not None and plan.phase is not PlanPhase.SENT
 
 

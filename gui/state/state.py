@@ -82,7 +82,7 @@ class State:
         )
 
     def follow(self, world: World) -> None:
-        """Compare leases with those at the last call, to show a lease that this seat got or lost."""
+        """Compare leases with those at the last call, to show a lease that this seat gained or lost."""
         leases.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
@@ -96,7 +96,7 @@ class State:
         """
         memory = self._memory
         if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
-            return []  # their keys work on every page
+            return []  # their keys work on every page, but their controls are only on the other one
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
             refusals.hide_answered(memory, intent)

@@ -280,7 +280,7 @@ class ClassView:
 
 @dataclass(frozen=True)
 class View:
-    """Everything the window shows at one moment."""
+    """Everything that the window shows at one moment, except pictures and plots."""
 
     title: str
     banner: BannerView | None
@@ -298,7 +298,7 @@ class View:
     """newest first"""
     record: RecordView
     last: str
-    """the last command with its outcome"""
+    """the last request with its outcome"""
     stop: ButtonView
     theme: Theme
     language: str

@@ -1,4 +1,4 @@
-"""Router and robots as the window knows them at one moment."""
+"""States of router, robots and child programs at one moment."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ class RecordingProgress:
     running: bool
     seconds: float
     trouble: str = ""
-    """why the recording has ended by itself; empty: it has not"""
+    """why the recording did not begin or has ended by itself; empty: no failure"""
     ending: bool = False
     """whether the user has ended it and the recorder still completes the file"""
 
 
 @dataclass(frozen=True)
 class World:
-    """Everything the window shows, at one moment; degrees and seconds unless a name says otherwise."""
+    """Everything that a view is made from, at one moment; degrees and seconds unless a name contains another unit."""
 
     now_s: float
     """monotonic clock"""
@@ -90,7 +90,7 @@ class World:
     own_simulation: bool = False
     """whether a simulation of this window is running"""
     child_trouble: str = ""
-    """why a simulation or viewer of this window did not start or has ended; empty: no failure"""
+    """why a router, simulation or viewer of this window did not start or has failed; empty: no failure"""
     playing: str = ""
     """title of the current play; empty: none"""
     wall_s: float = 0.0

@@ -33,7 +33,7 @@ class ArmRow:
             value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
 
     def show_view(self, view: ArmRowView, difference: str) -> None:
-        """Show the angles; `difference` is the label of the number in the tooltip."""
+        """Show the angles; `difference` is the label of the difference in the tooltip."""
         if view == self._view:
             return
         self._view = view

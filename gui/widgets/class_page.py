@@ -136,7 +136,7 @@ class ClassPage(QFrame):
         self._show_selected()
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
-        """Show the rows in the items that exist; another number of robots creates them anew."""
+        """Show the rows in the existing items; create new items if the robots are not the same as before."""
         chosen = self._place_of(self.list.currentItem())
         places = [self._place_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
         if places != [row.place for row in rows]:

@@ -14,7 +14,7 @@ COLUMNS = 2
 
 
 class Commands(QFrame):
-    """A button for each command; Disable asks for a second press, because the head sinks."""
+    """A button for each command; Disable needs a second press if the hardware is checked, because its head sinks."""
 
     intent = pyqtSignal(object)
     asking = pyqtSignal(str)

@@ -1,4 +1,4 @@
-"""Controls of several panels: they show views and report what the user wants."""
+"""Controls that several panels use; they show views and report the user's input."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STEPS = 10
 """Positions of a slider per unit."""
 GAP_PX = 6
 NAMES_CHARACTERS = 18
-"""Characters for which a label with a name keeps room."""
+"""Number of characters that always fit into a label with a name."""
 SEPARATOR = " · "
 ARMED_MS = 6000
 """Time in which a button with a question accepts its second press."""
@@ -218,11 +218,11 @@ class SliderBox(QWidget):
         self.box.valueChanged.connect(self.changed)
 
     def name_width(self) -> int:
-        """Return the width of the name, so that several can be aligned."""
+        """Return the width of the name (px), so that several sliders can be aligned."""
         return self._name.sizeHint().width()
 
     def set_name_width(self, width: int) -> None:
-        """Set the width of the name."""
+        """Set the least width of the name (px)."""
         self._name.setMinimumWidth(width)
 
     def show_value(self, value: float, maximum: float) -> None:

@@ -80,7 +80,7 @@ class FileDialog(QFileDialog):
 def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
     """Return the first folder of the dialog.
 
-    For reading: the folder of the shipped choreographies. For writing: the working folder, or home if it was deleted.
+    For reading: the folder of the shipped choreographies. For writing: the working folder, or the home folder if it was deleted.
     """
     if mode == QFileDialog.AcceptMode.AcceptOpen:
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))

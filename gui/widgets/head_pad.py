@@ -16,8 +16,8 @@ from gui.theme import DARK, Style, style_of
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 150
 BEYOND = 1.2
-"""Radius of the disc, divided by that of the limit: a target beyond the limit is possible, and the refusal explains
-it."""
+"""Radius of the disc, divided by that of the limit: the user can choose a target beyond the limit, and the refusal
+explains the limit."""
 RING = 0.13
 """Width of the ring, divided by the radius of the pad."""
 KEYS = {
@@ -101,14 +101,14 @@ class HeadPad(QWidget):
         return self._outer * (1 - RING) - 3
 
     def tilt_point(self, at: Orientation, tilt_max: float) -> QPointF:
-        """Return the point of pitch and roll on the disc: nose down is down, right ear down is right."""
+        """Return the point of pitch and roll (deg) on the disc: nose down is down, right ear down is right."""
         scale = self._disc / (tilt_max * BEYOND)
         x, y = at.roll * scale, at.pitch * scale
         shrink = min(1.0, self._disc / max(math.hypot(x, y), 1e-9))
         return self._centre + QPointF(x, y) * shrink
 
     def yaw_point(self, yaw: float) -> QPointF:
-        """Return the point of a yaw on the ring: 0 is up, left is left."""
+        """Return the point of a yaw (deg) on the ring: 0 is up, left is left."""
         angle, radius = math.radians(yaw), self._outer * (1 - RING / 2)
         return self._centre + QPointF(-math.sin(angle) * radius, -math.cos(angle) * radius)
 

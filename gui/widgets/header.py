@@ -18,7 +18,7 @@ class Header(QWidget):
 
     intent = pyqtSignal(object)
     keys_asked = pyqtSignal()
-    """the user asks for the sheet of keys"""
+    """the user wants to see or hide the sheet of keys"""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()

@@ -78,7 +78,7 @@ class History(QWidget):
         self._fill(self._rows, 0)
 
     def _fill(self, rows: tuple[HistoryRowView, ...], older: int) -> None:
-        """Show `rows`, of which the last `older` are listed already: replacing all takes milliseconds."""
+        """Show `rows`; the last `older` of them are listed already and kept, because replacing all takes milliseconds."""
         chosen, newer = self._chosen(), rows[: len(rows) - older]
         self._rows = rows
         self.list.blockSignals(True)  # noqa: FBT003

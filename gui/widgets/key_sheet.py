@@ -1,4 +1,4 @@
-"""The sheet of keys, over the panels until F1 is pressed again."""
+"""The sheet of keys, over the panels until the user presses F1 again, or Close."""
 
 from __future__ import annotations
 

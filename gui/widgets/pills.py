@@ -31,7 +31,7 @@ ROLES = {
 
 
 class Pill(QFrame):
-    """One robot."""
+    """State of one robot, with the buttons for its next step and lease."""
 
     intent = pyqtSignal(object)
 

@@ -33,7 +33,7 @@ CAPACITY: Final = 1024
 GAP_S: Final = 1.0
 """A line is interrupted after this time without a sample."""
 FOREIGN_S: Final = 1.0
-"""If a stamp is this far from its arrival, its clock offset is unknown, and the arrival is used."""
+"""If the clock offset is unknown and a stamp is this far from its arrival, the arrival is used instead."""
 LEAST_ARM_DEG: Final = 20.0
 """Smallest range (deg) of the vertical axis of an arm's plot."""
 LEAST_DIFFERENCE_DEG: Final = 2.0
@@ -81,7 +81,7 @@ class History:
 
 
 def sample_time_s(state: RobotState, now_s: float) -> float:
-    """Return when the positions of a robot were measured, on the monotonic clock of this computer (s)."""
+    """Return the time at which positions were measured, by the monotonic clock of this computer (s)."""
     assert state.positions is not None
     stamp_s = state.positions.t_mono_ns / 1e9
     if state.offsets is not None:
@@ -91,7 +91,10 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
 
 
 def difference(hw: Samples, sim: Samples) -> Samples:
-    """Return hardware minus simulation at the times of the hardware, shape (n, 4); NaN without simulation."""
+    """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
+
+    NaN at times before or after the samples of the simulation; n is 0 if it has fewer than two.
+    """
     if len(sim) < 2 or len(hw) == 0:
         return np.empty((0, 1 + len(ARMS)))
     times = hw[:, 0]
@@ -118,7 +121,7 @@ class Curves:
         Args:
             column: layout of the plots.
             title: quantity and unit.
-            least: least height of the plot (deg).
+            least: smallest range of the vertical axis (deg).
             names: name of each curve, by a sign that looks like its line; a curve without a name is not in the legend.
                 The last curve is on top.
         """

@@ -80,7 +80,7 @@ class Sending(QFrame):
             button.intent.connect(self.intent)
 
     def show_compact(self, *, compact: bool) -> None:
-        """In a low window hide the heading; in a high one reserve room, so that buttons do not move."""
+        """Hide the heading in a low window; reserve room in a high one, so that buttons do not move."""
         self.heading.setVisible(not compact)
         for part in (self.countdown, self.progress):
             policy = part.sizePolicy()
