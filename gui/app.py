@@ -27,7 +27,7 @@ PROBE_S = 20.0
 
 
 def known(code: str | None) -> str | None:
-    """Return the language of an option; raises BadParameter if the window has no texts in it."""
+    """Return the code of a language, or None; raises BadParameter if the window has no texts in that language."""
     if code is None or code in LANGUAGES:
         return code
     raise typer.BadParameter(
@@ -50,7 +50,7 @@ def gui(
     connect: Connect = None,
     who: Who = None,
 ) -> None:
-    """Open the window that drives both robots. Ends when it is closed, or with Ctrl-C."""
+    """Open the window that drives both robots. Close the window or press Ctrl-C to end the command."""
     settings = resolve(name, connect, who)
     try:
         from gui.run import run  # noqa: PLC0415 - Qt takes a third of a second to import, and may not be installed
@@ -62,8 +62,8 @@ def gui(
 
 
 def check_display() -> None:
-    """Raise Refused if no window can be opened: Qt would end the process with a core dump."""
-    if "cv2" in os.environ.get(PLUGINS, ""):  # opencv-python's plugins do not fit this Qt
+    """Raise Refused if no window can be opened; otherwise Qt would end the process with a core dump."""
+    if "cv2" in os.environ.get(PLUGINS, ""):  # set by opencv-python, whose plugins do not fit PyQt's Qt
         del os.environ[PLUGINS]
     platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
     if platform in WITHOUT_DISPLAY or not sys.platform.startswith("linux"):

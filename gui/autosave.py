@@ -29,4 +29,4 @@ class Autosave:
             theirs, _ = saved.load(self._file)
             saved.save(self._file, saved.merged(before, mine, theirs))
         except OSError as error:
-            logger.warning("The choices of the window could not be saved: %s.", error)
+            logger.warning("The choices of the window cannot be saved: %s.", error)

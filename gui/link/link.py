@@ -39,7 +39,7 @@ CLOSE_S = 2.8
 
 
 class Link:
-    """The window's connection to router and robots; none of its methods waits for either."""
+    """The window's connection to router and robots; no method except `close` waits for either."""
 
     def __init__(
         self, settings: Settings, on_outcome: OnOutcome, on_image: OnImage, *, name_given: bool = True
@@ -50,8 +50,8 @@ class Link:
             settings: robot, router and seat to begin with.
             on_outcome: called on threads of the link; must return at once.
             on_image: called in the same way, for each picture of a camera.
-            name_given: the user chose the robot; false: the only name on line is selected, for the teacher one of
-                several.
+            name_given: whether the user chose the robot; otherwise the link selects the only name on line, or for the
+                teacher one of several.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
         self._outcomes = Worker("window-outcomes")
@@ -251,7 +251,7 @@ class Link:
     def _no_session(self, row: int) -> Outcome:
         trouble = (
             self._connection.trouble
-            or f"The window looks for the router at {self._connection.settings.connect}."
+            or f"The window is looking for the router at {self._connection.settings.connect}."
         )
         refused = self._connection.phase is LinkPhase.REFUSED
         reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
@@ -282,7 +282,7 @@ class Link:
         )
         for part in parts:
             part.close()
-        # In parallel, because each may need all of the time: a frozen router, a recorder that completes its file.
+        # In parallel, because each part may need all of the time, for example while a recorder completes its file.
         ends: list[Callable[[], None]] = [partial(part.join, deadline_s) for part in parts]
         ends.append(self._connection.close)
         ending = [threads.start(end, "window-end") for end in ends]
@@ -294,5 +294,5 @@ class Link:
 
 
 def robots_of(twin: Twin, twins: tuple[str, ...]) -> tuple[Robot, ...]:
-    """The robots of these twins, the simulation first."""
+    """Return the robots of these twins, the simulation first."""
     return tuple(robot for robot in (twin.sim, twin.hw) if robot.twin in twins)

@@ -58,7 +58,7 @@ class RequestQueue(Worker):
         clear: Callable[[], None] = lambda: None,
         begun: Callable[[], None] = lambda: None,
     ) -> None:
-        """Queue a motion, in the place of one that waits."""
+        """Queue a motion, which replaces one that still waits."""
         self._put(Task(row, robot, lambda _: "", query, clear, begun))
 
     def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
@@ -87,14 +87,14 @@ class RequestQueue(Worker):
             self._report(failed(task.row, self._twin, stopped()))
 
     def release(self) -> None:
-        """Like `stop`, and stop the running motion, because later STOPs of the window go to another robot."""
+        """Drop waiting requests and stop the running motion, because later STOPs of the window go to another robot."""
         self.stop()
         if (running := self._running) is not None:
             robot, _ = running
             robot.client.put_stop(*robot.place)
 
     def replace(self) -> None:
-        """Drop a waiting motion, which a motion of both robots replaces."""
+        """Drop a waiting motion, which a newer motion or a play replaces."""
         with self._lock:
             dropped = [task for task in self._waiting if task.query is not None]
             self._waiting = [task for task in self._waiting if task.query is None]
@@ -109,7 +109,7 @@ class RequestQueue(Worker):
             if not full:
                 self._waiting.append(task)
         if full:
-            text = f"{task.robot}: {LIMIT} requests wait for its answer. Wait for it, or check whether it is frozen."
+            text = f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot hangs."
             self._report(failed(task.row, self._twin, Refused(Reason.BUSY, text)))
         else:
             self.put(self._next)
@@ -154,7 +154,7 @@ class RequestQueue(Worker):
         motion.add_done_callback(ended)
 
     def close(self) -> None:
-        """Drop waiting requests without reports; returns at once."""
+        """Drop waiting requests without reports, and end the thread; returns at once."""
         with self._lock:
             self._stops += 1
             self._waiting.clear()

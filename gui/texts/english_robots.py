@@ -46,13 +46,13 @@ ROBOTS: Final[dict[str, str]] = {
     "condition.assembly_left": "neck put back",
     "condition.connecting": "connecting",
     "condition.fault": "fault: {name}",
-    "reason.fault": "The robot is of another version and reports a fault that this window does not know.",
-    "reason.connecting": "The window looks for a router at {endpoint}.",
+    "reason.fault": "The robot runs another version and reports a fault that this window does not know.",
+    "reason.connecting": "The window is looking for a router at {endpoint}.",
     "reason.no_router": "No router answers at {endpoint}, so no robot can be seen.",
     "reason.refused": "The router at {endpoint} does not accept the account of this window, so no robot can be seen.",
     "reason.lost": (
-        "{robot} was on line and is not any more: its node has crashed, ended or frozen, or has lost the router. Its arms "
-        "stop by themselves. Start it again."
+        "{robot} is no longer on line: its node has crashed, ended or frozen, or has lost the router. Its arms "
+        "stop by themselves. Start the node again."
     ),
     "reason.absent_sim": "No simulation of {robot} is on line. Start one on this computer.",
     "reason.absent_hw": (
@@ -67,16 +67,16 @@ ROBOTS: Final[dict[str, str]] = {
     "reason.disabled_hw": "The motors are off. Set the head upright by hand, then enable.",
     "reason.not_calibrated": "Home is unknown. If the head stands upright and looks straight ahead, calibrate.",
     "reason.driven_moving": "{holder} is moving the robot. Wait for the end; you can always press STOP.",
-    "reason.driven": "{holder} drives the robot until two seconds after its last motion; you can always press STOP.",
+    "reason.driven": "{holder} drives the robot until two seconds after the last motion; you can always press STOP.",
     "reason.assembly_left": "The neck snapped out of its home assembly and was put back. Calibrate when it rests.",
     "next.start": "Start simulation",
     "next.start_tip": "Start a simulation on this computer, and a router if there is none.",
     "next.retry": "Retry",
-    "next.retry_tip": "Try the router again now.",
+    "next.retry_tip": "Look for the router again now.",
     "next.enable": "Enable",
     "next.enable_tip": "Switch the motors on. Set the head upright first.",
     "next.ready": "Make ready",
-    "next.ready_tip": "Enable and calibrate, as far as either is missing.",
+    "next.ready_tip": "Enable and calibrate, unless that is done already.",
     "next.calibrate": "Calibrate",
     "next.calibrate_tip": "Declare the present position home. The head has to stand upright and look straight ahead.",
     "next.reset": "Reset",

@@ -56,14 +56,14 @@ GERMAN: Final[dict[str, str]] = {
     "sending.possible": "Möglich, {seconds:.1f} s",
     "sending.leading_text": "Bis die Hardware folgt, kannst du die Bewegung ändern oder abbrechen.",
     "sending.sent": "Beide bewegen sich, {seconds:.1f} s",
-    "sending.sent_text": "Die Hardware hat ihre Bewegung. STOP beendet sie.",
+    "sending.sent_text": "Die Bewegung ist an die Hardware gesendet. STOP beendet sie.",
     "countdown": "Hardware folgt in {seconds:.1f} s",
     "plan.send_now": "Jetzt senden",
     "plan.send_now_tip": "Der Hardware ihre Bewegung senden, ohne länger zu warten.",
     "plan.change": "Ändern",
     "plan.change_tip": "Die Hardware bleibt, wo sie ist, und das Ziel steht wieder auf dem Feld.",
     "plan.abort": "Abbrechen",
-    "plan.abort_tip": "Die Hardware bleibt, wo sie ist, und die Bewegung endet.",
+    "plan.abort_tip": "Die Bewegung endet. Die Hardware bleibt, wo sie ist, oder hält an, wenn sie sich schon bewegt.",
     # -- commands
     "command.calibrate": "Kalibrieren",
     "command.calibrate_tip": "Die jetzige Stellung wird zur Grundstellung. Richte zuerst den Kopf auf, Blick geradeaus.",
@@ -86,7 +86,7 @@ GERMAN: Final[dict[str, str]] = {
     "alternative.head": "Blick auf {yaw:z.1f}°/{pitch:z.1f}°/{roll:z.1f}°",
     "alternative.arms": "Arme auf {short:z.1f}°/{middle:z.1f}°/{long:z.1f}°",
     "alternative.speed": "Nimm {speed:z.1f}°/s",
-    "alternative.tip": "Geprüft: Aus der jetzigen Stellung nimmt der Roboter das an.",
+    "alternative.tip": "Der Roboter hat geprüft, dass er das aus der jetzigen Stellung annimmt.",
     # -- history
     "who.you": "du",
     "who.none": "Roboter",
@@ -157,13 +157,13 @@ GERMAN: Final[dict[str, str]] = {
     "record.open": "Öffnen",
     "record.open_tip": "{file} im Betrachter öffnen.",
     "child.trouble": "Ein Programm dieses Fensters ist gescheitert: {text}",
-    "record.trouble": "Die Aufzeichnung hat von selbst geendet: {text}",
+    "record.trouble": "Die Aufzeichnung ist gescheitert: {text}",
     # -- saved choices
     "saved.damaged": (
-        "Die gespeicherten Einstellungen waren nicht lesbar, darum gelten die üblichen. Die beschädigte Datei liegt unter "
+        "Die gespeicherten Einstellungen sind nicht lesbar, darum gelten die üblichen. Die beschädigte Datei liegt unter "
         "{file}."
     ),
-    # -- labels and tooltips of widgets, which never change
+    # -- labels and tooltips of widgets
     "label.robot": "Roboter",
     "label.head": "Kopf",
     "label.arms": "Arme",

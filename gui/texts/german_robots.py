@@ -61,7 +61,7 @@ ROBOTS: Final[dict[str, str]] = {
     ),
     "reason.lost": (
         "{robot} war da und ist es nicht mehr: Sein Knoten ist abgestürzt, beendet oder eingefroren, oder er hat den Router "
-        "verloren. Seine Arme halten von selbst an. Starte ihn wieder."
+        "verloren. Seine Arme halten von selbst an. Starte den Knoten wieder."
     ),
     "reason.absent_sim": "Keine Simulation von {robot} ist da. Starte eine auf diesem Rechner.",
     "reason.absent_hw": (
@@ -89,7 +89,7 @@ ROBOTS: Final[dict[str, str]] = {
     "next.start": "Simulation starten",
     "next.start_tip": "Eine Simulation auf diesem Rechner starten, und einen Router, wenn es keinen gibt.",
     "next.retry": "Noch einmal",
-    "next.retry_tip": "Den Router jetzt noch einmal versuchen.",
+    "next.retry_tip": "Den Router jetzt noch einmal suchen.",
     "next.enable": "Einschalten",
     "next.enable_tip": "Motoren an. Richte zuerst den Kopf auf.",
     "next.ready": "Bereit machen",

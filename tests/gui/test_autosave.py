@@ -49,4 +49,4 @@ def test_a_folder_that_cannot_be_written_is_logged(file: Path, caplog: pytest.Lo
     autosave = Autosave(state)
     state.handle(intents.SetSpeed(40.0), world())
     autosave.save_changes()
-    assert "could not be saved" in caplog.text
+    assert "cannot be saved" in caplog.text

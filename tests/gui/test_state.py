@@ -254,7 +254,7 @@ def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "")
         ((), "This robot has no camera for this eye.", "This simulation draws no pictures."),
         ((camera(),), "", ""),
         ((camera(trouble="Coarse pictures."),), "", ""),
-        ((camera(streaming=False),), "The window waits for pictures.", ""),
+        ((camera(streaming=False),), "The window is waiting for pictures.", ""),
         ((camera(connected=False, streaming=False),), "The camera is not connected.", ""),
         ((camera(connected=False, streaming=False, trouble="In use."),), "In use.", "In use."),
     ],
@@ -293,7 +293,7 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     assert state.handle(intents.ToggleRecording(), ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble="The disk is full."))
     assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
-    assert state.view(ended).last == "The recording ended by itself: The disk is full."
+    assert state.view(ended).last == "The recording has failed: The disk is full."
     state.handle(intents.Stop(), ended)
     assert state.view(ended).last == "last: stop sent, both"
 

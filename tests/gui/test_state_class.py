@@ -87,7 +87,7 @@ def test_a_limit_that_is_no_speed_is_not_sent(text: str) -> None:
     state = opened()
     assert state.handle(LimitClass(text), TEACHER) == []
     view = page(state)
-    assert f"'{text}' is no speed" in view.result
+    assert f"'{text}' is not a speed" in view.result
     assert view.good is False
 
 

@@ -131,7 +131,7 @@ def test_a_robot_that_was_on_line_is_lost_and_one_that_was_not_is_absent() -> No
     lost = replace(absent("hw"), status=status("hw"))
     found = pill(world(hw=lost), "hw")
     assert (found.condition, found.text) == (Condition.ABSENT, "lost")
-    assert "is not any more" in found.reason
+    assert "is no longer on line" in found.reason
     assert pill(world(hw=absent("hw")), "hw").text == "not on line"
 
 
