@@ -26,7 +26,7 @@ def microsteps_per_degree(robot: Robot) -> float:
 
 
 def compiled(robot: Robot) -> dict[str, int]:
-    """Map names in the firmware to values; values of the text port are rounded to the safe side."""
+    """Return the constants of the firmware by name; limits of the text port are rounded to the safe side."""
     per_degree = microsteps_per_degree(robot)
 
     def steps(name: str) -> float:
@@ -51,10 +51,10 @@ MEANING = {
     "ARM_TURN": "microsteps of a whole turn of an arm",
     "GAP_MIN": "smallest gap between neighbouring arms, microsteps",
     "YAW_SUM_MAX": "largest sum of the three arms, microsteps",
-    "TILT_GAP_MIN": "text port: smallest gap, microsteps; with all gaps up to TILT_GAP_MAX the tilt keeps its limit",
+    "TILT_GAP_MIN": "text port: smallest gap, microsteps; the tilt keeps its limit if all gaps are between this and TILT_GAP_MAX",
     "TILT_GAP_MAX": "text port: largest gap, microsteps",
     "TEXT_YAW_SUM_MAX": "largest sum of the three arms for the text port, microsteps",
     "TEXT_SPEED": "speed of text motions, quarter microsteps per second",
-    "SPEED_MAX": "largest speed of an arm, quarter microsteps per second, rounded up",
-    "ACCELERATION": "Q26 microsteps per tick, per tick",
+    "SPEED_MAX": "largest speed of an arm plus 1 microstep/s, quarter microsteps per second",
+    "ACCELERATION": "acceleration of an arm, Q26 microsteps per tick squared",
 }

@@ -14,10 +14,10 @@ SCHEMAS = Path(__file__).resolve().parent
 ROOT = SCHEMAS.parent
 
 MICROSTEPS = (1, 2, 4, 8, 16, 32)
-"""Microsteps per step that drivers support; 32 only a DRV8825, the others an A4988 as well."""
+"""Microsteps per step that drivers support. A DRV8825 supports all of them, an A4988 all but 32."""
 
 SPEED_TOP = 2**16 - 1
-"""Quarter microsteps per second: the speeds of MOVE are u16."""
+"""Highest speed that a frame can hold, in quarter microsteps per second: the speeds of MOVE are u16."""
 
 Table = dict[str, dict[str, object]]
 
@@ -38,7 +38,7 @@ class Contract:
 
 
 def digest(*tables: object) -> int:
-    """First 32 bits of the SHA-256 of the tables as canonical JSON, without comments and `doc`.
+    """Return the first 32 bits of the SHA-256 of the tables as canonical JSON, without comments and `doc`.
 
     A better explanation must not require every board to be flashed again. A change of meaning needs a change of name.
     """
@@ -52,7 +52,7 @@ def names_of(enums: Table) -> dict[str, list[str]]:
 
 
 def bare(value: object) -> object:
-    """Return nested tables without `doc`."""
+    """Return a nested value without the entries `doc` of its tables; tuples become lists."""
     if isinstance(value, dict):
         return {name: bare(entry) for name, entry in value.items() if name != "doc"}
     return [bare(entry) for entry in value] if isinstance(value, list | tuple) else value
@@ -63,7 +63,8 @@ def load(robot_file: Path | None = None) -> Contract:
 
     Raises:
         ValueError: `robot_file` is not TOML, or has an unknown name or an impossible value.
-        OSError: it cannot be read.
+        OverflowError: a value is infinite.
+        OSError: `robot_file` cannot be read.
     """
     messages, keys, serial, robot = (
         tomllib.loads((SCHEMAS / f"{name}.toml").read_text(encoding="utf-8"))
@@ -87,7 +88,7 @@ def load(robot_file: Path | None = None) -> Contract:
 
 
 def change(robot: Table, given: dict[str, object]) -> None:
-    """Set the given values; raises ValueError as `load` does."""
+    """Replace values of the robot; raises ValueError for an unknown name or a value that is not above 0."""
     for table, values in given.items():
         if table not in robot or not isinstance(values, dict):
             raise ValueError(f"{table!r} is not a table; the tables are {', '.join(robot)}")
@@ -101,5 +102,5 @@ def change(robot: Table, given: dict[str, object]) -> None:
 
 
 def rows(table: dict[str, object]) -> dict[str, dict[str, object]]:
-    """The entries of a table that are rows, in file order, without `doc` and flags."""
+    """Return the entries of a table that are rows, in file order, without `doc` and flags."""
     return {name: row for name, row in table.items() if isinstance(row, dict)}

@@ -38,7 +38,7 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 
 
 def access(kind: str, at: str, value: str, *, write: bool) -> str:
-    """One statement that reads or writes a number at an offset."""
+    """Return the C++ statement that reads a number of this type at an offset into `value`, or writes it there."""
     if kind in ("u8", "char"):
         return f"p[{at}] = uint8_t({value});" if write else f"{value} = {CTYPE[kind]}(p[{at}]);"
     if kind in UNSIGNED:
@@ -81,7 +81,7 @@ def frame(name: str, table: dict[str, object]) -> str:
 
 
 def limits(contract: Contract) -> str:
-    """The robot's values in the units of the planner."""
+    """Return the C++ constants of the robot's values, in the units of the planner."""
     return "".join(
         f"static const int32_t {name} = {value};  // {MEANING[name]}\n"
         for name, value in compiled(contract.robot).items()
@@ -127,5 +127,5 @@ def header(contract: Contract) -> str:
 
 
 def files(contract: Contract) -> dict[str, str]:
-    """Relative path -> text of every generated C++ file."""
+    """Return the text of every generated C++ file by its relative path."""
     return {"firmware/beatrix/src/core/contract.h": header(contract)}

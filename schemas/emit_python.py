@@ -22,12 +22,12 @@ Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
 '''
 SHOWN = ("Reason", "Fault")
-"""Enumerations whose texts programs show."""
+"""Enumerations whose texts programs show to users."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
 def doc_of(row: dict[str, object]) -> str:
-    """Description of a field with its unit in brackets."""
+    """Return the description of a field with its unit in brackets."""
     unit = row.get("unit")
     return f"{row.get('doc', '')}{f' [{unit}]' if unit else ''}"
 
@@ -186,7 +186,7 @@ def keys(contract: Contract) -> str:
         pattern = str(row["key"])
         names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]
         arguments = ", ".join(f"{argument}: str" for argument in names)
-        out += f'\n\ndef {name}({arguments}) -> str:\n    """{row["doc"]}"""\n    return f"{pattern}"\n'
+        out += f'\n\ndef {name}({arguments}) -> str:\n    """Return the key `{pattern}`.\n\n    {row["doc"]}\n    """\n    return f"{pattern}"\n'
     out += PARSE
     out += "\n\nPOSITIONS_HZ: Final = " + str(contract.keys["positions"]["rate_hz"]) + "\n"
     out += "STATUS_HZ: Final = " + str(contract.keys["status"]["rate_hz"]) + "\n"
@@ -235,7 +235,7 @@ def frame_class(name: str, table: dict[str, object]) -> str:
         "    @classmethod",
         f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:",
     ]
-    lines += ['        """Unpack a payload; raises struct.error if its length is wrong."""']
+    lines += ['        """Return the fields of a payload; raises struct.error if its length is wrong."""']
     fixed = f"payload[: {const}.size]" if tail else "payload"
     unpack += [f"payload[{const}.size :]"] if tail else []
     lines += [f"        values = {const}.unpack({fixed})", f"        return cls({', '.join(unpack)})"]
@@ -276,7 +276,7 @@ def serial(contract: Contract) -> str:
 
 
 def python_value(value: object) -> tuple[str, str]:
-    """Type and literal of a robot value."""
+    """Return the type and the literal of a robot value as Python source."""
     if isinstance(value, list):
         kind = type(value[0]).__name__
         return f"tuple[{', '.join([kind] * len(value))}]", repr(tuple(value))
@@ -284,8 +284,8 @@ def python_value(value: object) -> tuple[str, str]:
 
 
 def robot_ranges(contract: Contract) -> str:
-    """Ranges of the fields that a robot file may change."""
-    out = '\n\nclass Range(NamedTuple):\n    """Range of a field in a robot file; infinite if another value or the firmware limits it."""\n\n'
+    """Return the Python source of the ranges of the fields that a robot file may change."""
+    out = '\n\nclass Range(NamedTuple):\n    """Range of a field in a robot file; a bound is infinite if another value or the firmware limits the field."""\n\n'
     out += "    low: float\n    high: float\n    unit: str\n"
     out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
     for group, table in contract.robot.items():
@@ -295,7 +295,7 @@ def robot_ranges(contract: Contract) -> str:
             if "min" in row or "max" in row
         }
         out += f"    {group!r}: {{" + "".join(f"{name!r}: {text}, " for name, text in ranges.items()) + "},\n"
-    return out + '}\n"""The fields a robot file may change."""\n'
+    return out + '}\n"""Ranges of the fields that a robot file may change, by table."""\n'
 
 
 def robot(contract: Contract) -> str:
@@ -313,7 +313,7 @@ def robot(contract: Contract) -> str:
 
 
 def files(contract: Contract) -> dict[str, str]:
-    """Relative path -> text of every generated Python file."""
+    """Return the text of every generated Python file by its relative path."""
     base = "beatrix_zenoh/_generated/"
     return {
         base + "__init__.py": '"""Generated from schemas/*.toml by schemas/generate.py."""\n',

@@ -73,11 +73,11 @@ def keys(contract: Contract) -> str:
 RULES = """## Rules for a host
 
 - Three numbers belong to the short, the middle and the long arm. Positive angles are counter-clockwise, seen from above. Steps are microsteps of the motors; [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) give the number per turn.
-- Opening a port resets most boards, and after a reset the boot loader runs for 0.9 s, and for 5 s more after each byte it receives. Open the port, send nothing for 1.2 s, then begin. If a board becomes silent, it may have been reset: send nothing for 6 s, or until it sends a frame.
+- Opening a port resets most boards, and after a reset the boot loader runs for 0.9 s, and for 5 s more after each byte that it receives. Open the port, send nothing for 1.2 s, then begin. If a board becomes silent, it may have been reset: send nothing for 6 s, or until it sends a frame.
 - Begin with HELLO and compare the contract. If the contracts differ, send only STOP and EMERGENCY_STOP, which are the same in all versions, and ignore all other frames.
 - The board answers every request once: HELLO with HELLO_REPLY, the others with ACK. It does not answer an incomplete or incorrect frame, but counts it (`rejected` in TELEMETRY). It ignores frames of types from 0x40 on.
 - Repeat a request without an answer after reply_timeout, with the same seq. The board answers again. It does not restart a MOVE or MOVE_STRAIGHT that equals the previous one, including its motion number. Any other request has the same effect if it is repeated.
-- A motion has ended when TELEMETRY shows its number without MOVING; `outcome` says how. Before the first motion of a host, and during motions of the text port, the number is text_motion.
+- A motion has ended when TELEMETRY shows its number without MOVING; `outcome` shows how it ended. Before the first motion of a host, and during motions of the text port, the number is text_motion.
 - While arms move, send a frame at least every heartbeat_period, for example PING.
 """
 
@@ -85,14 +85,14 @@ RULES = """## Rules for a host
 def values(contract: Contract) -> str:
     """Return the section about the values that are compiled into the firmware."""
     out = "\n## Values in the firmware\n\n"
-    out += "Computed from [the robot](robot.md); part of the contract. The firmware refuses a target closer to a neighbour than GAP_MIN as GAP, beyond YAW_SUM_MAX as YAW, and a speed above SPEED_MAX as SPEED.\n\n"
+    out += "Computed from [the robot](robot.md); part of the contract. The firmware refuses a target with a gap below GAP_MIN (GAP), a target with a sum of the arms beyond YAW_SUM_MAX (YAW), and a speed above SPEED_MAX (SPEED).\n\n"
     return out + table(
         ["name", "value", "meaning"], [[n, v, MEANING[n]] for n, v in compiled(contract.robot).items()]
     )
 
 
 def quantity(field: dict[str, object]) -> str:
-    """Return count and type of a field."""
+    """Return count and type of a field as text."""
     if field["type"] == "text":
         return f"0 to {field['count']} bytes"
     return f"{field.get('count', 1)} x {field['type']}"
@@ -100,7 +100,7 @@ def quantity(field: dict[str, object]) -> str:
 
 def serial(contract: Contract) -> str:
     out = NOTE.format(source="serial.toml") + f"# Serial link\n\nContract `{contract.serial_hash:08x}`.\n\n"
-    out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
+    out += "A frame on the wire: `0x00`, COBS(type u8, seq u8, payload, CRC-16), `0x00`. CRC-16/MCRF4XX: reflected polynomial 0x8408, start 0xFFFF, little-endian, over type, seq and payload. All numbers are little-endian. A reply carries the request's type with bit 7 set and the request's seq.\n\n"
     out += "A line that begins with `@` where a frame could begin, and ends with CR, LF or both, is text of the protocol of 2023 ([why](../explanation/decisions/0013-text-lives-in-the-firmware.md)). Before the first valid frame, and when host_gone has passed without one, the board sends nothing except plain answers to text.\n\n"
     out += table(
         ["name", "value", "unit", "meaning"],
@@ -130,7 +130,7 @@ def serial(contract: Contract) -> str:
 
 
 def allowed(row: dict[str, object]) -> str:
-    """Return the range that a robot file may use."""
+    """Return the range of a value in a robot file as text."""
     if "min" not in row and "max" not in row:
         return "as built"
     if "max" not in row:
@@ -141,7 +141,7 @@ def allowed(row: dict[str, object]) -> str:
 def robot(contract: Contract) -> str:
     out = (
         NOTE.format(source="robot.toml")
-        + "# The robot\n\nSource: known = stated by paper or makers; inferred = concluded from programs and measurements; open = a choice, your robot may differ.\n\n"
+        + "# The robot\n\nSource: known = stated by paper or makers; inferred = concluded from programs and measurements; open = a choice; your robot may differ.\n\n"
         + "Allowed: range for [a file of your robot](../how-to/board.md#another-robot); as built: fixed by firmware or wiring.\n"
     )
     for group, values in contract.robot.items():
@@ -155,7 +155,7 @@ def robot(contract: Contract) -> str:
 
 
 def files(contract: Contract) -> dict[str, str]:
-    """Relative path -> text of every reference page."""
+    """Return the text of every reference page by its relative path."""
     base = "docs/reference/"
     return {
         base + "messages.md": messages(contract),

@@ -194,7 +194,7 @@ def msgpack_int(value: int) -> bytes:
 
 
 def msgpack(value: object) -> bytes:
-    """MessagePack specification, the part our messages use; floats in single precision."""
+    """Return a value in MessagePack; supports only the types of our messages, and packs floats in single precision."""
     match value:
         case None:
             return b"\xc0"
@@ -224,7 +224,7 @@ def msgpack_container(value: list[object] | dict[str, object]) -> bytes:
 
 
 def crc16(data: bytes) -> int:
-    """CRC-16/MCRF4XX, bit by bit."""
+    """Return the CRC-16/MCRF4XX, computed bit by bit."""
     crc = 0xFFFF
     for byte in data:
         crc ^= byte
@@ -234,7 +234,7 @@ def crc16(data: bytes) -> int:
 
 
 def cobs(data: bytes) -> bytes:
-    """Consistent Overhead Byte Stuffing of less than 254 bytes."""
+    """Return the Consistent Overhead Byte Stuffing of less than 254 bytes, without delimiters."""
     return b"".join(bytes([len(run) + 1]) + run for run in data.split(b"\0"))
 
 
@@ -252,7 +252,7 @@ def payload(contract: Contract, frame: str, values: dict[str, object]) -> bytes:
 
 
 def files(contract: Contract) -> dict[str, str]:
-    """Relative path -> text of the golden files."""
+    """Return the text of every file of golden bytes by its relative path."""
     messages = [
         {"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in MESSAGES
     ]

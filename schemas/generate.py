@@ -1,4 +1,4 @@
-"""Write every file that is generated from schemas/*.toml; `--check` only compares.
+"""Write every file that is generated from schemas/*.toml; with `--check` only compare.
 
 python schemas/generate.py          write
 python schemas/generate.py --check  exit 1 and name the files that differ
@@ -32,7 +32,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    parser.add_argument("--check", action="store_true", help="only compare; write nothing")
     parser.add_argument("--robot", type=Path, help="values of another robot, for --header")
     parser.add_argument("--header", type=Path, help="write only this C++ header")
     arguments = parser.parse_args()

@@ -50,7 +50,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Turn the arms. Two replies: accepted, done.",
+        "Turn the arms. The two replies are accepted and done.",
     ),
     "pose": KeyRow(
         "beatrix/{robot}/{twin}/cmd/{who}/pose",
@@ -62,7 +62,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Turn the head. Two replies: accepted, done.",
+        "Turn the head. The two replies are accepted and done.",
     ),
     "command": KeyRow(
         "beatrix/{robot}/{twin}/cmd/{who}/command",
@@ -74,7 +74,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "interactive_high",
         "drop",
-        "Switch, calibrate, home, stop.",
+        "Send a command, such as ENABLE, CALIBRATE, HOME or STOP.",
     ),
     "lease": KeyRow(
         "beatrix/{robot}/{twin}/cmd/{who}/lease",
@@ -230,7 +230,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "interactive_high",
         "drop",
-        "Everything that a client of another program needs to drive this robot.",
+        "All data that a program without the library needs to drive this robot.",
     ),
     "clock": KeyRow(
         "beatrix/{robot}/{twin}/clock",
@@ -278,108 +278,168 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: its motion ends at its goal, by STOP, or when the router is lost.",
+        "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: the motion ends at its goal, by STOP, or when the router is lost.",
     ),
 }
 
 
 def motion(robot: str, twin: str, who: str) -> str:
-    """Turn the arms. Two replies: accepted, done."""
+    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/motion`.
+
+    Turn the arms. The two replies are accepted and done.
+    """
     return f"beatrix/{robot}/{twin}/cmd/{who}/motion"
 
 
 def pose(robot: str, twin: str, who: str) -> str:
-    """Turn the head. Two replies: accepted, done."""
+    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/pose`.
+
+    Turn the head. The two replies are accepted and done.
+    """
     return f"beatrix/{robot}/{twin}/cmd/{who}/pose"
 
 
 def command(robot: str, twin: str, who: str) -> str:
-    """Switch, calibrate, home, stop."""
+    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/command`.
+
+    Send a command, such as ENABLE, CALIBRATE, HOME or STOP.
+    """
     return f"beatrix/{robot}/{twin}/cmd/{who}/command"
 
 
 def lease(robot: str, twin: str, who: str) -> str:
-    """Take a robot or give it back; the teacher also freezes it or limits its speed."""
+    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/lease`.
+
+    Take a robot or give it back; the teacher also freezes it or limits its speed.
+    """
     return f"beatrix/{robot}/{twin}/cmd/{who}/lease"
 
 
 def stop(robot: str, twin: str) -> str:
-    """Stop at once. Open to every client, with any payload, without lease."""
+    """Return the key `beatrix/{robot}/{twin}/stop`.
+
+    Stop at once. Open to every client, with any payload, without lease.
+    """
     return f"beatrix/{robot}/{twin}/stop"
 
 
 def preview(robot: str, who: str) -> str:
-    """Try a motion on a copy of the simulation."""
+    """Return the key `beatrix/{robot}/sim/cmd/{who}/preview`.
+
+    Try a motion on a copy of the simulation.
+    """
     return f"beatrix/{robot}/sim/cmd/{who}/preview"
 
 
 def positions(robot: str, twin: str) -> str:
-    """Position of the robot, always at 50 Hz; a query returns the newest."""
+    """Return the key `beatrix/{robot}/{twin}/state/positions`.
+
+    Position of the robot, always at 50 Hz; a query returns the newest.
+    """
     return f"beatrix/{robot}/{twin}/state/positions"
 
 
 def positions_json(robot: str, twin: str) -> str:
-    """The same as JSON text, published only while a client subscribes."""
+    """Return the key `beatrix/{robot}/{twin}/state/positions/json`.
+
+    The same as JSON text, published only while a client subscribes.
+    """
     return f"beatrix/{robot}/{twin}/state/positions/json"
 
 
 def status(robot: str, twin: str) -> str:
-    """State, on change and once a second; a query returns the newest."""
+    """Return the key `beatrix/{robot}/{twin}/state/status`.
+
+    State, on change and once a second; a query returns the newest.
+    """
     return f"beatrix/{robot}/{twin}/state/status"
 
 
 def status_json(robot: str, twin: str) -> str:
-    """The same as JSON text, published only while a client subscribes."""
+    """Return the key `beatrix/{robot}/{twin}/state/status/json`.
+
+    The same as JSON text, published only while a client subscribes.
+    """
     return f"beatrix/{robot}/{twin}/state/status/json"
 
 
 def events(robot: str, twin: str) -> str:
-    """Every request with its seat and outcome, STOP, lease changes, board lost and found, warnings, log records. A query returns the last 200."""
+    """Return the key `beatrix/{robot}/{twin}/state/events`.
+
+    Every request with its seat and outcome, STOP, lease changes, board lost and found, warnings, log records. A query returns the last 200.
+    """
     return f"beatrix/{robot}/{twin}/state/events"
 
 
 def events_json(robot: str, twin: str) -> str:
-    """The same as JSON text, published only while a client subscribes."""
+    """Return the key `beatrix/{robot}/{twin}/state/events/json`.
+
+    The same as JSON text, published only while a client subscribes.
+    """
     return f"beatrix/{robot}/{twin}/state/events/json"
 
 
 def camera(robot: str, twin: str, eye: str) -> str:
-    """Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack."""
+    """Return the key `beatrix/{robot}/{twin}/state/camera/{eye}`.
+
+    Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack.
+    """
     return f"beatrix/{robot}/{twin}/state/camera/{eye}"
 
 
 def target(robot: str) -> str:
-    """Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves."""
+    """Return the key `beatrix/{robot}/sim/scene/target`.
+
+    Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves.
+    """
     return f"beatrix/{robot}/sim/scene/target"
 
 
 def arm_target(robot: str, twin: str, arm: str) -> str:
-    """Turn one arm to this angle (rad) at the default speed; a newer target replaces an older one. These are the per-arm topics of 2023. The seat is `arm-topics`, lease and limits apply, and refusals appear as warnings in the status."""
+    """Return the key `beatrix/{robot}/{twin}/arm/{arm}/target`.
+
+    Turn one arm to this angle (rad) at the default speed; a newer target replaces an older one. These are the per-arm topics of 2023. The seat is `arm-topics`, lease and limits apply, and refusals appear as warnings in the status.
+    """
     return f"beatrix/{robot}/{twin}/arm/{arm}/target"
 
 
 def info(robot: str, twin: str) -> str:
-    """Everything that a client of another program needs to drive this robot."""
+    """Return the key `beatrix/{robot}/{twin}/info`.
+
+    All data that a program without the library needs to drive this robot.
+    """
     return f"beatrix/{robot}/{twin}/info"
 
 
 def clock(robot: str, twin: str) -> str:
-    """Clocks of the node's computer, for offset estimates."""
+    """Return the key `beatrix/{robot}/{twin}/clock`.
+
+    Clocks of the node's computer, for offset estimates.
+    """
     return f"beatrix/{robot}/{twin}/clock"
 
 
 def alive(robot: str, twin: str) -> str:
-    """Liveliness token of a node that serves this robot."""
+    """Return the key `beatrix/{robot}/{twin}/@alive`.
+
+    Liveliness token of a node that serves this robot.
+    """
     return f"beatrix/{robot}/{twin}/@alive"
 
 
 def claim(robot: str, twin: str, session: str) -> str:
-    """Liveliness token of a node that serves, or is about to serve, under this name. If two nodes start at the same time under one name, one of them withdraws."""
+    """Return the key `beatrix/{robot}/{twin}/@claim/{session}`.
+
+    Liveliness token of a node that serves, or is about to serve, under this name. If two nodes start at the same time under one name, one of them withdraws.
+    """
     return f"beatrix/{robot}/{twin}/@claim/{session}"
 
 
 def seat(who: str, session: str) -> str:
-    """Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: its motion ends at its goal, by STOP, or when the router is lost."""
+    """Return the key `beatrix/@seat/{who}/{session}`.
+
+    Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: the motion ends at its goal, by STOP, or when the router is lost.
+    """
     return f"beatrix/@seat/{who}/{session}"
 
 

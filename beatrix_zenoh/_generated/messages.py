@@ -28,7 +28,7 @@ class Reason(StrEnum):
     NOT_ENABLED = "NOT_ENABLED"
     """The motors are off."""
     NOT_CALIBRATED = "NOT_CALIBRATED"
-    """Home is not known since the motors were switched or the board was reset."""
+    """Home is not known: the robot has not been calibrated since the motors were switched or the board was reset."""
     OUT_OF_REACH = "OUT_OF_REACH"
     """The neck cannot take this pose: it tilts too far or no arm angles reach it."""
     ARM_GAP = "ARM_GAP"
@@ -93,7 +93,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.OK: "Done.",
     Reason.BAD_VALUE: "A field is missing, unknown, of the wrong type, not finite or out of range.",
     Reason.NOT_ENABLED: "The motors are off.",
-    Reason.NOT_CALIBRATED: "Home is not known since the motors were switched or the board was reset.",
+    Reason.NOT_CALIBRATED: "Home is not known: the robot has not been calibrated since the motors were switched or the board was reset.",
     Reason.OUT_OF_REACH: "The neck cannot take this pose: it tilts too far or no arm angles reach it.",
     Reason.ARM_GAP: "Two neighbouring arms would come too close.",
     Reason.YAW_LIMIT: "The head would turn further than its cables allow.",
@@ -160,24 +160,24 @@ FAULT_TEXT: Final[dict[Fault, str]] = {
 
 
 class Limit(StrEnum):
-    """The limit that a refusal is about."""
+    """The limit that a refusal names."""
 
     TILT = "TILT"
-    """How far the head may tilt from upright."""
+    """Largest tilt of the head."""
     ARM_GAP = "ARM_GAP"
-    """How close two neighbouring arms may come."""
+    """Smallest gap between neighbouring arms."""
     YAW = "YAW"
-    """How far the head may turn in either direction."""
+    """Largest yaw of the head in either direction."""
     SPEED = "SPEED"
-    """How fast an arm may turn."""
+    """Largest speed of an arm."""
     TRAVEL = "TRAVEL"
-    """How far from home the arms may be counted."""
+    """Largest angle of an arm from home."""
     HOME = "HOME"
-    """How far from a known home CALIBRATE may set another."""
+    """Largest angle of an arm from a known home at which CALIBRATE sets a new home."""
     DURATION = "DURATION"
-    """How long a motion may take."""
+    """Longest duration of a motion."""
     QUEUE = "QUEUE"
-    """How many requests may wait."""
+    """Largest number of waiting requests."""
 
 
 class LeaseAction(StrEnum):
@@ -311,7 +311,7 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One of the commands of the table."""
+    """Send a command to the robot."""
 
     command: Annotated[int, Meta(ge=-(2**15), le=2**15 - 1, extra={"wire": "int16"})]
     """number of the command"""
@@ -320,12 +320,12 @@ class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Take the robot for longer than a motion, give it back, or govern it as the teacher."""
+    """Take the robot for longer than a motion, give it back, or, as the teacher, freeze it or limit its speed."""
 
     action: LeaseAction
     """the action"""
     speed: Float32 = 0.0
-    """used by limit: top speed of every arm; 0: as the robot allows [rad/s]"""
+    """used by limit: top speed of every arm; 0: end the limit [rad/s]"""
 
 
 class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -469,7 +469,7 @@ class Positions(Struct, frozen=True, kw_only=True):
     """Position of the robot; always published 50 times a second."""
 
     seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """counts publications; a gap is a lost sample"""
+    """counts publications; a gap means lost samples"""
     t_mono_ns: int
     """monotonic clock of the source at the time of these values [ns]"""
     t_wall_ns: int
@@ -611,7 +611,7 @@ class FrameHeader(Struct, frozen=True, kw_only=True):
     """Attachment of a picture."""
 
     seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """counts the pictures of this camera; a gap is a lost one"""
+    """counts the pictures of this camera; a gap means lost pictures"""
     t_mono_ns: int
     """monotonic clock of the source at the exposure, or at the time of the rendered state [ns]"""
     t_wall_ns: int
@@ -628,7 +628,7 @@ class Event(Struct, frozen=True, kw_only=True):
     """An event of a robot."""
 
     seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    """counts events since the node started; a gap is a lost sample"""
+    """counts events since the node started; a gap means lost events"""
     t_mono_ns: int
     """monotonic clock of the source [ns]"""
     t_wall_ns: int
@@ -652,7 +652,7 @@ class Event(Struct, frozen=True, kw_only=True):
     duration: Float32 = 0.0
     """accepted: planned time; done: time taken [s]"""
     count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 1
-    """number of equal events that this event represents: in a flood the node counts equal events instead of sending each"""
+    """number of similar events that this event represents: in a flood the node counts similar events instead of sending each"""
     detail: Detail | None = None
     """the refusal as data"""
 
@@ -723,7 +723,7 @@ class GeometryInfo(Struct, frozen=True, kw_only=True):
 
 
 class Info(Struct, frozen=True, kw_only=True):
-    """Everything that a client of another program needs to drive this robot."""
+    """All data that a program without the library needs to drive this robot."""
 
     robot: str
     """name of the robot"""

@@ -63,7 +63,7 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     guard_yaw_max: float = 200.0
     """largest mean of the arm angles that the firmware allows; when the head is tilted, the mean differs from its yaw by a few degrees [deg]; open"""
     tilt_gap_min: float = 48.5
-    """text port: if all gaps between neighbouring arms are between this and tilt_gap_max, the head tilts by tilt_max at most. Computed with the kinematics: tilt depends only on the differences of the arms, and these two limits form nearly the largest hexagon inside the region of differences that tilt by up to 35 deg; it covers 87 % of that region, and at least 89 % of the distance to its border in every direction [deg]; inferred"""
+    """text port: if all gaps between neighbouring arms are between this and tilt_gap_max, the head tilts by tilt_max at most. Computed with the kinematics: tilt depends only on the differences of the arms. The two limits form nearly the largest hexagon inside the region of differences that tilt by up to 35 deg. The hexagon covers 87 % of that region, and reaches at least 89 % of the distance to its border in every direction [deg]; inferred"""
     tilt_gap_max: float = 175.0
     """text port: see tilt_gap_min [deg]; inferred"""
     text_yaw_max: float = 181.0
@@ -127,7 +127,7 @@ ROBOT: Final = RobotData()
 
 
 class Range(NamedTuple):
-    """Range of a field in a robot file; infinite if another value or the firmware limits it."""
+    """Range of a field in a robot file; a bound is infinite if another value or the firmware limits the field."""
 
     low: float
     high: float
@@ -167,4 +167,4 @@ ALLOWED: Final[dict[str, dict[str, Range]]] = {
     },
     "pins": {},
 }
-"""The fields a robot file may change."""
+"""Ranges of the fields that a robot file may change, by table."""

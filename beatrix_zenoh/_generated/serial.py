@@ -210,7 +210,7 @@ class FrameType(IntEnum):
     SET_NAME = 0x08
     """Store this robot name in non-volatile memory. Answered with ACK."""
     MOVE_STRAIGHT = 0x0B
-    """As MOVE, but from rest all arms start and arrive together (an arm with one or two steps makes them within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
     TEXT_OPEN = 0x09
     """Report that a program has opened the text port. As after a reset, the firmware discards pending lines, the zero of the port and its calibration, and stops a motion of the port. Answered with ACK."""
     RESET = 0x0C
@@ -220,7 +220,7 @@ class FrameType(IntEnum):
     ACK = 0x80
     """Answer to all other requests; its type on the wire is the request's type | 0x80."""
     TELEMETRY = 0xC0
-    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames."""
+    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames."""
     TEXT = 0xC1
     """One line of the answer to a line of text. seq counts TEXT and TEXT_WARNING together."""
     TEXT_WARNING = 0xC2
@@ -253,7 +253,7 @@ class Move(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> Move:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _MOVE.unpack(payload)
         return cls(values[0], (values[1], values[2], values[3]), (values[4], values[5], values[6]))
 
@@ -280,7 +280,7 @@ class Enable(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> Enable:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _ENABLE.unpack(payload)
         return cls(values[0])
 
@@ -307,7 +307,7 @@ class SetName(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> SetName:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _SET_NAME.unpack(payload)
         return cls(values[0])
 
@@ -318,7 +318,7 @@ MOVE_STRAIGHT_SIZE: Final = _MOVE_STRAIGHT.size
 
 
 class MoveStraight(NamedTuple):
-    """As MOVE, but from rest all arms start and arrive together (an arm with one or two steps makes them within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
+    """As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
 
     motion: int
     """as in MOVE"""
@@ -338,7 +338,7 @@ class MoveStraight(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> MoveStraight:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _MOVE_STRAIGHT.unpack(payload)
         return cls(values[0], (values[1], values[2], values[3]), values[4])
 
@@ -371,7 +371,7 @@ class HelloReply(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> HelloReply:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _HELLO_REPLY.unpack(payload)
         return cls(values[0], (values[1], values[2], values[3]), values[4], values[5])
 
@@ -398,7 +398,7 @@ class Ack(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> Ack:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _ACK.unpack(payload)
         return cls(values[0])
 
@@ -409,7 +409,7 @@ TELEMETRY_SIZE: Final = _TELEMETRY.size
 
 
 class Telemetry(NamedTuple):
-    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames."""
+    """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames."""
 
     tick: int
     """time since start, modulo 65536 [ms]"""
@@ -451,7 +451,7 @@ class Telemetry(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> Telemetry:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _TELEMETRY.unpack(payload)
         return cls(
             values[0],
@@ -490,7 +490,7 @@ class Text(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> Text:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _TEXT.unpack(payload[: _TEXT.size])
         return cls(values[0], payload[_TEXT.size :])
 
@@ -517,6 +517,6 @@ class TextWarning(NamedTuple):
 
     @classmethod
     def unpack(cls, payload: bytes) -> TextWarning:
-        """Unpack a payload; raises struct.error if its length is wrong."""
+        """Return the fields of a payload; raises struct.error if its length is wrong."""
         values = _TEXT_WARNING.unpack(payload)
         return cls(values[0])

@@ -31,12 +31,12 @@ static const int32_t ARM_SPACING = 1395;  // microsteps between neighbouring arm
 static const int32_t ARM_TURN = 4185;  // microsteps of a whole turn of an arm
 static const int32_t GAP_MIN = 337;  // smallest gap between neighbouring arms, microsteps
 static const int32_t YAW_SUM_MAX = 6974;  // largest sum of the three arms, microsteps
-static const int32_t TILT_GAP_MIN = 564;  // text port: smallest gap, microsteps; with all gaps up to TILT_GAP_MAX the tilt keeps its limit
+static const int32_t TILT_GAP_MIN = 564;  // text port: smallest gap, microsteps; the tilt keeps its limit if all gaps are between this and TILT_GAP_MAX
 static const int32_t TILT_GAP_MAX = 2034;  // text port: largest gap, microsteps
 static const int32_t TEXT_YAW_SUM_MAX = 6311;  // largest sum of the three arms for the text port, microsteps
 static const int32_t TEXT_SPEED = 800;  // speed of text motions, quarter microsteps per second
-static const int32_t SPEED_MAX = 4189;  // largest speed of an arm, quarter microsteps per second, rounded up
-static const int32_t ACCELERATION = 140412;  // Q26 microsteps per tick, per tick
+static const int32_t SPEED_MAX = 4189;  // largest speed of an arm plus 1 microstep/s, quarter microsteps per second
+static const int32_t ACCELERATION = 140412;  // acceleration of an arm, Q26 microsteps per tick squared
 
 enum Error : uint8_t {
   ERROR_OK = 0,  // done
@@ -90,12 +90,12 @@ enum FrameType : uint8_t {
   FRAME_ENABLE = 0x06,  // Motors on or off; a change clears calibration; on is refused while EMERGENCY is latched. Answered with ACK.
   FRAME_CALIBRATE = 0x07,  // Make the present position home. Answered with ACK.
   FRAME_SET_NAME = 0x08,  // Store this robot name in non-volatile memory. Answered with ACK.
-  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together (an arm with one or two steps makes them within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK.
+  FRAME_MOVE_STRAIGHT = 0x0B,  // As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK.
   FRAME_TEXT_OPEN = 0x09,  // Report that a program has opened the text port. As after a reset, the firmware discards pending lines, the zero of the port and its calibration, and stops a motion of the port. Answered with ACK.
   FRAME_RESET = 0x0C,  // Clear EMERGENCY; the motors stay off. Answered with ACK.
   FRAME_HELLO_REPLY = 0x81,  // Answer to HELLO.
   FRAME_ACK = 0x80,  // Answer to all other requests; its type on the wire is the request's type | 0x80.
-  FRAME_TELEMETRY = 0xC0,  // Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames.
+  FRAME_TELEMETRY = 0xC0,  // Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames.
   FRAME_TEXT = 0xC1,  // One line of the answer to a line of text. seq counts TEXT and TEXT_WARNING together.
   FRAME_TEXT_WARNING = 0xC2,  // A warning for which the protocol of 2023 has no message. Equal warnings in quick succession are sent as one.
 };
@@ -151,7 +151,7 @@ struct SetName {
   }
 };
 
-// As MOVE, but from rest all arms start and arrive together (an arm with one or two steps makes them within the time of the others), because arms with a shorter distance move more slowly. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK.
+// As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK.
 struct MoveStraight {
   static const uint8_t SIZE = 10;
   uint16_t motion;  // as in MOVE
@@ -202,7 +202,7 @@ struct Ack {
   }
 };
 
-// Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period; answers also go first when the line is busy. seq counts the TELEMETRY frames.
+// Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames.
 struct Telemetry {
   static const uint8_t SIZE = 22;
   uint16_t tick;  // time since start, modulo 65536 [ms]
