@@ -1,4 +1,4 @@
-# BEATRIX: `make demo` shows it, `make test` proves it; both set themselves up in .venv. `make help` lists the rest.
+# BEATRIX: `make demo` shows it, `make test` runs all tests; both first set up .venv. `make help` lists all targets.
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
@@ -6,26 +6,26 @@ MAKEFLAGS += --no-print-directory
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
-# The first Python that is new enough and really starts: a name on PATH may be an empty shim.
+# The first Python that starts and is new enough: a name on PATH may be a shim without a Python behind it.
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
-# Tests often wait for robots, so four processes suit two cores; with more, robots get too little of them, and tests wait
-# longer. A CI computer may be slow and shared: there three are enough.
+# Tests often wait for robots, so four processes suit two cores. With more processes, robots get too little processor time,
+# and tests wait longer. A CI computer may be slow and shared, so there are only three.
 PROCESSES := $(if $(CI),3,4)
-SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH))
+SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
 
-help: ## this list
+help: ## print this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
 
-demo: ## the robot's twin on this computer, doing what it can (needs Python 3.11, nothing else)
+demo: ## show the robot's twin on this computer (needs only Python 3.11)
 	@$(SETUP) demo
 	$(BIN)/beatrix demo
 
-test: ## all tests, in parallel, with branch coverage
+test: ## run all tests, in parallel, with branch coverage
 	@$(SETUP) test
 	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --cov --cov-report=term --cov-fail-under=90
 
-check: ## everything that can be said without running BEATRIX: style, types, layers, contract, links, firmware
+check: ## check style, types, layers, contract, links and firmware, without running BEATRIX
 	@$(SETUP) test
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -35,26 +35,26 @@ check: ## everything that can be said without running BEATRIX: style, types, lay
 	$(BIN)/python tools/links.py
 	$(MAKE) -C firmware check
 
-bench: ## the figures of the design, measured on this computer
+bench: ## measure the figures of the design on this computer
 	@$(SETUP) test
 	$(BIN)/python tools/bench.py
 
-bundle: ## one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
+bundle: ## write one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
 	@$(SETUP) test
 	$(BIN)/python tools/bundle.py $(BUNDLE)
 
-firmware: ## build the firmware for every body it has
+firmware: ## build the firmware for the virtual board and the Mega
 	@$(SETUP) test
 	$(MAKE) -C firmware
 
-generate: ## write what follows from schemas/*.toml
+generate: ## write all files that are generated from schemas/*.toml
 	@$(SETUP) test
 	$(BIN)/python schemas/generate.py
 
-docs: generate ## write reference pages and generated tables, check links between pages
+docs: generate ## write reference pages and generated tables, and check links between pages
 	$(BIN)/python tools/neck_page.py
 	$(BIN)/python tools/links.py
 
-lock: ## choose new versions of everything we depend on (needs uv)
+lock: ## choose new versions of all packages that BEATRIX depends on (needs uv)
 	uv pip compile pyproject.toml --all-extras --group pyproject.toml:dev --universal --python-version 3.11 \
 		--upgrade --no-header --quiet --output-file constraints.txt
