@@ -14,8 +14,9 @@ from bench_node import ROOT, Row, Served, free_endpoint, on_a_board, rows, sprea
 from rich.console import Console
 from rich.table import Table
 
-FLOOR = "0.04 on the computer of the other figures"
-"""A latency over Zenoh contains about thirty thread switches: it doubles on a computer with twice this floor."""
+FLOOR = "0.04 on the reference computer"
+"""Shown instead of a requirement. A latency over Zenoh contains about thirty thread switches: if the floor is twice as
+high, the latency is, too."""
 ECHO = """
 import socket
 server = socket.create_server(("127.0.0.1", 0))
@@ -28,7 +29,7 @@ while data := link.recv(4096):
 
 
 def raw_tcp(count: int = 500) -> list[float]:
-    """Times of round trips of 82 bytes between two Python processes (s), 5 ms apart."""
+    """Return the times of round trips of 82 bytes between two Python processes (s), 5 ms apart."""
     server = subprocess.Popen([sys.executable, "-c", ECHO], stdout=subprocess.PIPE, text=True)
     assert server.stdout is not None
     took = []
@@ -45,7 +46,10 @@ def raw_tcp(count: int = 500) -> list[float]:
 
 
 def stolen_time() -> tuple[int, int]:
-    """Processor time that the host gave to other virtual machines, and total time, since the start (proc_stat(5))."""
+    """Return the processor time that the host gave to other virtual machines, and the total time.
+
+    Both are in clock ticks since the start of the computer (proc_stat(5)).
+    """
     times = [
         int(word) for word in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:9]
     ]
@@ -67,7 +71,7 @@ def show(console: Console, figures: list[Row]) -> None:
 
 
 def main() -> None:
-    """Measure nodes first, then kinematics, plant and firmware."""
+    """Measure nodes, cameras and the recorder, then run the other benchmarks."""
     console = Console(width=130)
     endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)

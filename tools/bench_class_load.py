@@ -1,4 +1,7 @@
-"""Robots and seats of a class as processes, and bare Zenoh with the same messages: delivered, age, processor time."""
+"""Measure the load of a class of robots and seats in processes, and that of bare Zenoh with the same messages.
+
+The figures are the numbers of delivered messages, their ages, and processor time.
+"""
 
 from __future__ import annotations
 
@@ -41,12 +44,12 @@ class Program:
         )
 
     def line(self) -> str:
-        """The next line of its output."""
+        """Return the next line of its output; empty at the end of the output."""
         assert self._process.stdout is not None
         return self._process.stdout.readline()
 
     def say(self, text: str) -> None:
-        """Send a line."""
+        """Write a line to its standard input."""
         assert self._process.stdin is not None
         print(text, file=self._process.stdin, flush=True)
 
@@ -60,7 +63,7 @@ class Program:
 
 
 def started(commands: Iterable[tuple[str, ...]]) -> list[Program]:
-    """Start robots or seats, a few at a time: on one computer they wait for each other."""
+    """Start robots or seats, a few at a time, because on one computer they delay each other."""
     programs: list[Program] = []
     for words in commands:
         programs.append(Program(PROGRAM, *words))
@@ -73,7 +76,7 @@ def started(commands: Iterable[tuple[str, ...]]) -> list[Program]:
 
 @contextlib.contextmanager
 def bare_router() -> Iterator[tuple[Program, str]]:
-    """A router with Zenoh's own settings, and its endpoint."""
+    """Run a router with Zenoh's own settings; yield its process and its endpoint."""
     endpoint = free_endpoint()
     router = Program("-c", ROUTER, endpoint)
     assert router.line() == "ready\n"
@@ -92,10 +95,10 @@ class Load:
     ages_ms: list[float]
     """ages of the messages that arrived, sorted"""
     cpu: tuple[float, float, float]
-    """processor time as share of a core: of each robot, of each seat, of the router"""
+    """share of a core that a robot uses on average, that a seat uses on average, and that the router uses"""
 
     def age_ms(self, share: float) -> float:
-        """The age that this share of the messages does not exceed."""
+        """Return the age (ms) that this share of the messages does not exceed."""
         return self.ages_ms[min(len(self.ages_ms) - 1, int(share * len(self.ages_ms)))]
 
     def __str__(self) -> str:
@@ -105,7 +108,10 @@ class Load:
 
 
 class Crowd:
-    """Pairs of a robot and a seat at one router, each in a process; `places`: their accounts, or the endpoint twice."""
+    """Robots and as many seats at one router, each in a process.
+
+    `places` has a pair for each robot and its seat: the files of their accounts, or twice the endpoint of a router.
+    """
 
     def __init__(self, router: Served | Program, places: list[tuple[str, str]]) -> None:
         self._router = router
@@ -116,12 +122,12 @@ class Crowd:
         self._seats = started(("seat", seat) for _, seat in places)
 
     def begin(self, *, all_robots: bool, lasts_s: float = LASTS_S) -> None:
-        """Let each seat watch its own robot, or all robots, for a time."""
+        """Make each seat subscribe to its own robot, or to all robots, for a time (s)."""
         for seat, key in zip(self._seats, self._keys, strict=True):
             seat.say(f"{EVERYONE if all_robots else key} {lasts_s}")
 
     def watch(self, *, all_robots: bool) -> Load:
-        """The load while each seat watches its own robot, or all robots."""
+        """Return the load while each seat subscribes to its own robot, or to all robots."""
         began, before = time.monotonic(), self._cpu_s()
         self.begin(all_robots=all_robots)
         found = [json.loads(seat.line()) for seat in self._seats]
@@ -136,7 +142,7 @@ class Crowd:
         )
 
     def skip(self) -> None:
-        """Wait for the results of `begin`."""
+        """Wait for the results of `begin`, and discard them."""
         for seat in self._seats:
             seat.line()
 
@@ -167,7 +173,7 @@ def crowd(router: Served, folder: Path, count: int) -> Crowd:
 
 
 def rows(router: Served, folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
-    """Measure 50 Hz positions at the router of the class, and at a bare router in the same minutes."""
+    """Measure positions at 50 Hz at the router of the class, and then at a bare router; yield the rows."""
     for count in counts:
         loads: dict[bool, list[Load]] = {mode: [] for mode in (False, True)[: min(count, 2)]}
         with crowd(router, folder, count) as ours:

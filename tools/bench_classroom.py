@@ -1,6 +1,6 @@
 """Benchmark of a class and its router, in real processes on loopback: load, STOP, leases, a restarted router.
 
-`python tools/bench_classroom.py [ROBOTS...]` prints them; the numbers of robots are 1, 10 and 30 by default.
+`python tools/bench_classroom.py [ROBOTS...]` prints the figures; ROBOTS are numbers of robots, by default 1, 10 and 30.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ port = {port}
 """
 STOPS: Final = 300
 CROWD_S: Final = 15.0
-"""Time (s) during which all seats watch all robots; the STOPs take less."""
+"""Time (s) during which all seats subscribe to all robots, longer than the STOPs take."""
 REPEATS: Final = 5
 PATIENCE_S: Final = 20.0
 BACK_SEATS: Final = 5
@@ -68,7 +68,7 @@ class School:
         return self.router
 
     def path(self, name: str) -> Path:
-        """The file of an account."""
+        """Return the file of the account of a seat or a robot."""
         return next(self.folder.glob(f"*s/{name}.toml"))
 
     @contextlib.contextmanager
@@ -83,16 +83,14 @@ class School:
 
 
 def stops(what: str, robot: Robot, bare: Bare) -> Iterator[Row]:
-    """Times from STOP of the teacher to the robot's reply, at rest, alternating with a bare query."""
+    """Measure the time from STOP of the teacher to the reply of a robot at rest, alternating with a bare query."""
     reference: list[float] = []
 
     def ask() -> None:
         began = time.perf_counter()
         try:
             robot.stop()
-        except (
-            BeatrixError
-        ):  # on a busy computer: the press is also published, and may have stopped the robot
+        except BeatrixError:  # on a busy computer; the published STOP may have stopped the robot all the same
             unanswered.append(time.perf_counter() - began)
         else:
             took.append(time.perf_counter() - began)
@@ -111,13 +109,13 @@ def stops(what: str, robot: Robot, bare: Bare) -> Iterator[Row]:
 
 
 def p99(seconds: list[float]) -> float:
-    """The time that 99 % do not exceed."""
+    """Return the time (s) that 99 % of the times do not exceed."""
     return sorted(seconds)[int(0.99 * len(seconds))]
 
 
 @contextlib.contextmanager
 def program(*command: str, account: Path | None = None) -> Iterator[subprocess.Popen[str]]:
-    """A program that prints `ready`; killed at the end."""
+    """Run a program that prints `ready`, and kill it at the end."""
     child = subprocess.Popen(
         [sys.executable, *command],
         stdin=subprocess.PIPE,
@@ -147,7 +145,7 @@ def recording(school: School) -> bytes:
 
 
 def stop_rows(school: School, count: int) -> Iterator[Row]:
-    """STOP of the teacher: without load, beside a flooding seat, under attack, and while all seats watch all robots."""
+    """Measure STOP without load, beside a flooding seat, under attack, and while all seats subscribe to all robots."""
     hostile, recorded = str(ROOT / "tools/hostile.py"), school.folder / "recorded"
     recorded.write_bytes(recording(school))
     attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
@@ -174,7 +172,7 @@ def stop_rows(school: School, count: int) -> Iterator[Row]:
 
 
 def handover(robot: Robot, seat: str, fault: Callable[[], object]) -> tuple[float, float]:
-    """Times from a fault of the holder until the robot rests, and until `seat` holds it (s)."""
+    """Return the times (s) from a fault of the holder until the robot rests, and until `seat` holds the robot."""
     rests = held = 0.0
     with robot.status_stream() as statuses:
         began = time.monotonic()
@@ -188,7 +186,7 @@ def handover(robot: Robot, seat: str, fault: Callable[[], object]) -> tuple[floa
 
 
 def lease_rows(school: School) -> Iterator[Row]:
-    """Times of handing over a robot to the next seat in the queue."""
+    """Measure how long a robot takes to go to the next seat in the queue."""
     with school.robot("seat01") as first, school.robot("seat02") as following:
         first.make_ready()
         took = []
@@ -211,7 +209,7 @@ def lease_rows(school: School) -> Iterator[Row]:
 
 
 def lost(school: School, following: Robot, what: str, number: int) -> tuple[float, float]:
-    """Times of `handover` after the holder was lost in a motion."""
+    """Return the times of `handover` when the holder is killed, frozen or unplugged during a motion."""
     account = accounts.load(school.path("seat03"))
     with Cable("127.0.0.1", school.classroom.port) as cable:
         path = school.folder / "seat03-relayed.toml"
@@ -243,7 +241,11 @@ def lost(school: School, following: Robot, what: str, number: int) -> tuple[floa
 
 
 def restart_rows(school: School) -> Iterator[Row]:
-    """Restart the router while one robot moves: time until all clients work again, and angle that the robot moved."""
+    """Kill and restart the router while one robot moves and another rests.
+
+    The rows are the time until all clients work again, the time until the moving robot rests, and the largest angle by
+    which a robot moved after that or although it was at rest.
+    """
     back_s, stopped_s, moved = [], [], []
     with contextlib.ExitStack() as stack:
         robots = [

@@ -17,7 +17,7 @@ from beatrix_zenoh.client import CameraImage
 NAME = "bench"
 SECONDS = 12.0
 WARM_S = 7.0
-"""The real-time factor is a mean over five seconds; the first seconds of drawing are skipped."""
+"""Time (s) before the measurement: the real-time factor is a mean over five seconds and must not include the start."""
 SWING_DEG = 30.0
 
 
@@ -28,10 +28,11 @@ class Run:
     cpu: float
     """cores used by the simulation and its drawing process"""
     real_time_factor: float
+    """simulated seconds per second, over the last five seconds"""
     positions: str
-    """rate (Hz), standard deviation of the period at the source (ms), number of lost positions"""
+    """rate (Hz), standard deviation of the period at the source (ms), and number of lost positions"""
     ages_s: list[float]
-    """ages of pictures at a subscriber"""
+    """ages of the pictures when they arrive at a subscriber"""
     hz: float
     """pictures a second of each eye"""
     source: str
@@ -48,7 +49,7 @@ def tree_cpu_s(process: int) -> float:
 
 
 def swing(robot: Robot, until_s: float) -> None:
-    """Turn the head to and fro."""
+    """Turn the head to and fro until a time (monotonic clock, s)."""
     side = 1.0
     while time.monotonic() < until_s:
         robot.look(yaw=side * SWING_DEG, pitch=-5 * side)

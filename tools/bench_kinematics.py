@@ -1,4 +1,4 @@
-"""Print the times of kinematics and of the check of a motion: medians (us) over poses of up to 35 deg tilt."""
+"""Print the times (us) of the kinematics, and of the check of small and large motions: medians over many poses."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _REPEATS = 20
 
 
 def median_us(call: Callable[[Arms], object], inputs: list[Arms], repeats: int = _REPEATS) -> float:
-    """Median over the inputs of the mean time of `repeats` calls (us)."""
+    """Return the median over the inputs of the mean time (us) of `repeats` calls."""
     times = []
     for given in inputs:
         begin = time.perf_counter_ns()

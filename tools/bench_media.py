@@ -39,7 +39,7 @@ with Robot(sys.argv[1], "hw", connect=sys.argv[2]) as robot:
 
 
 def watched(robot: Robot, seconds: float) -> dict[str, list[CameraImage]]:
-    """All pictures of both eyes that arrive in this time."""
+    """Return all pictures of both eyes that arrive within a time (s)."""
     with ExitStack() as stack:
         eyes = {
             eye: stack.enter_context(
@@ -54,7 +54,7 @@ def watched(robot: Robot, seconds: float) -> dict[str, list[CameraImage]]:
 
 
 def lost(pictures: list[CameraImage]) -> int:
-    """Pictures missing between the first and the last: by their headers, and by the numbers in the pictures."""
+    """Return the number of pictures missing by their headers, plus those whose drawn number differs from the header."""
     by_header = pictures[-1].seq - pictures[0].seq + 1 - len(pictures)
     numbers = [number_and_time(simplejpeg.decode_jpeg(one.jpeg))[0] for one in pictures]
     wrong = sum(number != one.seq for number, one in zip(numbers, pictures, strict=True))
@@ -62,7 +62,7 @@ def lost(pictures: list[CameraImage]) -> int:
 
 
 def describe(seen: dict[str, list[CameraImage]]) -> str:
-    """Rate of each eye (Hz), lost pictures, longest time between two (ms)."""
+    """Format the rate of each eye (Hz), the number of lost pictures, and the longest time between two (ms)."""
     rates = [1e9 * (len(one) - 1) / (one[-1].t_mono_ns - one[0].t_mono_ns) for one in seen.values()]
     gaps = [(b.arrived_mono_ns - a.arrived_mono_ns) / 1e6 for one in seen.values() for a, b in pairwise(one)]
     missing = sum(map(lost, seen.values()))
@@ -71,7 +71,7 @@ def describe(seen: dict[str, list[CameraImage]]) -> str:
 
 @contextmanager
 def frozen_subscriber(endpoint: str) -> Iterator[None]:
-    """Another client that subscribes to both eyes and stops reading, as a suspended laptop does."""
+    """Run another client that subscribes to both eyes and then stops reading, as a suspended laptop does."""
     child = subprocess.Popen(
         [sys.executable, "-c", SUBSCRIBER, NAME, endpoint], stdout=subprocess.PIPE, text=True, cwd=ROOT
     )
@@ -86,7 +86,7 @@ def frozen_subscriber(endpoint: str) -> Iterator[None]:
 
 
 def rows(endpoint: str) -> Iterator[Row]:
-    """Measurements of a hardware node whose two eyes show the test picture."""
+    """Yield all measurements of a hardware node whose two eyes show the test picture."""
     node = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:")
     client = Client(Settings(NAME, endpoint, "ana"))
     robot = Robot(NAME, "hw", client=client)

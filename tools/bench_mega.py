@@ -1,9 +1,9 @@
-"""Measure the Mega's firmware on its pins and its serial line, in virtual time on libsimavr: exact cycles.
+"""Measure the Mega's firmware on its pins and its serial line, to the cycle, in virtual time on libsimavr.
 
 python tools/bench_mega.py           the shipped hex file
 python tools/bench_mega.py --sketch  the sketch, compiled as in the Arduino IDE
 
-Both are measured beside the same sources for a robot whose limits are as high as the processor allows.
+Each is compared with a build of the same sources for a robot whose limits are as high as the processor allows.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from beatrix_zenoh.board.link import Decoder, encode  # noqa: E402
 
 CYCLES_PER_S: Final = 16_000_000
 EVEN: Final = {(800, 800, 800): 2, (800, 560, 240): 2, (4189, 4189, 4189): 2, (4189, 3000, 1000): None}
-"""Speeds of the arms (quarter microsteps/s), and the allowed error of their step periods (cycles). None: not limited,
+"""Speeds of the arms (quarter microsteps/s), and the allowed error of their step periods (cycles). None means no limit,
 because steps of arms with different speeds often coincide and delay each other."""
 EVEN_MS: Final = 1600
 FAST: Final = "[drive]\nmicrosteps = 32\n[limits]\nspeed_max = 313.0\nacceleration = 1500.0\n"
@@ -42,7 +42,8 @@ FAST: Final = "[drive]\nmicrosteps = 32\n[limits]\nspeed_max = 313.0\naccelerati
 PHASES: Final = 25
 FLOOD_MS: Final = 500
 LATER: Final = 8
-"""Cycles. Two runs differ by less if only the coincidence of interrupts differs."""
+"""Delay (cycles) of a step that STOP has caused: steps of two runs differ by less if only the coincidence of interrupts
+differs."""
 
 T = TypeVar("T")
 
@@ -52,11 +53,16 @@ class Seen:
     """Worst measurements of all runs."""
 
     pulse: int = 1 << 30
+    """shortest pulse or pause of a step pin (cycles)"""
     setup: int = 1 << 30
+    """shortest time from a change of direction to the next step (cycles)"""
     powerless: int = 0
+    """number of steps while the drivers were off"""
     inexact: int = 0
+    """number of runs in which the reported position differed from the steps on the pins"""
     runs: int = 0
     longest: dict[str, int] = field(default_factory=dict)
+    """longest run of each interrupt (cycles), by name"""
 
     def add(self, mega: Mega) -> None:
         """Add the measurements of a board at rest."""
@@ -84,10 +90,12 @@ class Robot:
     name: str
     firmware: Path
     far: int
+    """goal of all arms (microsteps from home)"""
     top: Steps
+    """speeds of the arms (quarter microsteps/s)"""
 
     def cruise(self, mega: Mega) -> None:
-        """Turn all three arms at top speed; they have turned for 0.2 s on return, and go on for at least 0.2 s."""
+        """Turn all three arms; return after at least 0.2 s at top speed, at least 0.2 s before they brake."""
         mega.ready()
         mega.move((-self.far,) * 3, self.top)
         mega.run()
@@ -103,32 +111,32 @@ class Robot:
 
 
 def wait(mega: Mega, ms: int) -> None:
-    """Run, with heartbeats."""
+    """Run the firmware for a time (ms), with heartbeats."""
     for _ in range(ms // 20):
         mega.ask(FrameType.PING)
         mega.tick(16)
 
 
 def periods(mega: Mega, arm: int, last: int) -> NDArray[np.int64]:
-    """Cycles between an arm's latest steps."""
+    """Return the `last` latest step periods of an arm, in cycles."""
     found: NDArray[np.int64] = np.diff(mega.avr.steps(arm)[0][-last - 1 :])
     return found
 
 
 def make(target: str, build: Path, *settings: str) -> tuple[Path, str]:
-    """Make `mega` or `arduino` of firmware/Makefile in this folder; the firmware, and what avr-size has printed."""
+    """Make `mega` or `arduino` of firmware/Makefile in a folder; return the hex file and the output of make."""
     hex_file = build / "beatrix.hex"
     command = ["make", "-C", str(ROOT / "firmware"), target, f"BUILD={build}", f"HEX={hex_file}"]
     command += [f"PYTHON={sys.executable}", *settings]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         packages = "gcc-avr avr-libc binutils-avr arduino-core-avr"
-        sys.exit(f"The firmware cannot be built (apt-get install {packages}):\n{done.stderr}")
+        sys.exit(f"The firmware cannot be built. Try: apt-get install {packages}\n{done.stderr}")
     return build / "beatrix.ino.hex" if target == "arduino" else hex_file, done.stdout
 
 
 def fast_robot(target: str, folder: Path) -> Robot:
-    """The firmware for arms that may go as fast as the processor."""
+    """Build the firmware for arms that are as fast as the processor allows."""
     folder.mkdir()
     (folder / "fast.toml").write_text(FAST, encoding="utf-8")
     firmware, _ = make(target, folder, f"ROBOT={folder / 'fast.toml'}")
@@ -157,7 +165,7 @@ def periods_off(robot: Robot, speeds: Steps, seen: Seen) -> NDArray[np.float64]:
 
 
 def even_steps(robots: list[Robot], seen: Seen) -> None:
-    """Print the step periods, and the telemetry period."""
+    """Print the step periods, and at full speed also the load of the processor and the telemetry period."""
     shipped, fast = robots
     for speeds, most in EVEN.items():
         off = periods_off(shipped, speeds, seen)
@@ -190,7 +198,7 @@ def even_steps(robots: list[Robot], seen: Seen) -> None:
 
 
 def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms: int = 1) -> list[T]:
-    """Return a figure measured at full speed at random moments within `within_ms`; each call uses the same moments."""
+    """Return figures measured at full speed, at PHASES random moments per ms; each call uses the same moments."""
     chance = random.Random(1)
     found = []
     for _ in range(PHASES * within_ms):
@@ -203,9 +211,9 @@ def at_phases(robot: Robot, seen: Seen, measure: Callable[[Mega], T], within_ms:
 
 
 def stop(robot: Robot, seen: Seen) -> None:
-    """Measure the delay of STOP.
+    """Print the longest delay of STOP.
 
-    It lasts until the first step that comes later than in an equal run with PING instead of STOP.
+    The delay lasts until the first step that comes later than in an equal run with PING instead of STOP.
     """
 
     def after(kind: FrameType) -> Callable[[Mega], tuple[int, NDArray[np.int64]]]:
@@ -226,7 +234,7 @@ def stop(robot: Robot, seen: Seen) -> None:
 
 
 def off_after_emergency(mega: Mega) -> float:
-    """Time from the last byte of EMERGENCY_STOP to the enable pin (ms)."""
+    """Return the time (ms) from the last byte of EMERGENCY_STOP to the edge of the enable pin."""
     came = mega.avr.send(encode(FrameType.EMERGENCY_STOP, 1, b""))
     mega.avr.run_ms(5)
     return (float(mega.avr.edges("enable")["cycle"][-1]) - came) / CYCLES_PER_MS
@@ -249,9 +257,9 @@ def answer_cycles(mega: Mega, kind: FrameType, payload: bytes) -> tuple[float, f
 
 
 def turn_round(robot: Robot, seen: Seen, kind: FrameType, payload: bytes) -> None:
-    """Measure the time to an acknowledgement at full speed.
+    """Print the times to an acknowledgement at full speed.
 
-    The longest ones wait for a TELEMETRY frame that has begun.
+    The longest are those of acknowledgements that wait for a TELEMETRY frame that has begun.
     """
 
     def last(mega: Mega) -> float:
@@ -267,7 +275,7 @@ def turn_round(robot: Robot, seen: Seen, kind: FrameType, payload: bytes) -> Non
 
 
 def flood(robot: Robot, seen: Seen) -> None:
-    """Measure at full speed while PINGs use two thirds of the serial link."""
+    """Print the lost bytes and the answered PINGs, at full speed while PINGs use two thirds of the serial link."""
     ping = encode(FrameType.PING, 1, b"")
     with Mega(robot.firmware) as mega:
         robot.cruise(mega)

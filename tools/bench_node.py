@@ -32,7 +32,7 @@ from hw_node.port import SerialPort
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "bench"
 MOVED_RAD = 0.0007
-"""Half a microstep: the smallest movement above the noise of the plant at rest."""
+"""Half a microstep (rad): the smallest movement above the noise of the plant at rest."""
 TICK = os.sysconf("SC_CLK_TCK")
 
 Row = tuple[str, str, str]
@@ -62,12 +62,12 @@ class Served:
         return cpu_s(self._process.pid)
 
     def rss_mib(self) -> float:
-        """Resident memory, MiB."""
+        """Resident memory (MiB)."""
         pages = int(Path(f"/proc/{self._process.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
     def end(self) -> float:
-        """Send SIGINT and wait; returns the time until the end (s)."""
+        """Send SIGINT and wait for the end of the process; return the time until then (s)."""
         began = time.monotonic()
         self._process.send_signal(signal.SIGINT)
         self._process.wait(10)
@@ -86,7 +86,7 @@ def free_endpoint() -> str:
 
 
 def spread_ms(seconds: list[float]) -> str:
-    """Median / p99 / largest (ms)."""
+    """Format times (s) as median / p99 / largest, in ms."""
     p99 = sorted(seconds)[min(len(seconds) - 1, int(0.99 * len(seconds)))]
     return " / ".join(f"{value * 1e3:.2f}" for value in (statistics.median(seconds), p99, max(seconds)))
 
@@ -105,11 +105,11 @@ with zenoh.open(config) as session:
     print("ready", flush=True)
     sys.stdin.read()
 """
-"""A queryable that only replies: its latency is that of a query over the same router."""
+"""Program of a queryable that only replies: its latency is that of a query over the same router."""
 
 
 class Bare:
-    """A bare Zenoh query over a router: two processes with Zenoh's own client sessions."""
+    """A bare Zenoh query over a router, from this process to another one, with Zenoh's own client sessions."""
 
     def __init__(self, endpoint: str) -> None:
         settings = {
@@ -135,13 +135,13 @@ class Bare:
             reply.ok.payload.to_bytes()
 
     def close(self) -> None:
-        """End both processes."""
+        """Close the session of this process, and end the other process."""
         self._session.close()
         self._server.communicate("", timeout=10)
 
 
 def against_bare(robot: Robot, endpoint: str) -> tuple[list[float], list[float]]:
-    """Times from queries to their acceptance, and of bare Zenoh queries, alternating (s)."""
+    """Return the times (s) from queries to their acceptance, and those of bare Zenoh queries, sent alternately."""
     bare, took = Bare(endpoint), []
 
     def ask() -> None:
@@ -174,7 +174,7 @@ def accepted(robot: Robot, count: int = 500, between: Callable[[], None] = lambd
 
 
 def paced(ask: Callable[[], object], count: int = 300) -> list[float]:
-    """Times of calls (s), 5 ms apart."""
+    """Return the times (s) of `count` calls, 5 ms apart."""
     took = []
     for _ in range(count):
         began = time.perf_counter()
@@ -204,7 +204,7 @@ def first_movement(robot: Robot, count: int = 100) -> list[float]:
 
 
 def receive(robot: Robot, seconds: float) -> list[Positions]:
-    """All positions that arrive in this time."""
+    """Return all positions that arrive within a time (s)."""
     stream = robot.positions_stream()
     got: list[Positions] = []
     until = time.monotonic() + seconds
@@ -214,7 +214,7 @@ def receive(robot: Robot, seconds: float) -> list[Positions]:
 
 
 def regularity(got: list[Positions]) -> str:
-    """Rate (Hz), standard deviation of the period at the source (ms), lost publications."""
+    """Format rate (Hz), standard deviation of the period at the source (ms), and number of lost publications."""
     times = [positions.t_mono_ns / 1e9 for positions in got]
     periods = [later - earlier for earlier, later in pairwise(times)]
     lost = got[-1].seq - got[0].seq + 1 - len(got)
@@ -246,7 +246,7 @@ def flood(robot: Robot) -> Iterator[Callable[[], int]]:
 
 
 def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
-    """Latency of a command and a STOP of another client during a flood of targets."""
+    """Measure the latency of a command and of a STOP of another client during a flood of targets."""
     with flood(robot) as rate:
         time.sleep(1.0)
         began = time.perf_counter()
@@ -311,7 +311,7 @@ class Mega:
         self._process.stdout.readline()
 
     def send(self, word: str) -> None:
-        """Send a word to the simulation; returns when it is carried out."""
+        """Send a word to the simulation, and wait until it is carried out."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(word + "\n")
@@ -342,7 +342,7 @@ def round_trips(port: Path) -> list[float]:
 
 
 def lost_s(mega: Mega, robot: Robot, word: str) -> float:
-    """Time from the loss of the board during a motion to a status that reports it (s)."""
+    """Return the time (s) from a reset or loss of the board during a motion to a status that reports it."""
     robot.enable()
     robot.calibrate()
     robot.look(yaw=30, wait=False)
@@ -355,7 +355,7 @@ def lost_s(mega: Mega, robot: Robot, word: str) -> float:
 
 
 def on_a_board(endpoint: str) -> Iterator[Row]:
-    """Latencies through a node and the Mega's firmware, simulated cycle by cycle, at the real baud rate."""
+    """Measure latencies through a node and the Mega's firmware, simulated cycle by cycle, at the real baud rate."""
     with TemporaryDirectory() as folder:
         port = Path(folder) / "board"
         mega = Mega(port)
@@ -369,8 +369,8 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
             robot = Robot(NAME, "hw", client=client)
             robot.enable()
             robot.calibrate()
-            # A query for positions needs Zenoh and threads, but no check and no board: it shows how fast this computer
-            # is now.
+            # A query for positions needs Zenoh and threads, but no check and no board: it shows the present speed of
+            # this computer.
             yield (
                 "the same minutes: a query's answer, no board [ms]",
                 spread_ms(paced(robot.positions)),

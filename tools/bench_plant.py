@@ -20,18 +20,18 @@ _BLOCK = 250
 _TO_REACH_US = 30
 _AMPLITUDE = math.radians(25)
 _CIRCLES_HZ = 0.35
-"""Highest frequency of the circle with the arms below their top speed."""
+"""Highest frequency of the circle at which the arms stay below their top speed."""
 
 
 def circling(t: float) -> Arms:
-    """Arms (rad) of a circling head at time `t` (s); the circle grows from home."""
+    """Return the arm angles (rad) of a circling head at time `t` (s); the circle grows from home within 4 s."""
     size = _AMPLITUDE * min(1.0, t / 4)
     phase = math.tau * _CIRCLES_HZ * t
     return Neck().inverse(0.5 * math.sin(0.3 * t), size * math.cos(phase), size * math.sin(phase))
 
 
 def step_us(plant: Plant, path: list[tuple[int, int, int]]) -> float:
-    """Median over blocks of steps of the mean time of a step (us)."""
+    """Return the median over blocks of steps of the mean time of a step (us)."""
     times = []
     for first in range(0, len(path) - _BLOCK + 1, _BLOCK):
         begin = time.perf_counter_ns()
@@ -42,7 +42,7 @@ def step_us(plant: Plant, path: list[tuple[int, int, int]]) -> float:
 
 
 def angle_between(plant: Plant, neck: Neck) -> float:
-    """Largest element of the difference between measured and calculated head orientation (deg, for small ones)."""
+    """Return the largest element of the difference between measured and calculated rotation, as an angle (deg)."""
     calculated = neck.rotation(plant.arms())
     return math.degrees(
         max(
@@ -54,7 +54,7 @@ def angle_between(plant: Plant, neck: Neck) -> float:
 
 
 def preview_factor(gear: Gear) -> float:
-    """Simulated seconds per second of a preview of a nod."""
+    """Return the simulated seconds per second in a preview of a nod."""
     plant, firmware = Plant(), Firmware()
     firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
     firmware.receive(encode(FrameType.CALIBRATE, 2, b""))

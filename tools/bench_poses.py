@@ -1,4 +1,4 @@
-"""Random pose motions of the simulation in virtual time, and its errors at rest."""
+"""Measure the errors of the simulation at rest after random pose motions, in virtual time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Bench:
         self.run(20)
 
     def run(self, ms: int) -> None:
-        """Advance the time."""
+        """Advance the time of firmware and plant (ms), and read the telemetry."""
         for _ in range(ms // TIMESTEP_MS):
             self.firmware.tick(TIMESTEP_MS)
             self.plant.step(self.firmware.pulses(), drivers_on=self.firmware.drivers_on())
@@ -39,7 +39,7 @@ class Bench:
                 self.telemetry = Telemetry.unpack(frame.payload)
 
     def look(self, query: PoseQuery) -> bool:
-        """Carry a pose motion out until the head has settled; False if it was refused."""
+        """Carry out a pose motion until the head has settled; return False if the motion is refused."""
         assert self.telemetry is not None
         try:
             goal = self.planner.goal(query, self.telemetry)
@@ -57,7 +57,7 @@ class Bench:
 
 @dataclass(frozen=True)
 class Rest:
-    """Worst figures at rest: arms (deg) from the command, head (deg) from kinematics of the arms."""
+    """Number of motions, and largest errors at rest: arms from the command, head from the kinematics of the arms."""
 
     motions: int
     arms_deg: float
@@ -66,7 +66,7 @@ class Rest:
 
 
 def random_poses(count: int, seed: int) -> Rest:
-    """`count` accepted motions to random poses at random speeds."""
+    """Carry out `count` accepted motions to random poses at random speeds; return the largest errors."""
     bench, rng = Bench(), random.Random(seed)
     done, arms_deg, head_deg = 0, 0.0, 0.0
     while done < count:

@@ -25,7 +25,7 @@ HOUR_S = 3600.0
 
 
 def turning(robots: list[Robot], seconds: float) -> None:
-    """Turn both heads to and fro."""
+    """Turn the heads to and fro for a time (s)."""
     until, side = time.monotonic() + seconds, 1
     while time.monotonic() < until:
         side = -side
@@ -36,10 +36,10 @@ def turning(robots: list[Robot], seconds: float) -> None:
 def recorded(
     endpoint: str, robots: list[Robot], path: Path, cameras: str, *, moving: bool
 ) -> tuple[float, float, float]:
-    """CPU (% of a core), memory (MiB) and output (MB per hour) of a recorder."""
+    """Run a recorder; return its CPU (% of a core), memory (MiB) and output (MB per hour)."""
     words = ("record", str(path), "--connect", endpoint, "--cameras", cameras)
     process = Served("beatrix_zenoh.cli", *words)
-    time.sleep(3.0)  # until clocks, geometry and layout are done
+    time.sleep(3.0)  # the recorder measures clocks and writes geometry and layout first
     before_s, began, length = process.cpu_s(), time.monotonic(), path.stat().st_size
     if moving:
         turning(robots, LASTS_S)

@@ -1,6 +1,7 @@
-"""Differences between simulation and virtual hardware, their causes, and the accuracy of a replay.
+"""Measure the differences between simulation and virtual hardware, their causes, and the accuracy of a replay.
 
-Plays the choreography of the demo on both, compares the recordings, and replays one on the hardware. Takes a minute.
+The program plays the choreography of the demo on both, compares the recordings, and replays one on the hardware. It
+takes a minute.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from beatrix_zenoh.recording.series import Floats, Recording, recording
 
 SETTLE_S = 0.6
 EARLY_DEG = (1.0, 6.0)
-"""Angles since rest within which an arm still accelerates."""
+"""Range of the angle since rest in which an arm still accelerates."""
 
 
 class Timed(Robot):
@@ -41,7 +42,7 @@ class Timed(Robot):
         self.brackets: list[tuple[float, float]] = []
 
     def begin(self, query: MotionQuery | PoseQuery) -> Motion:
-        """Like `Robot.begin`."""
+        """Begin a motion like `Robot.begin`, and record its times."""
         sent_s = time.monotonic()
         motion = super().begin(query)
         self.brackets.append((sent_s, time.monotonic()))
@@ -49,7 +50,7 @@ class Timed(Robot):
 
 
 def played(twin: Twin) -> tuple[list[Positions], list[Positions]]:
-    """Positions of both during the demo's choreography."""
+    """Calibrate both robots and play the choreography of the demo; return the positions of simulation and hardware."""
     twin.enable()
     twin.calibrate()
     streams = [robot.positions_stream() for robot in (twin.sim, twin.hw)]
@@ -126,7 +127,7 @@ def print_twin(sim: Sequence[Positions], hw: Sequence[Positions], robots: tuple[
 
 
 def rms_after_one_lag(first: Recording, second: Recording) -> float:
-    """Largest root mean square difference of an axis (deg) after one lag was removed from the whole."""
+    """Return the largest rms difference of an axis (deg) after the same lag was removed from all motions."""
     late = Recording(second.t - lag(first, second), second.angles)
     t = np.arange(max(first.t[0], late.t[0]), min(first.t[-1], late.t[-1]), 0.01)
     apart = [
@@ -137,7 +138,7 @@ def rms_after_one_lag(first: Recording, second: Recording) -> float:
 
 
 def print_replay(hw: Robot, done: Sequence[Positions]) -> None:
-    """Replay the hardware's motion, and print the differences."""
+    """Replay the recorded motion on the hardware, and print the differences."""
     following = follow(path_of_recording("demo", recording(done)), ROBOT)
     with hw.positions_stream() as stream:
         replay(hw, following)
@@ -155,7 +156,7 @@ def print_replay(hw: Robot, done: Sequence[Positions]) -> None:
 
 
 def begun(again: Recording, path: Floats, t: Floats) -> float:
-    """The time (s) to add to the path's times so that both begin to move together."""
+    """Return the time (s) to add to the times of the path so that path and replay begin to move at the same time."""
     moved = int(np.argmax(np.max(np.abs(again.arms.angles - again.arms.angles[0]), axis=1) > 1.0))
     planned = int(np.argmax(np.max(np.abs(path - path[0]), axis=1) > 1.0))
     return float(again.t[moved] - t[planned])

@@ -70,7 +70,7 @@ class Times:
 
 
 def until(holds: Callable[[], object]) -> None:
-    """Process events of the window until a condition holds."""
+    """Process events of the window until `holds` returns true."""
     deadline_s = time.monotonic() + PATIENCE_S
     while not holds():
         assert time.monotonic() < deadline_s, "no answer"
@@ -78,7 +78,7 @@ def until(holds: Callable[[], object]) -> None:
 
 
 def presses(window: Window, times: Times) -> tuple[list[float], list[float]]:
-    """Press + and - of the hardware's arms; time (s) until the query was sent, and until its acceptance was shown."""
+    """Press + and - of all arms; return the times (s) until the query was sent, and until its acceptance was shown."""
     sent, shown = [], []
     row = window.panels.arms.rows["all"]
     for number in range(PRESSES):
@@ -95,7 +95,7 @@ def presses(window: Window, times: Times) -> tuple[list[float], list[float]]:
 
 
 def click(widget: QWidget) -> float:
-    """Press a button with the mouse; return the time (monotonic clock, s)."""
+    """Click a button with the mouse; return the time of the release (monotonic clock, s)."""
     QTest.mousePress(widget, Qt.MouseButton.LeftButton)
     began_s = time.monotonic()
     QTest.mouseRelease(widget, Qt.MouseButton.LeftButton)
@@ -103,7 +103,7 @@ def click(widget: QWidget) -> float:
 
 
 def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
-    """Press Space while the arms move; time (s) until STOP was sent, and until the reply of resting arms was shown."""
+    """Press Space during motions; return the times (s) until STOP was sent, and until resting arms were shown."""
     sent, shown = [], []
     window.handle(SetIncrement(60.0))
     window.handle(SetSpeed(30.0))
@@ -132,7 +132,7 @@ def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
 
 
 def cpu(window: Window, tab: Tab) -> float:
-    """Cores that the window uses while a tab is shown."""
+    """Return the share of a core that the window uses while a tab is shown."""
     window.handle(ShowTab(tab))
     window.panels.tabs.setCurrentIndex(list(Tab).index(tab))
     QTest.qWait(1500)
@@ -165,7 +165,7 @@ def measure(window: Window, endpoint: str) -> None:
 
 
 def main() -> None:
-    """A router, a virtual robot with a pattern as cameras, and a window."""
+    """Run a router, a virtual robot whose cameras show the test picture, and a window, and measure the window."""
     endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     robot = Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:")

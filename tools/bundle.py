@@ -1,9 +1,9 @@
-"""Pack BEATRIX with everything it needs into one archive, to install it from a stick in a room without network.
+"""Pack BEATRIX with all packages that it needs into one archive, for a USB stick and a room without network.
 
 python tools/bundle.py [--platform windows-x86_64] [--python 3.12] [--extras cli,gui] [--out FOLDER]
 
-The archive holds the wheels of the versions in constraints.txt, install.py, which needs only Python, and a text that
-says what to type. The firmware of the board is inside the wheel of BEATRIX.
+The archive holds the wheels of the versions in constraints.txt, the program install.py, which needs only Python, and
+a README.txt. The firmware of the board is inside the wheel of BEATRIX.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ PLATFORMS: Final = {
         [f"macosx_{major}_0_{cpu}" for major in range(11, 16) for cpu in ("arm64", "universal2")],
     ),
 }
-"""Each platform with `sys.platform`, `platform.machine()` and the tags of wheels that run on it."""
+"""`sys.platform`, `platform.machine()` and the tags of suitable wheels, by platform."""
 SYSTEMS: Final = {"linux": "Linux", "win32": "Windows", "darwin": "Darwin"}
 
 INSTALL: Final = '''"""Install BEATRIX from this folder, without network: python install.py [FOLDER]"""
@@ -53,7 +53,7 @@ from pathlib import Path
 here = Path(__file__).resolve().parent
 home = Path(sys.argv[1] if len(sys.argv) > 1 else "beatrix-env").resolve()
 if sys.version_info[:2] != {python}:
-    sys.exit("These wheels are for Python {python_text}; this is Python %d.%d." % sys.version_info[:2])
+    sys.exit("This is Python %d.%d, but these wheels are for Python {python_text}. Use that." % sys.version_info[:2])
 venv.create(home, with_pip=True)
 scripts = home / ("Scripts" if os.name == "nt" else "bin")
 subprocess.run(
@@ -67,12 +67,13 @@ Unpack this archive and type in its folder:
 
     python install.py
 
-It needs Python {python_text} and no network. It makes a folder beatrix-env; the program is in its folder bin (Windows: Scripts).
+install.py needs Python {python_text} and no network. It makes the folder beatrix-env.
+The program `beatrix` is in beatrix-env/bin, on Windows in beatrix-env/Scripts.
 """
 
 
 def environment(target: str, python: str) -> dict[str, str]:
-    """The values of environment markers on a platform (PEP 508)."""
+    """Return the values of environment markers on a platform (PEP 508)."""
     system, machine, _ = PLATFORMS[target]
     return {
         "implementation_name": "cpython",
@@ -90,7 +91,7 @@ def environment(target: str, python: str) -> dict[str, str]:
 
 
 def applies(requirement: Requirement, values: dict[str, str], extras: Sequence[str] = ("",)) -> bool:
-    """Whether a requirement is needed on a platform with any of the extras."""
+    """Return whether a requirement is needed on a platform with any of the extras."""
     marker = requirement.marker
     return marker is None or any(marker.evaluate({**values, "extra": extra}) for extra in extras)
 
@@ -110,7 +111,7 @@ def own_requirements(extras: Sequence[str]) -> Iterator[Requirement]:
 
 
 def names_of(requirements: Sequence[Requirement], values: dict[str, str]) -> set[str]:
-    """Names of all packages that these need on a platform, from the metadata of what is installed here."""
+    """Return the names of all required packages on a platform, from the metadata of the packages installed here."""
     names: set[str] = set()
     waiting = [requirement for requirement in requirements if applies(requirement, values)]
     while waiting:
@@ -121,7 +122,7 @@ def names_of(requirements: Sequence[Requirement], values: dict[str, str]) -> set
         names.add(name)
         try:
             needs = metadata.requires(name) or []
-        except metadata.PackageNotFoundError:  # a package of the other platform
+        except metadata.PackageNotFoundError:  # needed on the other platform only
             continue
         extras = ["", *requirement.extras]
         waiting += [need for need in map(Requirement, needs) if applies(need, values, extras)]
@@ -129,7 +130,7 @@ def names_of(requirements: Sequence[Requirement], values: dict[str, str]) -> set
 
 
 def pins(values: dict[str, str]) -> dict[str, str]:
-    """Version of each package in constraints.txt on a platform."""
+    """Return the version of each package of constraints.txt that applies to a platform."""
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     found = [Requirement(line) for line in lines if re.match(r"[A-Za-z0-9]", line)]
     return {
@@ -153,7 +154,7 @@ def download(target: str, python: str, extras: Sequence[str], wheels: Path) -> N
 
 
 def bundle(target: str, python: str, extras: Sequence[str], out: Path) -> Path:
-    """Write the archive; returns its path."""
+    """Write the archive, and return its path."""
     version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
     folder = out / f"beatrix-{version}-{target}-python{python}"
     shutil.rmtree(folder, ignore_errors=True)
@@ -168,7 +169,7 @@ def bundle(target: str, python: str, extras: Sequence[str], out: Path) -> Path:
 
 
 def here() -> str:
-    """The name of this computer's platform."""
+    """Return the name of this computer's platform; linux-x86_64 if PLATFORMS does not contain it."""
     for name, (system, machine, _) in PLATFORMS.items():
         if (sys.platform, platform.machine()) == (system, machine):
             return name

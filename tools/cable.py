@@ -1,4 +1,4 @@
-"""A network cable to a router as a TCP relay: it records what a client sends, and can be cut or unplugged."""
+"""A TCP relay in place of a network cable to a router: records the bytes of clients, and can be cut or unplugged."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Cable:
 
     def __init__(self, host: str, port: int) -> None:
         self.recorded: list[bytearray] = []
-        """what clients have sent, by connection"""
+        """bytes that clients have sent, by connection"""
         self._router = (host, port)
         self._server = socket.create_server(("127.0.0.1", 0))
         self.port: int = self._server.getsockname()[1]
@@ -28,7 +28,7 @@ class Cable:
         self._threads[0].start()
 
     def unplug(self) -> None:
-        """Pass nothing on any more; both ends still see an open connection."""
+        """Stop passing data on; the connections stay open at both ends."""
         self._plugged.clear()
 
     def plug(self) -> None:
@@ -65,7 +65,7 @@ class Cable:
                 continue
             try:
                 router = socket.create_connection(self._router, 5.0)
-            except OSError:  # no router: the client sees that its connection ends
+            except OSError:  # there is no router: close the connection of the client
                 client.close()
                 continue
             sent = bytearray()

@@ -1,9 +1,9 @@
-"""One robot or one seat of a class under load, as a process: `bench_classroom.py` starts many.
+"""One robot or one seat of a class under load, as a process; `bench_class_load.py` starts many.
 
 `class_load.py robot WHERE KEY` publishes positions at 50 Hz until the end of its input.
-`class_load.py seat WHERE` subscribes for each line `KEY SECONDS` of its input, and prints what has arrived as JSON.
-WHERE is the file of an account, or the endpoint of a router of bare Zenoh: then messages have the same length and no
-fields.
+`class_load.py seat WHERE` subscribes to KEY for each line `KEY SECONDS` of its input, and prints the ages and the
+number of messages as JSON. WHERE is the file of an account, or the endpoint of a router of bare Zenoh. With bare Zenoh
+messages have the same length, but no fields.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ STAMP: Final = struct.Struct("<qq")
 
 
 def positions(number: int) -> bytes:
-    """A message as robots publish it, with the present time."""
+    """Return a message as robots publish it, with this sequence number and the present time."""
     arms, head = Vector3(0.1, 0.2, 0.3), Head(0.1, 0.2, 0.3)
     message = Positions(
         seq=number,
@@ -62,12 +62,12 @@ class Ours:
         return lambda number: publication.put(positions(number))
 
     def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
-        """Pass key, number and time of messages to `handle`; return a function that ends the subscription."""
+        """Pass key, number and time (ns) of messages to `handle`; return a function that ends the subscription."""
 
         def receive(received: zbus.Received) -> None:
             try:
                 message = codec.decode(received.payload, Positions)
-            except Refused:  # damaged, which happens on a computer that is far too busy: counts as lost
+            except Refused:  # damaged, as happens on an overloaded computer: the message counts as lost
                 return
             handle(received.key, message.seq, message.t_mono_ns)
 
@@ -120,7 +120,7 @@ def robot(session: Ours | Bare, key: str) -> None:
 
 
 def seat(session: Ours | Bare) -> None:
-    """Subscribe as each line of the input says; print ages (ms), and how many messages should have arrived."""
+    """Subscribe for each line of the input; print ages (ms), number of messages sent, and number of robots as JSON."""
     print("ready", flush=True)
     for line in sys.stdin:
         key, seconds = line.split()

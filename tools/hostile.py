@@ -1,8 +1,9 @@
 """Hostile and broken traffic at the port of a router, and a seat that floods a robot.
 
-Both run as processes of their own until they are ended: `python tools/hostile.py flood ROBOT` sends motions to a robot
-and publishes positions with the account of BEATRIX_ACCOUNT; `python tools/hostile.py attack HOST PORT FILE` sends the
-bytes that a client has sent (FILE) again, unchanged and changed.
+Both run as processes of their own. `python tools/hostile.py flood ROBOT` sends motions to a robot and publishes
+positions with the account of BEATRIX_ACCOUNT until it is killed. `python tools/hostile.py attack HOST PORT FILE` keeps
+silent connections open and sends random bytes, wrong frames, HTTP, and the bytes in FILE, which a client has sent
+before, unchanged and changed, until the end of its input.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def frames(stream: bytes) -> list[bytes]:
 
 
 def payload(kind: str, recorded: bytes, dice: random.Random) -> bytes:
-    """Return the bytes of one attack; `recorded`: bytes that a client has sent in an earlier session."""
+    """Return the bytes of one attack; `recorded` are bytes that a client has sent in an earlier session."""
     match kind:
         case "random":
             sent = dice.randbytes(dice.randrange(1, 2000))
@@ -68,11 +69,11 @@ def payload(kind: str, recorded: bytes, dice: random.Random) -> bytes:
 
 
 class Attack:
-    """Threads that attack a router's port until `close`; `recorded`: bytes that a client sent in an earlier session."""
+    """Threads that attack a router's port until `close`; `recorded` are bytes of an earlier session of a client."""
 
     def __init__(self, host: str, port: int, recorded: bytes) -> None:
         self.sent: Counter[str] = Counter()
-        """attacks by kind"""
+        """number of attacks by kind"""
         self._address, self._recorded = (host, port), recorded
         self._over = threading.Event()
         self._half_open = list(self._silent_connections())

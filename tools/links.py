@@ -14,23 +14,23 @@ FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 
 
 def pages() -> list[Path]:
-    """All markdown pages of the repository."""
+    """Return all markdown pages in the top folder and in docs."""
     return [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
 
 
 def prose(page: Path) -> str:
-    """Text of a page without its code blocks."""
+    """Return the text of a page without its code blocks."""
     return FENCED.sub("", page.read_text(encoding="utf-8"))
 
 
 def anchors(page: Path) -> set[str]:
-    """Anchors that GitHub gives the headings of a page."""
+    """Return the anchors that GitHub gives to the headings of a page."""
     headings = HEADING.findall(prose(page))
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
 def broken_links(page: Path) -> Iterator[str]:
-    """Links of a page whose target does not exist; web addresses are not checked."""
+    """Yield a message for each link of a page whose target does not exist; web addresses are not checked."""
     for target in LINK.findall(prose(page)):
         if "://" in target or target.startswith("mailto:"):
             continue

@@ -1,4 +1,4 @@
-"""Make docs/images/twin.gif: a simulation leads, a virtual robot follows; both as they published their positions.
+"""Make docs/images/twin.gif, in which a simulation leads and a virtual robot follows, from their published positions.
 
 Usage: .venv/bin/python tools/moving_picture.py [FILE]
 """
@@ -45,7 +45,7 @@ Moment = tuple[ArmAngles, ArmAngles]
 
 
 def movement(endpoint: str) -> list[Moment]:
-    """Positions of both robots, one entry per frame, while they make the poses with a lead."""
+    """Make both robots take the poses with a lead; return their arm angles, one entry per frame."""
     moments: list[Moment] = []
     began = time.monotonic()
 
@@ -70,7 +70,7 @@ def movement(endpoint: str) -> list[Moment]:
 
 
 def frames(moments: list[Moment]) -> list[Image.Image]:
-    """Both robots side by side at each moment; needs OpenGL."""
+    """Draw both robots side by side at each moment; needs OpenGL."""
     plant = Plant()
     painter = GlPainter(
         build_spec(), 2 * WIDTH, 2 * HEIGHT, name=gl.backend() or "egl", shadows=True, samples=4
@@ -85,14 +85,15 @@ def frames(moments: list[Moment]) -> list[Image.Image]:
     images = [titled() for _ in moments]
     for image, moment in zip(images, moments, strict=True):
         for index, arms in enumerate(moment):
-            x, y, z = (round(math.radians(angle), 3) for angle in arms)  # a robot at rest is drawn once
+            # Rounded, so that a robot at rest is drawn only once.
+            x, y, z = (round(math.radians(angle), 3) for angle in arms)
             image.paste(drawn((x, y, z)), (index * WIDTH, 0))
     painter.close()
     return images
 
 
 def titled() -> Image.Image:
-    """An image with the titles below the places of both robots."""
+    """Return an image with the titles below the places of both robots."""
     image = Image.new("RGB", (2 * WIDTH, HEIGHT + STRIP), (255, 255, 255))
     for index, title in enumerate(TITLES):
         place = ((index + 0.5) * WIDTH, HEIGHT + STRIP / 2)
@@ -103,7 +104,7 @@ def titled() -> Image.Image:
 
 
 def reduced(images: list[Image.Image]) -> list[Image.Image]:
-    """The images with one palette, made of the head and the neck of some of them."""
+    """Return the images with one palette, computed from the middle of six of them, where head and neck are."""
     some = images[:: len(images) // 6]
     sample = Image.new("RGB", (WIDTH // 2, len(some) * HEIGHT))
     for index, image in enumerate(some):
@@ -113,7 +114,7 @@ def reduced(images: list[Image.Image]) -> list[Image.Image]:
 
 
 def main() -> None:
-    """Record, draw, write."""
+    """Record the motions, draw the pictures, and write the file."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images/twin.gif"
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

@@ -1,4 +1,4 @@
-"""Mutation testing, bounded in time: change one expression at a time and see whether a test fails.
+"""Mutation testing within a time limit: change one expression at a time and check whether a test fails.
 
     .venv/bin/python tools/mutate.py --minutes 10 --sample 60 beatrix_zenoh/node/planner.py
 
@@ -59,7 +59,7 @@ ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
 }  # fmt: skip
 SHOWN = 90
-"""Characters of a mutant that are printed, before and after."""
+"""Largest number of characters printed of the original and of the mutated code."""
 
 
 Located = ast.expr | ast.stmt | ast.keyword
@@ -88,10 +88,10 @@ class Mutant:
 
 
 def mutants(source: str) -> list[Mutant]:
-    """All mutants of a module, in the order of its lines."""
+    """Return all mutants of a module, in the order of their positions."""
     data = source.encode()
     starts = [0, *accumulate(len(line) for line in data.splitlines(keepends=True))]
-    found: dict[tuple[int, str, str], Mutant] = {}  # only the first of equal ones on a line
+    found: dict[tuple[int, str, str], Mutant] = {}  # only the first of equal mutants on a line
     for node in _mutable(ast.parse(source)):
         for first, last, mutated in _changes(node):
             start = starts[first.lineno - 1] + first.col_offset
@@ -103,7 +103,7 @@ def mutants(source: str) -> list[Mutant]:
 
 
 def _mutable(node: ast.AST) -> Iterator[ast.expr | ast.stmt]:
-    """Expressions and statements with an effect: no annotations, decorators or messages."""
+    """Yield the expressions and statements that are worth mutating: no annotations, decorators or messages."""
     if isinstance(node, ast.JoinedStr | ast.Import | ast.ImportFrom | ast.Assert):
         return
     if isinstance(node, ast.expr | ast.stmt):
@@ -118,7 +118,7 @@ def _mutable(node: ast.AST) -> Iterator[ast.expr | ast.stmt]:
 
 
 def _changes(node: ast.expr | ast.stmt) -> Iterator[tuple[Located, Located, str]]:
-    """The mutants of a node: the first and the last node that are replaced, and the replacement."""
+    """Yield for each mutant of a node the first and the last node that are replaced, and the replacement."""
     if isinstance(node, ast.Call):
         yield from _swapped(node)
     mutated = _statement(node) if isinstance(node, ast.stmt) else _expression(node)
@@ -127,7 +127,7 @@ def _changes(node: ast.expr | ast.stmt) -> Iterator[tuple[Located, Located, str]
 
 
 def _statement(node: ast.stmt) -> str:
-    """The replacement of a statement, empty for none."""
+    """Return the replacement of a statement; empty if there is none."""
     match node:
         case ast.Return(value=ast.expr() as value) if ast.unparse(value) != "None":
             return "return None"
@@ -139,7 +139,7 @@ def _statement(node: ast.stmt) -> str:
 
 
 def _expression(node: ast.expr) -> str:
-    """The replacement of an expression, empty for none."""
+    """Return the replacement of an expression; empty if there is none."""
     text = ""
     match node:
         case ast.Compare(ops=[comparison]):
@@ -161,7 +161,7 @@ def _expression(node: ast.expr) -> str:
 
 
 def _text(node: ast.BinOp) -> bool:
-    """Whether the node concatenates strings, judged by its literals."""
+    """Return whether the node contains a string literal, and so probably concatenates strings."""
     return any(
         isinstance(part, ast.JoinedStr) or (isinstance(part, ast.Constant) and isinstance(part.value, str))
         for part in ast.walk(node)
@@ -169,7 +169,7 @@ def _text(node: ast.BinOp) -> bool:
 
 
 def _swapped(call: ast.Call) -> Iterator[tuple[Located, Located, str]]:
-    """Exchange two neighbouring arguments that are expressions of the same form with different names."""
+    """Yield the exchanges of two neighbouring arguments that have the same form and different names."""
     if isinstance(call.func, ast.Name) and hasattr(builtins, call.func.id):
         return
     for first, second in pairwise(call.args):
@@ -181,7 +181,7 @@ def _swapped(call: ast.Call) -> Iterator[tuple[Located, Located, str]]:
 
 
 def _alike(first: ast.expr, second: ast.expr) -> bool:
-    """Whether two expressions contain names and differ only in them."""
+    """Return whether two expressions contain names and differ only in them."""
     one, other = ast.dump(first), ast.dump(second)
     names = re.compile(r"(id|attr)='\w*'")
     return one != other and "id=" in one and names.sub("", one) == names.sub("", other)
@@ -198,7 +198,7 @@ class Copy:
         self._seconds: dict[str, list[float]] = defaultdict(list)
 
     def record(self, sources: Sequence[str]) -> set[str]:
-        """Run all tests once and record which test executes which line; returns those that fail unmutated."""
+        """Run all tests once and record which test executes which line; return the tests that fail without a mutant."""
         for suite, chosen in SUITES:
             if (self.root / suite).is_dir():
                 words = [f"--cov={source}" for source in sources] + [f"--ignore={path}" for path in LEFT_OUT]
@@ -221,11 +221,11 @@ class Copy:
         return self._broken
 
     def tests(self, path: str, line: int) -> list[str]:
-        """Tests that execute a line.
+        """Return the tests that execute a line.
 
-        A line that is executed on import, or only on threads that coverage does not trace (Zenoh's callbacks): the
-        tests that execute any line of its module. A line that a fixture executes: also all tests of that file that
-        execute the module, because a fixture may serve a whole file.
+        For a line that is executed on import, or only on threads that coverage does not trace (Zenoh's callbacks),
+        these are the tests that execute any line of its module. For a line that a fixture executes, they include all
+        tests of the file that execute the module, because a fixture may serve a whole file.
         """
         data = CoverageData(str(self._contexts))
         data.read()
@@ -241,12 +241,12 @@ class Copy:
         return sorted(found - self._broken, key=self._order)
 
     def _order(self, test: str) -> tuple[float, str]:
-        """Sort key: fast files first, and the tests of a file together, because they may share a fixture."""
+        """Return a sort key: fast files first, and the tests of a file together, because they may share a fixture."""
         seconds = self._seconds.get(test.partition("::")[0], [0.0])
         return sum(seconds) / len(seconds), test
 
     def verdict(self, path: str, mutant: Mutant, seconds: float) -> str:
-        """`killed`, `survived`, `undecided`, or `not run` if no test executes its module."""
+        """Test a mutant for at most `seconds`; return one of VERDICTS, `not run` if no test executes its module."""
         tests = self.tests(path, mutant.line)
         if not tests:
             return "not run"
@@ -260,12 +260,12 @@ class Copy:
         return "undecided" if code is None else "survived" if code == 0 else "killed"
 
     def _pytest(self, words: Sequence[str], timeout_s: float) -> tuple[int | None, str]:
-        """Exit code (None: out of time) and output of a test run that imports the copy."""
+        """Run tests that import the copy; return the exit code (None after the time limit) and the output."""
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words]
         environment = dict(os.environ, COVERAGE_FILE=str(self._contexts), PYTHONPATH=str(self.root))
-        environment.pop("COVERAGE_PROCESS_CONFIG", None)  # set by a run that measures this program
+        environment.pop("COVERAGE_PROCESS_CONFIG", None)  # set if coverage measures this program
         environment["PYTHONDONTWRITEBYTECODE"] = (
-            "1"  # Python would use the old bytecode for a mutant of the same second and size
+            "1"  # Python would reuse bytecode for a source of the same size and second
         )
         with subprocess.Popen(
             command,
@@ -286,7 +286,7 @@ class Copy:
 
 
 def main(words: Sequence[str] | None = None, root: Path = ROOT) -> int:
-    """Print the survivors and how many mutants were made, tested and killed."""
+    """Print all mutants that were not killed, and the numbers of mutants made, tested and killed."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,7 @@
-"""Write the table and the tree of docs/explanation/neck.md: `python tools/neck_page.py`. A test compares them."""
+"""Write the table and the tree of docs/explanation/neck.md: `python tools/neck_page.py`.
+
+A test checks that the page is up to date.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,7 @@ PATTERNS: Final = (
 
 
 def arms_table() -> str:
-    """Return a table of the head orientation when each arm turns alone and when all turn together."""
+    """Return a table of the head orientation for each of PATTERNS, in degrees."""
     neck = Neck()
     rows = [f"| arms turned by {TURN_DEG:.0f}° | yaw | pitch | roll |", "|---|---|---|---|"]
     for title, pattern in PATTERNS:
@@ -39,7 +42,7 @@ def arms_table() -> str:
 
 
 def model_tree() -> str:
-    """Bodies of the simulation with their joints, motors, cameras and loops."""
+    """Return a tree of the bodies of the simulation with their joints, motors, cameras and loops."""
     return "```text\nworld\n" + "\n".join(_branches(build(), 0, "")) + "\n```\n"
 
 
@@ -53,7 +56,7 @@ def _branches(model: mujoco.MjModel, parent: int, indent: str) -> Iterator[str]:
 
 
 def _parts(model: mujoco.MjModel, body: int) -> str:
-    """Joint, motor, cameras and loops of a body."""
+    """Return the joint, the motor, the cameras and the loops of a body as text."""
     ball = mujoco.mjtJoint.mjJNT_BALL
     joint = int(model.body_jntadr[body])
     parts = ["ball joint" if model.jnt_type[joint] == ball else "hinge"]
@@ -70,7 +73,7 @@ def _parts(model: mujoco.MjModel, body: int) -> str:
 
 
 def page(text: str) -> str:
-    """The page with its generated blocks renewed."""
+    """Return the text of a page with new generated blocks."""
     blocks = {"arms": arms_table(), "model": model_tree()}
     return BLOCK.sub(lambda found: found[1] + blocks[found[2]] + found[3], text)
 

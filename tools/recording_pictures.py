@@ -23,11 +23,11 @@ from beatrix_zenoh.recording.rrd.picture import TABS, pictures
 
 NAME = "bea1"
 LARGEST = 300_000
-"""Bytes of a picture in the repository."""
+"""Largest size (bytes) of a picture in the repository."""
 
 
 def lesson(endpoint: str) -> tuple[float, float]:
-    """A lead, a refused and a stopped motion; returns the times of the pictures, s since 1970."""
+    """Carry out motions with a lead, a refused and a stopped one; return the times (s since 1970) of the pictures."""
     with Twin(NAME, connect=endpoint, who="ana") as twin:
         twin.enable()
         twin.calibrate()
@@ -50,7 +50,7 @@ def lesson(endpoint: str) -> tuple[float, float]:
 
 
 def small(png: bytes) -> bytes:
-    """The picture, with fewer colours until it is small enough for the repository."""
+    """Return the picture with so few colours that it is at most LARGEST bytes long, but with at least 16."""
     picture, smaller, colours = Image.open(io.BytesIO(png)).convert("RGB"), png, 512
     while len(smaller) > LARGEST and colours > 16:
         colours //= 2
@@ -61,7 +61,7 @@ def small(png: bytes) -> bytes:
 
 
 def main() -> None:
-    """Record, draw, write."""
+    """Record a lesson, draw the pictures, and write the files."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

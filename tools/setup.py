@@ -1,6 +1,6 @@
 """Make .venv and install the Debian packages: `python tools/setup.py demo` or `test`.
 
-A stamp file in .venv records its inputs, so nothing is done twice. It needs only Python 3.11.
+A stamp file in .venv records its inputs, so that nothing is done twice. This program needs only Python 3.11.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ PURPOSES = ("demo", "test")
 
 
 def run(command: Sequence[str]) -> bool:
-    """Print the command and run it; returns whether it succeeded."""
+    """Print the command and run it; return whether it succeeded."""
     print("+", shlex.join(command), flush=True)
     return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
 
 
 def works(command: Sequence[str]) -> bool:
-    """Whether the command can be run on this computer."""
+    """Return whether the command exists on this computer and succeeds."""
     try:
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
     except OSError:
@@ -39,14 +39,14 @@ def works(command: Sequence[str]) -> bool:
 
 
 def wanted_packages(purpose: str) -> list[str]:
-    """Debian packages listed for this purpose."""
+    """Return the Debian packages listed for this purpose."""
     text = (ROOT / "tools/debian-packages.txt").read_text(encoding="utf-8")
     rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
     return [row[1] for row in rows if row[0] == purpose]
 
 
 def missing_packages(purpose: str) -> list[str]:
-    """Debian packages of this purpose that are not installed."""
+    """Return the Debian packages of this purpose that are not installed."""
     wanted = wanted_packages(purpose)
     query = ["dpkg-query", "--show", "--showformat", "${db:Status-Status} ${Package}\n", *wanted]
     shown = subprocess.run(query, capture_output=True, text=True, check=False).stdout
@@ -55,10 +55,10 @@ def missing_packages(purpose: str) -> list[str]:
 
 
 def install_debian_packages(purpose: str) -> None:
-    """Install the missing packages, or print the command that does and exit."""
+    """Install the missing Debian packages; without the rights, or if apt-get fails, exit with a message."""
     if not shutil.which("dpkg-query"):
         print(
-            f"This is not Debian: install the equivalents of these packages yourself: {', '.join(wanted_packages(purpose))}."
+            f"This system is not Debian. Install the equivalents of these packages yourself: {', '.join(wanted_packages(purpose))}."
         )
         return
     missing = missing_packages(purpose)
@@ -71,20 +71,20 @@ def install_debian_packages(purpose: str) -> None:
         become_root = ["sudo", "-n", "env", "DEBIAN_FRONTEND=noninteractive"]
     else:
         sys.exit(
-            f"Debian packages are missing. Type this, then try again:\n\n    sudo {shlex.join(install)}\n"
+            f"Debian packages are missing. Type this command, then try again:\n\n    sudo {shlex.join(install)}\n"
         )
     run([*become_root, "apt-get", "update"])
     if not run([*become_root, *install]):
-        sys.exit("Debian packages could not be installed; see the output of apt-get above.")
+        sys.exit("apt-get cannot install the Debian packages. See its output above.")
 
 
 def python() -> str:
-    """The Python of .venv."""
+    """Return implementation, version and path of this interpreter, from which .venv is made."""
     return f"{sys.implementation.name} {sys.version.split()[0]} {Path(sys.executable).resolve()}"
 
 
 def digest() -> str:
-    """Digest of all inputs of .venv."""
+    """Return a digest of all inputs of .venv."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     parts = [
         EXTRAS,
@@ -98,14 +98,14 @@ def digest() -> str:
 
 
 def requirements(purpose: str) -> list[str]:
-    """Arguments of pip: the project, for tests also the group `dev`."""
+    """Return the arguments of pip: the constraints and the project, for tests also the group `dev`."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     group: list[str] = project["dependency-groups"]["dev"] if purpose == "test" else []
     return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS}]", *group]
 
 
 def install_with_uv(purpose: str, *, fresh: bool) -> bool:
-    """Fill .venv with uv; returns False if uv is missing or fails."""
+    """Make and fill .venv with uv; return False if uv is missing or fails."""
     if not works(["uv", "--version"]):
         return False
     made = not fresh or run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)])
@@ -113,20 +113,20 @@ def install_with_uv(purpose: str, *, fresh: bool) -> bool:
 
 
 def install_with_pip(purpose: str, *, fresh: bool) -> None:
-    """Fill .venv with pip, or exit with an error."""
+    """Make and fill .venv with pip, or exit with an error."""
     if not works([sys.executable, "-c", "import ensurepip"]):
         install_debian_packages("venv")
     clear = ["--clear"] if fresh else []
     if not run([sys.executable, "-m", "venv", *clear, str(VENV)]):
-        sys.exit("Python could not make .venv; see its output above.")
+        sys.exit("Python cannot make .venv. See its output above.")
     if not run([str(PYTHON), "-m", "pip", "install", *requirements(purpose)]):
         sys.exit(
-            "pip could not install the packages of BEATRIX; see its output above. Is this computer connected to the internet?"
+            "pip cannot install the packages of BEATRIX. See its output above, and check the internet connection."
         )
 
 
 def make_venv(purpose: str) -> None:
-    """Make .venv unless it exists with the same inputs; one for tests also serves the demo."""
+    """Make .venv unless it exists with the same inputs; a .venv for tests also serves the demo."""
     stamp = VENV / "made-from.json"
     made = json.loads(stamp.read_text(encoding="utf-8")) if stamp.exists() else {}
     if made.get("digest") == digest() and purpose in (made["purpose"], "demo"):

@@ -23,7 +23,7 @@ def show(command: list[str], result: str) -> None:
 
 
 def call(folder: Path, program: str, *arguments: str) -> str:
-    """Run a program to its end."""
+    """Run a program to its end; print the call, and return the output."""
     command = [sys.executable, str(folder / program), *CLIENT, *arguments]
     result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True).stdout
     show(command, result)
@@ -31,7 +31,7 @@ def call(folder: Path, program: str, *arguments: str) -> str:
 
 
 def listen(folder: Path, key: str, lines: int) -> str:
-    """Run z_sub.py until it has printed some lines of samples."""
+    """Run z_sub.py until it has printed `lines` samples; print the call, and return the output."""
     command = [sys.executable, "-u", str(folder / "z_sub.py"), *CLIENT, "-k", key]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
