@@ -53,7 +53,7 @@ from pathlib import Path
 here = Path(__file__).resolve().parent
 home = Path(sys.argv[1] if len(sys.argv) > 1 else "beatrix-env").resolve()
 if sys.version_info[:2] != {python}:
-    sys.exit("This is Python %d.%d, but these wheels are for Python {python_text}. Use that." % sys.version_info[:2])
+    sys.exit("These wheels do not fit Python %d.%d. Use Python {python_text}." % sys.version_info[:2])
 venv.create(home, with_pip=True)
 scripts = home / ("Scripts" if os.name == "nt" else "bin")
 subprocess.run(
