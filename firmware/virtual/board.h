@@ -28,17 +28,17 @@ EXPORT(receive_buffer) uint8_t *receive_buffer();
 EXPORT(receive_size) uint32_t receive_size();
 EXPORT(transmit_buffer) uint8_t *transmit_buffer();
 
-// Reset. The caller counts the starts of the board it simulates.
+// Resets the board. The caller counts its starts; this one has the number `boot_number`.
 EXPORT(start) void start(uint32_t boot_number);
 
-// Receives the first `length` bytes of the receive buffer and processes them; returns how many fitted. If some did not, or
-// report.waiting is set: drain, move the others to the front and call again. No byte is lost.
+// Receives the first `length` bytes of the receive buffer and processes them; returns the number of bytes that fitted. If
+// some did not, or report.waiting is set, drain, move the others to the front and call again. No byte is lost.
 EXPORT(receive) uint32_t receive(uint32_t length);
 
 // Advances time.
 EXPORT(tick) void tick(uint32_t milliseconds);
 
-// Empties the transmit buffer, after report.transmit_length bytes of it were read.
+// Empties the transmit buffer, after the caller has read report.transmit_length bytes of it.
 EXPORT(drain) void drain();
 
 #endif

@@ -57,7 +57,7 @@ void Axis::follow(int32_t target, const Ramp &ramp, const Fixed &rest) {
   rest_ = rest;
 }
 
-// Largest stopping distance, in microsteps, at which an arm may stop at once: so near, it turns slower than 130
+// Largest stopping distance, in microsteps, at which an arm may stop at once. At this distance it turns slower than 130
 // microsteps/s, and a motor can start or stop without a ramp at ten times that speed.
 static const int32_t STOP_AT_ONCE_MAX = 4;
 
@@ -97,7 +97,8 @@ void Axis::plan() {
   }
 }
 
-// Accelerate if the stopping distance still fits. `present_rest` is the rest position at the present speed.
+// Accelerate, or return false if the stopping distance would not fit. `present_rest` is the rest position at the present
+// speed.
 bool Axis::plan_faster(const Fixed &present_rest) {
   Fixed speed = speed_ + ramp_.acceleration;
   bool top = speed >= ramp_.top;
@@ -137,7 +138,7 @@ void Axis::commit() {
   steps_ = rounded_ahead(position_, direction_);
 }
 
-// The target can be reached in one tick that changes the speed by at most the acceleration.
+// Return whether the target can be reached in one tick that changes the speed by at most the acceleration.
 bool Axis::reaches_target() const {
   int32_t left_high = next_direction_ > 0 ? target_.high - position_.high : position_.high - target_.high;
   if (left_high < 0 || left_high > ramp_.acceleration.high + 1) return false;  // the cheap check first

@@ -14,10 +14,10 @@ struct Ramp {
   Fixed stopping_distance;  // from top speed to rest, this tick included
 };
 
-// Estimate of speed / ACCELERATION; the error is at most one.
+// Estimate of speed / ACCELERATION in ticks; the error is at most one tick.
 uint16_t ticks_to_rest(const Fixed &speed);
-// v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, and takes less
-// time if the estimate is better.
+// Return v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, and
+// takes less time if the estimate is better.
 Fixed stopping_distance_of(const Fixed &speed, const Fixed &acceleration, uint16_t ticks);
 void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp *ramp);
 
@@ -26,9 +26,9 @@ void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp 
 // the arm brakes, moves by v in a tick at constant speed v, and by v + (v + a) in a tick that accelerates by a.
 class Axis {
  public:
-  // Rest at `steps`.
+  // Set the position to `steps`, at rest.
   void place(int32_t steps);
-  // Rest at the position of the last step.
+  // Set the position to the last step, at rest.
   void place_at_last_step() { place(steps_); }
   // Set the target: from rest, or in motion with an unchanged acceleration.
   void follow(int32_t target, const Ramp &ramp);
@@ -45,16 +45,16 @@ class Axis {
   // Record a tick without motion.
   void no_motion() { start_ = position_; }
 
-  // Braking would overshoot the target, but the arm is slow enough to stop at once.
+  // Return whether braking would overshoot the target and the arm is slow enough to stop at once.
   bool may_stop_at_once() const;
   // Plan a stop at the present position; check it before stop_at_once().
   void plan_stop_at_once();
   void stop_at_once();
 
-  // Steps so far, rounded up in the direction of travel: the first step of a motion comes in its first tick.
+  // Step count, rounded up in the direction of travel, so that a motion makes its first step in its first tick.
   int32_t steps() const { return steps_; }
   int32_t target() const { return floor_steps(target_); }
-  // Set point at the start and end of the last tick; the step times follow from these.
+  // Set point at the start and end of the last tick, from which the step times are calculated.
   const Fixed &start() const { return start_; }
   const Fixed &end() const { return position_; }
   Fixed velocity() const { return direction_ > 0 ? speed_ : -speed_; }

@@ -47,7 +47,7 @@ Error Machine::execute(uint8_t type, const uint8_t *payload, uint8_t size) {
   }
 }
 
-// MOVE_STRAIGHT has one speed: use it for all arms.
+// Read either frame; the one speed of MOVE_STRAIGHT is used for all arms.
 static void read_move(uint8_t type, const uint8_t *payload, Move *move) {
   if (type == FRAME_MOVE) return move->read(payload);
   MoveStraight straight;
@@ -65,7 +65,7 @@ Error Machine::check_move(uint8_t type, const uint8_t *payload) const {
   return check(wanted);
 }
 
-// Called after the ACK has been sent: the checks are done, and planning takes half a millisecond.
+// Called after the checks and after the ACK, because planning takes half a millisecond.
 void Machine::make_move(uint8_t type, const uint8_t *payload, uint8_t size) {
   if (is_repeated(type, payload, size)) return;
   Move wanted;
@@ -111,8 +111,8 @@ Error Machine::check(const Move &move) const {
   }
 }
 
-// The host repeats a request whose reply is lost. The same move with the same number runs once, and a STOP in between
-// is not undone.
+// The host repeats a request whose reply is lost. The same move with the same number runs once, so a repetition
+// does not undo a STOP sent between the two.
 bool Machine::is_repeated(uint8_t type, const uint8_t *payload, uint8_t size) const {
   if (type != last_move_type_) return false;
   for (uint8_t i = 0; i < size; i++) {

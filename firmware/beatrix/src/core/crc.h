@@ -8,8 +8,8 @@ namespace beatrix {
 
 static const uint16_t CRC_START = 0xFFFF;
 
-// CRC-16/MCRF4XX (polynomial 0x1021, reflected) of one more byte. Computed with shifts: a table of 512 bytes would take a
-// sixteenth of the AVR's RAM.
+// Return the CRC-16/MCRF4XX (polynomial 0x1021, reflected) with one more byte. It is computed with shifts, because a
+// table of 512 bytes would take a sixteenth of the AVR's RAM.
 inline uint16_t crc_add(uint16_t crc, uint8_t byte) {
   uint8_t x = uint8_t(byte ^ crc);
   x = uint8_t(x ^ (x << 4));

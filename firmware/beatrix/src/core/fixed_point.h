@@ -1,8 +1,8 @@
 // Fixed-point numbers of the planner: microsteps and microsteps per tick with 40 fractional bits, in 64 bits.
 //
-// The 26 bits of the contract are enough for a single arm. In a straight motion, an arm with one step beside an arm with
-// thousands has an acceleration of a few units of Q26, and rounding would make the arms arrive at different times. 14 more
-// bits cost nothing and allow +-8 million microsteps (the limits end at some thousands). 40 bits are whole bytes, which
+// The 26 bits of the contract are enough for a single arm. In a straight motion, an arm that makes one step while another
+// makes thousands has an acceleration of a few units of Q26, and rounding would make the arms arrive at different times. 14
+// more bits cost nothing and allow +-8 million microsteps (the limits are a few thousand). 40 bits are whole bytes, which
 // an AVR separates without shifts.
 #ifndef BEATRIX_FIXED_POINT_H
 #define BEATRIX_FIXED_POINT_H
@@ -88,23 +88,24 @@ inline int32_t floor_steps(const Fixed &position) { return position.high >> (FRA
 inline bool is_integer(const Fixed &position) { return position.low == 0 && uint8_t(position.high) == 0; }
 inline int32_t ceil_steps(const Fixed &position) { return floor_steps(position) + (is_integer(position) ? 0 : 1); }
 
-// Quarter microsteps per second to microsteps per tick, 2^40 / 4000; and to microsteps per second, 1000 / 2^40 rounded.
+// From quarter microsteps per second to microsteps per tick (times 2^40 / 4000), and from these to microsteps per second
+// (times 1000 / 2^40, rounded).
 inline Fixed from_quarters(uint16_t speed) { return Fixed(0, 274877907) * speed; }
 inline int16_t to_rate(const Fixed &speed) { return int16_t(Fixed(speed.value() * 125 + (int64_t(1) << 36)).high >> 5); }
 
 // Ratios: 32 fractional bits, from 0 to ONE.
 static const uint64_t ONE = uint64_t(1) << 32;
-// part / whole, part <= whole < 2^23.
+// part / value, part <= value < 2^23.
 uint64_t ratio(uint32_t part, uint32_t value);
 uint64_t rough_ratio(uint32_t part, uint32_t value);  // its first 16 bits, in half the time
-// The first 16 fractional bits of rest / whole, rest < whole < 2^23; *rest becomes the remainder.
+// The first 16 fractional bits of *rest / value, *rest < value < 2^23; *rest becomes the remainder.
 #ifdef __AVR__
 typedef __uint24 uint24;  // a third faster than 32 bits
 #else
 typedef uint32_t uint24;
 #endif
 uint16_t quotient_bits(uint24 *rest, uint24 value);
-// For values from 0 to less than 65536.
+// value * ratio, for values from 0 to less than 65536.
 Fixed scaled(const Fixed &value, uint64_t ratio);
 
 }  // namespace beatrix

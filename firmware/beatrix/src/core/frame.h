@@ -13,7 +13,7 @@ static const uint8_t WIRE_OVERHEAD = uint8_t(2 + 2 + 1 + 2);    // type and seq,
 // Writes a frame to `out` (MAX_WIRE bytes); returns its length. size <= MAX_PAYLOAD.
 uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, uint8_t *out);
 
-// COBS block of STOP and EMERGENCY_STOP, which have no payload: type, seq and CRC in five bytes.
+// Bytes of the COBS block of STOP and EMERGENCY_STOP, which have no payload: COBS code, type, seq and CRC.
 static const uint8_t STOP_BLOCK = 5;
 // Decodes such a block; returns false if it is not a stop frame or has a wrong CRC.
 bool read_stop(const uint8_t block[STOP_BLOCK], uint8_t *type, uint8_t *seq);
@@ -28,7 +28,7 @@ class Receiver {
   Received feed(uint8_t byte);
   // Discard an incomplete frame or line after a timeout.
   void abandon();
-  // Whether the bytes received so far may be the start of a frame.
+  // Return whether the bytes received so far may be the start of a frame.
   bool in_frame() const { return mode_ == LINE_END_FIRST || mode_ == FRAME; }
 
   uint8_t type() const { return body_[0]; }

@@ -20,8 +20,8 @@
 //   receive, transmit (a byte)       at most 100 cycles: ring buffer only; a byte comes every 640 cycles (250 000 baud)
 //   tick (1 kHz)                     at most 8 000 cycles, with interrupts on: plans one millisecond ahead of the steps
 //   main loop                        the rest; one action, a MOVE or a line of text, takes at most 2.5 ms, of which the
-//                                    tick is disabled for at most 8 000 cycles. A received stop frame waits no longer, and
-//                                    fewer than 64 bytes arrive meanwhile (receive_buffer.h)
+//                                    tick is disabled for at most 8 000 cycles. A received stop frame waits at most 2.5 ms,
+//                                    in which fewer than 64 bytes arrive (receive_buffer.h)
 #ifndef BEATRIX_HAL_H
 #define BEATRIX_HAL_H
 
@@ -33,12 +33,12 @@ static const uint8_t NAME_SIZE = 32;
 
 namespace hal {
 
-// Free bytes of the transmit buffer; at least 128 when it is empty: a text answer and a reply.
+// Free bytes of the transmit buffer; at least 128 when it is empty, enough for a text answer and a reply.
 uint16_t transmit_room();
 // Queue bytes for transmission; the core has checked transmit_room().
 void send(const uint8_t *bytes, uint8_t count);
 
-// Switch the motor drivers. Switching off takes effect before the call returns, and discards pending steps.
+// Switch the motor drivers on or off. Switching off takes effect before the call returns, and discards pending steps.
 void set_drivers(bool on);
 // Steps of an arm that the last set_drivers(false) discarded: forward minus backward.
 int16_t discarded_steps(uint8_t arm);

@@ -1,9 +1,9 @@
 // Limits of the arms.
 //
-// Checking the rest positions is enough: while all arms brake with the same acceleration (in a straight motion: in
-// proportion), the difference of two arms changes monotonically, so it stays between its present value, which was checked
-// before, and its last one. The sum of three arms is not monotonic; there each arm counts with its extreme value. Steps
-// are rounded up in the direction of travel, hence both steps and exact positions are compared.
+// Checking the rest positions is enough. While all arms brake with the same acceleration (in a straight motion: in
+// proportion), the difference of two arms changes monotonically. It therefore stays between its present value, which has
+// been checked, and its value at rest. The sum of three arms is not monotonic, so each arm counts with its extreme value. Steps
+// are rounded up in the direction of travel, so both steps and exact positions are compared.
 #include "../speed.h"
 #include "limits.h"
 

@@ -118,7 +118,7 @@ void Machine::poll() {
   if (silence < HOST_GONE && !reply_expected(tick)) send_telemetry();
 }
 
-// A request is arriving: its reply would have to wait for a TELEMETRY that starts now.
+// Return whether a request is arriving whose reply would have to wait for a TELEMETRY that starts now.
 bool Machine::reply_expected(uint16_t tick) const {
   return receiver_.in_frame() && uint16_t(tick - byte_tick_) <= 1 &&
          uint16_t(tick - reported_.tick) < TELEMETRY_PERIOD + TELEMETRY_PATIENCE;

@@ -43,7 +43,7 @@ void Motion::follow(const Plan &plan) {
 }
 
 // The arms of a straight motion brake in proportion to their paths; a new motion may brake them with another
-// acceleration. If that would end outside the limits, the arms brake first and the new motion starts from rest.
+// acceleration. If they would then stop outside the limits, they brake first and the new motion starts from rest.
 void Motion::start(const Plan &plan) {
   if (moving_ && !same_accelerations(plan)) {
     follow_or_brake_first(plan);

@@ -19,13 +19,13 @@ class Motion {
   // Straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
   // rest they also accelerate less in proportion, so that all arms start and arrive together.
   void plan(const Move &move, bool straight, const uint32_t distance_to_go[ARMS], bool resting, Plan *plan) const;
-  // Replaces a running motion.
+  // Start a motion; it replaces a running one.
   void start(const Plan &plan);
   // Brake to rest from the next tick on; the first reason is reported.
   void brake(Outcome why);
-  // Rest at once at the position of the last steps: the drivers are off, and some steps were discarded.
+  // End the motion at the last steps made: the drivers are off, and `discarded_steps` of each arm were not made.
   void abort(Outcome why, const int16_t discarded_steps[ARMS]);
-  // At rest only: the present position becomes home.
+  // Declare the present position home; all arms must be at rest.
   void set_home();
   void tick();
 

@@ -6,7 +6,7 @@
 
 namespace beatrix {
 
-// [a-z0-9-]{1,32}, padded with zeros.
+// Return whether a name matches [a-z0-9-]{1,32} and is padded with zeros.
 inline bool valid_name(const char name[NAME_SIZE]) {
   uint8_t length = 0;
   while (length < NAME_SIZE && name[length]) {

@@ -51,17 +51,18 @@ class ReceiveBuffer {
   inline bool find_candidate();
   // Scans new bytes up to the end of the next stop frame; returns false if there is none.
   bool find_stop(uint8_t *type, uint8_t *seq);
-  // Store the frame just found. If the list is full, it replaces the newest; the host repeats that request.
+  // Store the frame just found. If the list is full, it replaces the newest frame, whose request the host repeats; the
+  // entry remains an EMERGENCY_STOP if either is one.
   void add_stop(uint8_t type, uint8_t seq);
   // Discards the oldest lines and frames beyond FILL_MAX, even an incomplete one; returns whether any was discarded.
   bool discard_oldest();
   // Bytes lost or discarded since start, at most 255.
   uint8_t bytes_lost() const { return at_most_255(uint16_t(overruns_ + discarded_)); }
 
-  // Stop frames that have acted and still have bytes ahead of them.
+  // Return whether stop frames have acted and wait for their turn.
   bool has_stops() const { return stop_count_ != 0; }
   bool has_emergency() const;
-  // The main loop has read all bytes up to the end of the first stop frame.
+  // Return whether the main loop has read all bytes up to the end of the first stop frame, or has discarded the frame.
   bool stop_is_due() const { return stop_count_ && (stops_[first_].lost || stops_[first_].end == tail_); }
   const EarlyStop &first_stop() const { return stops_[first_]; }
   void remove_stop() {
@@ -72,7 +73,7 @@ class ReceiveBuffer {
  private:
   static const uint8_t FILL_MAX = 191;  // leaves 64 bytes, 2.5 ms
   static const uint8_t STOPS = 16;
-  // Lengths are counted up to here: the start of a longer block may be overwritten.
+  // Lengths are counted up to this value, because the start of a longer block may be overwritten.
   static const uint8_t BLOCK_LONG = STOP_BLOCK + 2;
 
   static uint8_t at_most_255(uint16_t count) { return uint8_t(count > 255 ? 255 : count); }

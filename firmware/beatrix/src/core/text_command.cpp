@@ -27,7 +27,7 @@ class WordReader {
  public:
   WordReader(const uint8_t *line, uint8_t size) : at_(line), left_(size) {}
 
-  // An empty word after the end.
+  // Return the next word, or an empty word after the end.
   Word next() {
     Word word = {at_, 0};
     while (left_ && *at_ != ' ') {
@@ -107,7 +107,7 @@ const KnownWord *find(const Word &word, uint8_t line_size) {
   return 0;
 }
 
-// As atoi() of C: a sign and digits up to the first other character; 0 without digits.
+// Like atoi() of C: reads a sign and digits up to the first other character; 0 without digits.
 int32_t number(const Word &word) {
   uint8_t at = 0;
   bool negative = word.size && word.text[0] == '-';

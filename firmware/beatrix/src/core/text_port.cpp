@@ -7,7 +7,7 @@
 
 namespace beatrix {
 
-// Size of the longest immediate answer in frames: @GETALLPOS, a line of three numbers and three short lines.
+// Bytes of the longest immediate answer in frames, that of @GETALLPOS: a line of three numbers and three short lines.
 static const uint8_t ANSWER_ROOM = uint8_t(3 * NUMBER_SIZE + 3 + 4 + 1 + 4 + 4 * (1 + WIRE_OVERHEAD));
 // Ticks until the steps of a tick are made: the target makes them in the following millisecond.
 static const uint8_t STEPS_BEHIND = 2;
@@ -48,7 +48,7 @@ void TextPort::home_changed(const int32_t steps[ARMS]) {
   for (uint8_t i = 0; i < ARMS; i++) zero_[i] -= steps[i];
 }
 
-static_assert(ANSWER_ROOM + REPLY_ROOM <= 128, "hal.h promises no more room");
+static_assert(ANSWER_ROOM + REPLY_ROOM <= 128, "hal.h guarantees no more room");
 
 // Replies to frames have priority: room for one is always left.
 void TextPort::poll(Machine &machine) {
@@ -128,7 +128,7 @@ void TextPort::execute(Machine &machine, CommandKind kind) {
   switch (kind) {
     case COMMAND_MOTORS_ON:
       calibrated_ = false;
-      // Only RESET clears an emergency; programs send @ENMOTORS ON whenever they start.
+      // Only RESET clears an emergency, because programs send @ENMOTORS ON whenever they start.
       done = machine.enable(1) == ERROR_OK;
       if (!done) queue_warning(WARNING_EMERGENCY);
       break;
@@ -152,8 +152,8 @@ void TextPort::execute(Machine &machine, CommandKind kind) {
   end(machine, done);
 }
 
-// The port is calibrated. With motors off, the motion is only counted, as in 2023. After an emergency, or if home is
-// unknown, it is refused: its steps would be wrong.
+// Called only while the port is calibrated. With motors off, the motion is only counted, as in 2023. After an emergency,
+// or if home is unknown, it is refused, because its steps would be wrong.
 void TextPort::start_move(Machine &machine) {
   if (machine.emergency() || (machine.enabled() && !machine.calibrated())) {
     queue_warning(machine.emergency() ? WARNING_EMERGENCY : WARNING_HOME_UNKNOWN);

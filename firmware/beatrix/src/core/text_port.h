@@ -1,4 +1,4 @@
-// Text protocol of 2023: two replies to every command, one command at a time.
+// Text protocol of 2023: two replies to every known command, one command at a time.
 //
 // Its positions count from a zero of its own: @CALNOW does not move the limits, which refer to home.
 #ifndef BEATRIX_TEXT_PORT_H
@@ -22,9 +22,9 @@ class TextPort {
 
   // Cancel the queued motions, after a stop.
   void cancel_motions();
-  // A motion of the host replaces a text motion.
+  // Cancel the queued motions and end the running one, because a motion of the host replaces them.
   void host_takes_over(const Machine &machine);
-  // Home has moved to the position that was `steps`.
+  // Keep the port's zero in place after home has moved to the position that was `steps`.
   void home_changed(const int32_t steps[ARMS]);
 
  private:
@@ -55,7 +55,7 @@ class TextPort {
   Phase phase_ = IDLE;
   bool calibrated_ = false;
   int32_t zero_[ARMS] = {0, 0, 0};    // the port's zero, in steps from home
-  int32_t counted_steps_[ARMS] = {0, 0, 0}; // COUNTING_ONLY: what the motion adds to the port's position
+  int32_t counted_steps_[ARMS] = {0, 0, 0}; // COUNTING_ONLY: steps that the motion adds to the port's position
   uint32_t since_tick_ = 0;                // COUNTING_ONLY, ARRIVED: tick at which the phase began
   uint32_t duration_ = 0;             // COUNTING_ONLY: in ticks
   uint8_t warnings_ = 0;              // to send, one bit for each code

@@ -18,7 +18,7 @@ namespace {
 
 Machine machine;
 
-// Stops the timers and the converter that the Arduino core has started: its clock would take 3 % of the time.
+// Stops the timers and the converter that the Arduino core has started: its clock would take 3 % of the processor time.
 void stop_other_timers() {
   TIMSK0 = 0;
   TCCR0B = TCCR2B = TCCR4B = TCCR5B = 0;
@@ -26,14 +26,15 @@ void stop_other_timers() {
   ADCSRA = 0;
 }
 
-// Every step wakes the processor, so the most frequent case is decided first: no new bytes, none waiting.
+// Return whether received bytes can be processed. Every step wakes the processor, so the most frequent case comes first.
 inline bool work_pending() {
   const ReceiveBuffer &buffer = mega::receive_buffer;
   if (buffer.has_unscanned()) return true;
   return (!buffer.empty() || buffer.stop_is_due()) && hal::transmit_room() >= REPLY_ROOM;
 }
 
-// Checks with interrupts disabled, so that none is missed; the processor executes the instruction after sei() first.
+// Checks with interrupts disabled, so that none is missed: after sei() the processor executes sleep_cpu() before it
+// handles an interrupt.
 void sleep_until_interrupt() {
   cli();
   if (work_pending() || mega::tick_done()) {
@@ -59,8 +60,8 @@ void begin(uint32_t baud) {
   sei();
 }
 
-// Processes received bytes before telemetry, because they may contain EMERGENCY_STOP; at most MAX_WIRE of them, so that
-// poll() runs even in a flood.
+// Processes received bytes before telemetry, because they may contain EMERGENCY_STOP, but at most MAX_WIRE of them, so
+// that poll() runs even while bytes arrive without a pause.
 void run() {
   if (work_pending()) machine.process(mega::receive_buffer, MAX_WIRE);
   if (mega::tick_done()) {

@@ -8,7 +8,7 @@ namespace beatrix {
 
 // Takes over timers 1 and 3, UART 0 and the watchdog, stops the other timers, and switches the motors off.
 void begin(uint32_t baud);
-// One turn of the main loop: processes received bytes, then sleeps until the next interrupt.
+// One iteration of the main loop: processes received bytes, calls poll() after a tick, then sleeps until an interrupt.
 void run();
 
 }  // namespace beatrix

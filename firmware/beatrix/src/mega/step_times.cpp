@@ -20,13 +20,13 @@ uint32_t to_tick_distance(const Fixed &value) {
   return uint32_t(value.high) << (DISTANCE_BITS - 8) | value.low >> (FRACTION_BITS - DISTANCE_BITS);
 }
 
-// From the start to the first integer; 0 if the arm has just reversed between two.
+// Return the distance from the start to the first integer, or 0 if the arm has just reversed between two integers.
 uint32_t distance_to_first(const Fixed &start, int32_t before, bool forward) {
   if ((floor_steps(start) == before) == forward) return 0;
   return (forward ? -to_tick_distance(start) : to_tick_distance(start)) & (ONE_STEP - 1);
 }
 
-// 65536 * part / whole as an integer, at most 65535.
+// Return 65536 * part / value as an integer, at most 65535.
 uint16_t fraction(uint32_t part, uint32_t value) {
   if (part >= value) return 0xFFFF;
   if (value >= uint32_t(1) << 23) {

@@ -1,7 +1,7 @@
 // Step pulses.
 //
 // Timer 1 counts every cycle and is never reset. The channel of an idle arm matches every 4 ms; its interrupt then returns
-// at once. So no flag is ever cleared by software, which could lose the matches of other arms.
+// at once. Software therefore never clears a flag, which could lose the matches of other arms.
 //
 // A received byte, the tick or another arm can delay an interrupt by a hundred cycles. For sparse steps the match is
 // therefore early, and the interrupt waits for the exact cycle. Dense steps do not wait, to save processor time.
@@ -49,7 +49,7 @@ inline __attribute__((always_inline)) void schedule(uint16_t when) {
   ArmPins<ARM>::match() = when;
 }
 
-// Exactly n + 9 cycles: each turn of the loop takes four, the last one three, and two bits select the remaining 0 to 3.
+// Wait exactly n + 9 cycles: each turn of the loop takes four, the last one three, and two bits select 0 to 3 more.
 inline __attribute__((always_inline)) void wait_cycles(uint8_t n) {
   __asm__ volatile(
       "1: nop\n\t"
@@ -64,7 +64,7 @@ inline __attribute__((always_inline)) void wait_cycles(uint8_t n) {
       : "+d"(n));
 }
 
-// Returns at once if the time has passed.
+// Wait until cycle `due` of Timer 1, unless it has passed.
 inline __attribute__((always_inline)) void wait_for(uint16_t due) {
   int16_t left = int16_t(due - TCNT1);
   if (left < 0) left = 0;
@@ -110,8 +110,8 @@ inline __attribute__((always_inline)) void start_next() {
   prepare<ARM>(queue.next);
 }
 
-// The whole interrupt: 90 cycles, 140 where a train starts, and up to 140 of waiting before a sparse step. The pulse is at
-// least 16 cycles (1 us) long.
+// Make one step. The whole interrupt takes 90 cycles, or 140 if a train starts, and up to 140 more to wait for a sparse
+// step. The pulse is at least 16 cycles (1 us) long.
 template <uint8_t ARM>
 inline __attribute__((always_inline)) void make_step() {
   volatile Queue &queue = queues[ARM];

@@ -20,7 +20,7 @@ void start_steps();
 // Cycle counter, wraps every 4 ms. Call with interrupts disabled.
 uint16_t now();
 // Queue these steps; there is room for one train beside the current one. While the drivers are off the train is
-// dropped, since switching them off has ended every motion.
+// dropped, because switching them off has ended every motion.
 void queue_train(uint8_t arm, const StepTrain &train);
 
 }  // namespace mega

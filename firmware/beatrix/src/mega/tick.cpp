@@ -17,9 +17,9 @@ namespace mega {
 
 namespace {
 
-const uint16_t PLAN_MARGIN = 64;  // from reading the counter to queueing the first train
-// Offset between the milliseconds of two arms, so that arms at the same speed do not delay each other: an interrupt of a
-// sparse step, and the end of a tick.
+const uint16_t PLAN_MARGIN = 64;  // cycles from reading the counter to queueing the first train
+// Cycles between the milliseconds of two arms, so that arms at the same speed do not delay each other: the time of an
+// interrupt for a sparse step and of the end of a tick.
 const uint16_t STAGGER = 264;
 
 Machine *machine;
