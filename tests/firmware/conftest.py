@@ -25,7 +25,7 @@ PACKAGES = {
 
 @pytest.hookimpl(tryfirst=True)  # this runs before the hook for all tests, which may remove the mark
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Count no Python coverage in firmware tests: it makes them much slower."""
+    """Count no Python coverage in firmware tests except `test_flash`: it makes them much slower."""
     here = Path(__file__).parent
     for item in items:
         if item.path.parent == here and item.path.stem != "test_flash":

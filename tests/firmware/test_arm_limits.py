@@ -25,7 +25,7 @@ MOVES = st.tuples(TARGETS, SPEEDS, st.booleans(), st.integers(1, 600), st.intege
 
 @settings(max_examples=25)
 @given(st.lists(MOVES, min_size=2, max_size=10))
-def test_no_limit_is_ever_crossed(script: list[tuple[Steps, Steps, bool, int, int]]) -> None:
+def test_no_sequence_of_moves_crosses_a_limit(script: list[tuple[Steps, Steps, bool, int, int]]) -> None:
     rig = Rig().ready()
     for target, speed, straight, ms, dice in script:
         rig.move(target, speed, straight=straight)
@@ -56,7 +56,7 @@ def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
     assert YAW_SUM_MAX - 300 <= sum(ready.steps) <= YAW_SUM_MAX
 
 
-def test_an_arm_that_is_still_turning_back_counts_at_its_extreme(ready: Rig) -> None:
+def test_the_yaw_limit_includes_the_extreme_position_of_an_arm_that_turns_back(ready: Rig) -> None:
     assert ready.move((2000, 2000, 2900), straight=True) == Error.OK
     ready.run()
     assert ready.move((2400, 2400, 2000), (2000, 2000, 3600)) == Error.OK

@@ -80,7 +80,7 @@ def test_the_core_compiles_without_a_warning(build: Build) -> None:
 
 
 def script(core: Core, seed: int) -> bytes:
-    """All bytes that the firmware sends in a random sequence of moves, stops, noise, emergencies and time."""
+    """Return all bytes that the firmware sends in a random sequence of requests, noise and pauses."""
     chance = random.Random(seed)
     sent = [core.transmit()]
     for seq in range(1, 250):

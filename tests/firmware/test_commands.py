@@ -1,4 +1,4 @@
-"""Requests in every state, as a table, and their rules."""
+"""Reply and next state of each request in each state, and further rules of requests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BRAKING, LATCHED = MOVING | State.STOPPING, State.EMERGENCY
 
 
 def off(_rig: Rig) -> None:
-    """The state after reset."""
+    """Leave the board in its state after reset."""
 
 
 def on(rig: Rig) -> None:
@@ -108,7 +108,7 @@ TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
 @pytest.mark.parametrize(
     ("before", "command"), TABLE, ids=[f"{before.__name__}-{command}" for before, command in TABLE]
 )
-def test_states_and_commands(before: Callable[[Rig], None], command: str) -> None:
+def test_each_request_has_its_reply_and_next_state(before: Callable[[Rig], None], command: str) -> None:
     firmware = Firmware()
     rig = Rig(firmware)
     before(rig)
@@ -119,7 +119,7 @@ def test_states_and_commands(before: Callable[[Rig], None], command: str) -> Non
     assert firmware.drivers_on() == bool(state & State.ENABLED)
 
 
-def test_the_table_is_complete() -> None:
+def test_the_table_contains_each_request_in_each_state() -> None:
     assert len(TABLE) == len({before for before, _ in TABLE}) * len(COMMANDS)
 
 
@@ -130,7 +130,7 @@ def test_telemetry_reports_a_change_of_state_at_once(rig: Rig) -> None:
     assert rig.state == HOME
 
 
-def test_an_emergency_stops_within_the_same_call(ready: Rig) -> None:
+def test_an_emergency_stop_acts_within_the_same_call(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
     at = ready.steps
@@ -156,21 +156,21 @@ def test_reset_clears_the_latch_and_leaves_the_motors_off(ready: Rig) -> None:
     assert ready.state == ON
 
 
-def test_telemetry_reports_motors_switched_off_in_mid_move(ready: Rig) -> None:
+def test_telemetry_reports_motors_switched_off_during_a_motion(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
     ready.enable(0)
     assert (ready.state, ready.outcome) == (OFF, Outcome.DISABLED)
 
 
-def test_an_emergency_at_rest_leaves_the_last_outcome(ready: Rig) -> None:
+def test_an_emergency_stop_at_rest_keeps_the_last_outcome(ready: Rig) -> None:
     ready.move((10, 10, 10))
     ready.run()
     ready.ask(FrameType.EMERGENCY_STOP)
     assert ready.outcome == Outcome.DONE
 
 
-def test_enabling_takes_0_or_1(rig: Rig) -> None:
+def test_enable_rejects_other_values_than_0_and_1(rig: Rig) -> None:
     assert rig.enable(2) == Error.BAD_VALUE
 
 
@@ -221,7 +221,7 @@ def test_a_bad_name_is_refused_and_changes_nothing(name: bytes) -> None:
         ((-2325, -2325, -2325), (1, 1, 1), Error.YAW),
     ],
 )
-def test_impossible_moves_are_refused(
+def test_moves_beyond_a_limit_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], error: Error
 ) -> None:
     assert ready.move(target, speed) == error
@@ -238,7 +238,7 @@ def test_impossible_moves_are_refused(
         ((2325, 2325, 2325), 1, Error.YAW),
     ],
 )
-def test_impossible_straight_moves_are_refused(
+def test_straight_moves_beyond_a_limit_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: int, error: Error
 ) -> None:
     assert ready.move(target, speed, straight=True) == error
@@ -342,7 +342,7 @@ def test_an_echo_does_not_count_as_heartbeat(ready: Rig) -> None:
     assert State.STOPPING in ready.state
 
 
-def test_at_rest_no_heartbeat_is_needed(ready: Rig) -> None:
+def test_a_board_at_rest_needs_no_heartbeat(ready: Rig) -> None:
     ready.tick(5000)
     assert (ready.state, ready.outcome) == (HOME, Outcome.NONE)
     ready.move((1, 1, 1))

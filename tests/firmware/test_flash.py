@@ -29,12 +29,13 @@ CLOSE = 0
 """Pseudo-command: closing the port."""
 
 Fault = Callable[[bytes], bytes]
-"""Changes a message to the board; may raise."""
+"""Function that changes a message to the board, or raises."""
 
 
 class BenchWire:
     """Serial line of the simulated board, in virtual time; can damage bytes in both directions.
 
+    `spoil` is the probability that received bytes are damaged.
     `fault` receives the `nth` message with the command `at`; it returns a changed message or raises.
     """
 
@@ -92,7 +93,7 @@ def close_window(data: bytes) -> bytes:
 
 
 def change(data: bytes) -> bytes:
-    """Two errors in the second half of a page that keep the XOR."""
+    """Make two errors in the second half of a page that keep its XOR checksum."""
     spoilt = bytearray(data)
     spoilt[200] ^= 4
     spoilt[230] ^= 4
@@ -106,12 +107,12 @@ def put(wire: BenchWire, image: bytes = IMAGE, show_progress: flash.Progress = l
 
 
 def board() -> Avr:
-    """A new Mega: only the boot loader."""
+    """Return a new Mega, which contains only the boot loader."""
     return Avr(LOADER, baud=stk500.BAUD)
 
 
 def hello(avr: Avr) -> HelloReply | None:
-    """HELLO_REPLY of the firmware, None without firmware."""
+    """Return the HELLO_REPLY of the firmware, or None without firmware."""
     avr.byte_cycles = 640
     avr.run_ms(1500)
     avr.receive()
@@ -139,7 +140,7 @@ def test_lost_replies_are_requested_again() -> None:
 
 
 @pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, 2), (READ, PAGES)])
-def test_a_half_written_board_does_not_start_and_the_error_says_so(command: int, nth: int) -> None:
+def test_a_half_written_board_does_not_start_and_the_error_reports_it(command: int, nth: int) -> None:
     with board() as avr:
         put(BenchWire(avr))
         with pytest.raises(NoAnswer, match=r"cable is out.*incomplete firmware.*flash` again"):
@@ -171,7 +172,7 @@ BETWEEN = [
     (ERASE, 2, flash.FIRST_PAGE, False),
     (PROGRAM, PAGES + 1, flash.FIRST_PAGE, False),
 ]
-"""The same for later commands. Each case takes long, so only the errors are tested."""
+"""The same for messages between those. Each case takes long, so each is tested with one fault only."""
 ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
 
 
@@ -209,7 +210,7 @@ def test_every_abort_prints_the_state_of_the_board(
         (PAGES + 1, flash.FIRST_PAGE),
     ],
 )
-def test_a_page_written_wrongly_is_detected_and_not_started(nth: int, state: str) -> None:
+def test_a_wrongly_written_page_is_detected_and_the_firmware_does_not_start(nth: int, state: str) -> None:
     with board() as avr:
         with pytest.raises(NoAnswer, match="reads back other bytes") as failed:
             put(BenchWire(avr, at=PROGRAM, nth=nth, fault=change))
@@ -275,14 +276,14 @@ def test_a_closed_stderr_does_not_abort_the_writing(monkeypatch: pytest.MonkeyPa
 
 
 def line(at: int, kind: int, data: bytes) -> str:
-    """A record of Intel HEX."""
+    """Return a record of Intel HEX."""
     record = bytes([len(data), at >> 8, at & 0xFF, kind]) + data
     return f":{record.hex().upper()}{-sum(record) & 0xFF:02X}\n"
 
 
 A, B, THE_END = line(0, 0, b"A" * 16), line(16, 0, b"B" * 16), line(0, 1, b"")
 LAST = line(0, 2, b"\x30\0") + line(0xDFF0, 0, b"Z" * 16)
-"""The flash's last bytes."""
+"""Records of the last 16 bytes of the flash."""
 
 
 @pytest.mark.parametrize(
@@ -324,7 +325,7 @@ def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
         (A + line(0, 2, b"\x30\0") + line(0xDFFF, 0, b"ZZ") + THE_END, "line 3 ends at 0x3e001"),
     ],
 )
-def test_an_invalid_image_is_rejected_with_the_wrong_line(tmp_path: Path, text: str, why: str) -> None:
+def test_an_invalid_hex_file_is_rejected_with_its_cause(tmp_path: Path, text: str, why: str) -> None:
     path = tmp_path / "some.hex"
     path.write_text(text)
     with pytest.raises(WrongUsage, match=why):
@@ -359,7 +360,7 @@ RECORD = st.builds(
     | st.lists(RECORD | st.text(max_size=20)).map(lambda lines: (A + "".join(lines) + THE_END).encode())
 )
 @example(text=b"")
-def test_any_file_is_an_image_or_an_error_with_its_line(
+def test_any_file_is_read_or_rejected_with_its_cause(
     tmp_path_factory: pytest.TempPathFactory, text: bytes
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "any.hex"

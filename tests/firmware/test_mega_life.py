@@ -11,7 +11,7 @@ from beatrix_zenoh._generated.serial import CONTRACT, Error, FrameType, HelloRep
 from beatrix_zenoh.board.link import encode
 
 WATCHDOG_MS = 256
-"""WDTO_250MS at 128 kHz."""
+"""Timeout of WDTO_250MS: 32 768 cycles at 128 kHz."""
 
 
 def hello(mega: Mega) -> HelloReply:
@@ -143,7 +143,7 @@ def test_a_main_loop_that_hangs_is_restarted_with_the_motors_off() -> None:
         mega.avr.close()
 
 
-def test_the_watchdog_is_reset_at_rest_in_motion_and_under_a_flood() -> None:
+def test_the_watchdog_does_not_expire_at_rest_in_motion_or_in_a_flood_of_requests() -> None:
     with Mega() as mega:
         mega.tick(1000)
         mega.ready()

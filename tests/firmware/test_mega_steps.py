@@ -18,7 +18,7 @@ from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
 def ready(request: pytest.FixtureRequest) -> Iterator[Mega]:
     """A Mega with either build of the firmware, enabled and calibrated.
 
-    The end checks its pins and interrupt budgets.
+    At its end, the fixture checks the pins and the interrupt budgets.
     """
     with Mega(HEX if request.param == "shipped" else request.getfixturevalue("sketch")) as mega:
         mega.ready()
@@ -81,11 +81,12 @@ def test_in_motion_the_count_is_at_most_two_milliseconds_ahead_of_the_pins(ready
     for _ in range(50):
         ready.tick(13)
         ahead = [t - p for t, p in zip(ready.last.position, ready.steps, strict=True)]
-        assert all(-13 <= steps <= 2 for steps in ahead)  # telemetry is up to 10 ms old, and 2 ms on the wire
+        # Telemetry is up to 10 ms old and takes 2 ms on the wire.
+        assert all(-13 <= steps <= 2 for steps in ahead)
 
 
 @pytest.mark.parametrize("speeds", [(800, 800, 800), (800, 560, 240), (SPEED_MAX, SPEED_MAX, SPEED_MAX)])
-def test_steps_are_evenly_spaced_to_two_cycles(ready: Mega, speeds: Steps) -> None:
+def test_steps_are_evenly_spaced_within_two_cycles(ready: Mega, speeds: Steps) -> None:
     ready.move((2000, 2000, 2000), speeds)
     for _ in range(4):
         ready.tick(KEEP_ALIVE_MS)
@@ -96,7 +97,7 @@ def test_steps_are_evenly_spaced_to_two_cycles(ready: Mega, speeds: Steps) -> No
         assert np.abs(periods - periods.mean()).max() <= 2
 
 
-def test_stop_takes_effect_within_three_milliseconds_and_ends_on_a_counted_step(ready: Mega) -> None:
+def test_stop_brings_the_arms_to_rest_within_520_ms_on_a_counted_step(ready: Mega) -> None:
     ready.move((900, 900, 900), SPEED_MAX)
     ready.tick(400)
     asked = ready.avr.cycle

@@ -1,4 +1,4 @@
-"""The Mega and the virtual board are one firmware: the same steps at the same millisecond."""
+"""The Mega and the virtual board make the same steps in the same milliseconds."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 
 IN_TICK = 550
-"""Cycles after a tick was due: the tick is running, and the main loop handles a byte that arrives now right after
-it."""
+"""Cycles from the time a tick is due to the end of a frame: the tick still runs, and the main loop handles the frame
+right after it."""
 AHEAD_MS = 2
-"""A tick plans the millisecond that begins one millisecond after it was due."""
+"""Milliseconds from the time a tick is due to the end of the millisecond that it plans."""
 STOP_MS = 660
 LENGTH_MS = 1200
-"""Time until all arms rest: a stop from full speed takes half a second."""
+"""Milliseconds until all arms rest: a stop from full speed takes half a second."""
 
 
 def script(seed: int) -> dict[int, bytes]:
@@ -43,7 +43,7 @@ def script(seed: int) -> dict[int, bytes]:
 
 
 def last_tick(mega: Mega) -> int:
-    """The cycle at which the last tick was due; its interrupt may have started later."""
+    """Return the cycle at which the last tick was due; its interrupt may have started later."""
     late = []
     for _ in range(20):
         mega.avr.run(CYCLES_PER_MS)

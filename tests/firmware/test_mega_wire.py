@@ -27,7 +27,7 @@ def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered()
                 data = damaged(MOVE, chance)
             replies = mega.raw(data + b"\0" + encode(FrameType.PING, seq % 256, b""))
             served += (replies[-1].type, replies[-1].seq, replies[-1].payload) == (0x82, seq % 256, b"\0")
-            # A `@` at the begin of a frame and a later line end form an unknown line of text.
+            # A `@` at the beginning of a frame and a later line end form an unknown line of text.
             assert {reply.payload for reply in replies[:-1]} <= {bytes([Error.BAD_LENGTH]), b"\x01NACK\n"}
         mega.tick(50)
         assert served == 3000
@@ -56,7 +56,7 @@ def test_a_minute_of_noise_changes_neither_board_nor_motors() -> None:
             mega.avr.send(data)
             mega.avr.run_ms(chance.randint(0, 60))
         mega.avr.run_ms(100)
-        # Two seconds without a valid frame: only lines are answered, as in 2023.
+        # After two seconds without a valid frame, only lines are answered, as in 2023.
         assert set(mega.core.transmit().rpartition(b"\0")[2].split()) == {b"ACK", b"NACK"}
         mega.discard_interrupted_frame()
         assert mega.raw(b"\0") == []
@@ -77,7 +77,7 @@ def test_a_full_serial_line_loses_no_request_and_no_reply() -> None:
         assert [frame.seq for frame in mega.others] == list(range(1, 30))
 
 
-def test_many_requests_are_answered_in_order() -> None:
+def test_telemetry_is_sent_every_ten_milliseconds() -> None:
     with Mega() as mega:
         mega.ready()
         mega.tick(1000)

@@ -15,7 +15,7 @@ from beatrix_zenoh.board.virtual import Firmware
 
 Point = tuple[float, float, float]
 ROUNDING = 4 / (1 << 26)
-"""Set points are read in Q26: largest error of a second difference."""
+"""Largest error of a second difference of set points, which are read in Q26 (microsteps)."""
 TOGETHER = st.integers(-1500, 1500)
 APART = st.integers(-250, 250)
 TARGETS = st.builds(lambda c, x, y, z: (c + x, c + y, c + z), TOGETHER, APART, APART, APART)
@@ -36,7 +36,7 @@ class Watched:
         self.steps: list[Steps] = [(0, 0, 0)]
 
     def tick(self, ms: int = 1) -> None:
-        """Let time pass, with heartbeats."""
+        """Run ticks of 1 ms, with heartbeats."""
         for _ in range(ms):
             if self.firmware_tick() % 400 == 0:
                 self.rig.ask(FrameType.PING)
@@ -55,7 +55,7 @@ class Watched:
             assert len(self.path) < 100_000
 
     def moves(self) -> list[Point]:
-        """Distance of each tick: microsteps per tick."""
+        """Return the distance of each tick, in microsteps."""
         return [(b[0] - a[0], b[1] - a[1], b[2] - a[2]) for a, b in itertools.pairwise(self.path)]
 
 
@@ -117,7 +117,9 @@ def test_a_new_target_in_motion_keeps_the_acceleration_limit_and_is_reached(
 
 @settings(max_examples=6)
 @given(TARGETS, st.integers(20, SPEED_MAX), TARGETS)
-def test_a_straight_move_from_rest_is_straight_and_together(first: Steps, speed: int, target: Steps) -> None:
+def test_a_straight_move_from_rest_is_straight_and_all_arms_arrive_together(
+    first: Steps, speed: int, target: Steps
+) -> None:
     watched = Watched()
     if watched.rig.move(first, straight=True) != Error.OK:
         return
@@ -199,7 +201,7 @@ def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
     for _ in range(10):
         ready.tick(300)
         ready.ask(FrameType.PING)
-    # A sixteenth of the top speed brings it back the 168 steps it needs to stop.
+    # At a sixteenth of the top speed the arm returns the 168 steps that it needs to stop.
     assert ready.outcome == Outcome.DONE
 
 
@@ -255,7 +257,7 @@ def test_a_stop_stays_on_the_straight_line() -> None:
     assert z == pytest.approx(-x / 9, abs=1.1)
 
 
-def test_a_motion_after_a_stop_ends_exactly(ready: Rig) -> None:
+def test_a_motion_after_a_stop_ends_exactly_at_its_target(ready: Rig) -> None:
     ready.move((900, 300, -100))
     ready.tick(333)
     ready.ask(FrameType.STOP)
@@ -293,7 +295,7 @@ def test_pulses_equal_reported_steps() -> None:
 def test_a_slow_arm_reverses_without_a_further_step_in_the_old_direction(
     first: int, then: int, speed: int, straight: bool
 ) -> None:
-    """Within four microsteps of rest, a new target causes no step forward and back."""
+    """Within four microsteps of rest, a new target behind the arm causes no step forward and back."""
     way = 1 if first > 0 else -1
     for wait_ms in range(1, 60):
         rig = Rig().ready()

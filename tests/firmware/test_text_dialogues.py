@@ -1,4 +1,4 @@
-"""Reference dialogues of firmware 1.0: the same replies, never later."""
+"""Replies are those of the reference dialogues of firmware 1.0, and never later."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rig import Core
 
 
 def played(dialogue: list[Entry], program: Program) -> list[Entry]:
-    """Our replies, with the timing of 9600 baud."""
+    """Return our replies, with the timing of 9600 baud."""
     for entry in dialogue:
         if entry.to_robot:
             program.tick(entry.ms - program.ms)
@@ -56,7 +56,7 @@ def test_flags_mark_the_last_line_of_an_answer() -> None:
     ],
 )
 @pytest.mark.parametrize("command", ["@MOVRX", "@MOVAX"])
-def test_a_move_of_one_arm_is_no_slower_than_in_1_0(command: str, steps: int, seconds: float) -> None:
+def test_a_move_of_one_arm_takes_no_longer_than_in_1_0(command: str, steps: int, seconds: float) -> None:
     program = Program(look_ms=1).ready()
     begin = program.ms
     assert program.run(f"{command} {steps} 200") == ["ACK\n", "ACK\n"]
@@ -67,7 +67,9 @@ def test_a_move_of_one_arm_is_no_slower_than_in_1_0(command: str, steps: int, se
 @pytest.mark.parametrize("steps", [0, 1, 5, 40, 200, 600])
 @pytest.mark.parametrize("command", ["@MOVRALL", "@MOVAALL"])
 @pytest.mark.parametrize("motors", ["ON", "OFF"])
-def test_a_move_of_all_arms_takes_n_over_200_s_and_two_ramps(command: str, steps: int, motors: str) -> None:
+def test_a_move_of_n_steps_of_all_arms_takes_n_over_200_s_plus_at_most_100_ms(
+    command: str, steps: int, motors: str
+) -> None:
     program = Program(look_ms=1)
     program.say(f"@ENMOTORS {motors}", "@CALNOW")
     begin = program.ms

@@ -1,4 +1,4 @@
-"""Frames for hosts, plain text for programs, nothing without input."""
+"""The board sends frames to hosts, plain text to programs, and nothing without input."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_without_a_host_a_text_motion_needs_no_heartbeat() -> None:
     assert program.core.steps() == (1000, 1000, 1000)
 
 
-def test_text_between_frames_and_frames_between_lines() -> None:
+def test_text_between_frames_and_frames_between_lines_are_answered() -> None:
     program = Program(framed=True)
     program.send(PING + b"@ENMOTORS ON\r" + PING + b"@CALNOW\r\n" + PING + b"\r\n@GETXPOS\n\n" + PING)
     program.tick(3)
@@ -136,7 +136,7 @@ def test_noise_that_looks_like_a_frame_blocks_text_for_at_most_two_seconds() -> 
     for _ in range(20):
         program.send(b"@COMSTATUS\r")
         program.tick(100)
-    assert len(program.new()) >= 2 * 13  # after the noise is longer than a frame
+    assert len(program.new()) >= 2 * 13  # answered once the noise is longer than a frame
     program.send(b"\0" + b"\x05noise")
     program.tick(2001)
     assert program.say("@COMSTATUS") == DONE
@@ -180,7 +180,7 @@ def test_text_leaves_room_for_a_reply_and_continues_later() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_after_any_input_known_lines_and_frames_are_answered(seed: int) -> None:
-    """Noise, frames and lines in any order; a line after a delimiter is complete."""
+    """Each random input ends with a delimiter, so the next line is complete."""
     chance = random.Random(seed)
     program = Program(framed=True).ready()
     for _ in range(150):

@@ -1,4 +1,4 @@
-"""Limits of text motions: shortened on their line, answered as done, with a warning."""
+"""Text motions beyond a limit are shortened on their line and answered as done, with a warning."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def tilt(steps: Steps) -> float:
 
 
 def allowed(steps: Steps) -> bool:
-    """Whether the text port allows this position."""
+    """Return whether the text port allows this position."""
     return (
         TILT_GAP_MIN <= min(gaps(steps)) <= max(gaps(steps)) <= TILT_GAP_MAX
         and abs(sum(steps)) <= YAW_SUM_MAX
@@ -59,7 +59,7 @@ def border() -> list[Steps]:
     return poses
 
 
-def test_on_the_whole_border_the_tilt_is_within_its_limit() -> None:
+def test_the_tilt_is_within_its_limit_on_the_whole_border() -> None:
     poses = border()
     assert len(poses) > 4000
     assert all(allowed(pose) for pose in poses)
@@ -69,7 +69,7 @@ def test_on_the_whole_border_the_tilt_is_within_its_limit() -> None:
 
 
 def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, float]) -> float:
-    """Largest allowed distance from home in a direction, microsteps."""
+    """Return the largest distance from home in a direction at which `holds` is true, in microsteps."""
     low, high = 0.0, 1000.0
     for _ in range(30):
         middle = (low + high) / 2
@@ -79,7 +79,7 @@ def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, floa
 
 
 def test_the_border_is_close_to_the_tilt_limit() -> None:
-    """Allowed share of the distance to the tilt limit in every direction, and of the area."""
+    """Compare the allowed distance in every direction, and the allowed area, with those of the tilt limit."""
     ways, areas = [], []
     for degrees in range(0, 360, 2):
         angle = math.radians(degrees)
@@ -128,7 +128,7 @@ def test_a_motion_is_shortened_on_its_line_and_the_limit_is_named(
     assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX  # type: ignore[arg-type]
 
 
-def test_at_a_limit_motions_along_it_and_back_are_possible(framed: Program) -> None:
+def test_motions_along_a_limit_and_back_from_it_are_possible(framed: Program) -> None:
     framed.run("@MOVRX 2000")
     edge = framed.position
     assert framed.run("@MOVRX 50") == DONE

@@ -155,7 +155,7 @@ def test_a_frame_that_ends_a_text_move_refuses_it_and_cancels_the_queued_ones(
         assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.DONE)
 
 
-def test_a_finished_move_is_done_although_the_host_moves_at_once(framed: Program) -> None:
+def test_a_finished_move_is_answered_as_done_although_the_host_moves_at_once(framed: Program) -> None:
     framed.ready()
     framed.send(b"@MOVRX 1\r")
     framed.core.tick(1)
@@ -186,7 +186,7 @@ def test_stopall_stops_a_motion_of_the_host(framed: Program) -> None:
     assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.STOPPED)
 
 
-def test_opening_the_port_resets_all_but_home(framed: Program) -> None:
+def test_opening_the_port_resets_everything_except_home(framed: Program) -> None:
     framed.ready().run("@MOVRALL 100 100 100")
     framed.send(b"@MOVRALL 300 300 300\r@MOVRX 5\r@GETXPOS\r")
     framed.tick(500)

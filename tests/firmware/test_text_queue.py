@@ -1,4 +1,4 @@
-"""Queue of text commands: none is lost, all replies in order; STOPALL does not wait."""
+"""Queue of text commands: every line is answered, replies keep their order, and STOPALL acts at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from beatrix_zenoh._generated.serial import Outcome, State, WarningCode
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
 LONGEST = "@MOVRALL " + "0000000000000000002 " * 5 + "0000000000000020 1"
-"""127 bytes."""
+"""Line of the maximum length, 127 bytes."""
 
 
 @pytest.fixture
@@ -158,8 +158,8 @@ def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, 
 
 
 @pytest.mark.parametrize("framed", [False, True])
-def test_a_move_every_second_for_minutes_loses_nothing(framed: bool, body: Core) -> None:
-    """Firmware 1.0 executed 7 of 20 and then restarted."""
+def test_moves_sent_every_second_for_two_minutes_are_all_executed(framed: bool, body: Core) -> None:
+    """Firmware 1.0 executed 7 of 20 such moves and then restarted."""
     program = Program(body, framed=framed).ready()
     for sign in itertools.islice(itertools.cycle((1, -1)), 120):
         program.send(f"@MOVRALL {90 * sign} {45 * sign} {60 * sign} 200 200 200\r".encode("ascii"))
@@ -170,8 +170,8 @@ def test_a_move_every_second_for_minutes_loses_nothing(framed: bool, body: Core)
 
 
 @pytest.mark.parametrize("framed", [False, True])
-def test_a_move_every_150_ms_for_a_minute_loses_no_line(framed: bool, body: Core) -> None:
-    """Firmware 1.0 executed 5 of 30 and then crashed."""
+def test_moves_sent_every_150_ms_for_a_minute_are_all_answered(framed: bool, body: Core) -> None:
+    """Firmware 1.0 executed 5 of 30 such moves and then crashed."""
     program = Program(body, framed=framed).ready()
     sent = [100, -100, 60, 150, -50] * 80
     for x in sent:

@@ -14,7 +14,7 @@ from rig import Steps
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
 LONG = 400
-"""ms: enough for every motion here."""
+"""Milliseconds, enough for every motion here."""
 
 
 @pytest.fixture
@@ -145,7 +145,7 @@ def test_numbers_are_read_up_to_the_first_other_character(
         "@MOVTOAPOS 0 {}",
     ],
 )
-def test_numbers_that_do_not_fit_are_refused_and_move_nothing(
+def test_numbers_beyond_32767_are_refused_and_move_nothing(
     program: Program, form: str, argument: str
 ) -> None:
     assert program.say(form.format(argument)) == REFUSED
@@ -184,12 +184,12 @@ def test_the_largest_numbers_fit() -> None:
         ("@MOVTOAPOS 10 -4 200", (6, 12, 11)),
     ],
 )
-def test_forms_of_arguments(program: Program, line: str, moved: Steps) -> None:
+def test_extra_and_missing_arguments_are_accepted(program: Program, line: str, moved: Steps) -> None:
     assert program.run(line) == DONE
     assert program.position == moved
 
 
-def test_relative_and_absolute_arguments(program: Program) -> None:
+def test_relative_moves_add_steps_and_absolute_moves_count_from_zero(program: Program) -> None:
     for line in ("@MOVRALL 10 20 30", "@MOVRX 5", "@MOVAY 3", "@MOVRALL -1 -1 -1"):
         assert program.run(line) == DONE
     assert program.position == (14, 2, 29)
@@ -199,14 +199,14 @@ def test_relative_and_absolute_arguments(program: Program) -> None:
 
 @pytest.mark.parametrize(("argument", "answer"), [("ON", DONE), ("OFF", DONE), ("ON now", DONE)])
 @pytest.mark.parametrize("before", ["ON", "OFF"])
-def test_motors_are_switched(argument: str, answer: list[str], before: str) -> None:
+def test_enmotors_accepts_on_and_off(argument: str, answer: list[str], before: str) -> None:
     program = Program()
     program.say(f"@ENMOTORS {before}")
     assert program.say(f"@ENMOTORS {argument}") == answer
 
 
 @pytest.mark.parametrize("argument", ["on", "1", "", " ON", "ONN", "O"])
-def test_a_wrong_switch_changes_nothing(program: Program, argument: str) -> None:
+def test_a_wrong_argument_of_enmotors_changes_nothing(program: Program, argument: str) -> None:
     assert program.say(f"@ENMOTORS {argument}", "@CALSTATUS") == REFUSED + DONE
 
 
@@ -226,7 +226,9 @@ def test_a_wrong_switch_changes_nothing(program: Program, argument: str) -> None
         ("@" * 300, UNKNOWN),
     ],
 )
-def test_long_lines_and_words_are_refused(program: Program, line: str, answer: list[str]) -> None:
+def test_lines_and_words_that_are_too_long_are_unknown(
+    program: Program, line: str, answer: list[str]
+) -> None:
     assert program.say(line) == answer
     assert program.say("@COMSTATUS") == DONE
     assert program.position == (0, 0, 0)

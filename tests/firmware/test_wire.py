@@ -57,7 +57,7 @@ def test_none_of_3000_damaged_moves_is_executed(ready: Rig, move: bytes) -> None
             continue  # only the delimiters were damaged
         tried += 1
         # A delimiter that becomes 0x01 makes a frame one byte longer whose CRC is right (a property of CRCs without a
-        # final xor): the length refuses it. A `@` where a frame begins, and a line end behind it, make unknown text.
+        # final xor): the length check rejects it. A `@` where a frame begins and a later line end make unknown text.
         replies = [reply.payload for reply in ready.raw(data + b"\0")]
         assert replies in ([], [bytes([Error.BAD_LENGTH])], [b"\x01NACK\n"])
         assert State.MOVING not in ready.state
@@ -133,7 +133,7 @@ def test_rejected_frames_are_counted(rig: Rig) -> None:
     assert rig.last.rejected == 3
 
 
-def test_telemetry_comes_every_ten_milliseconds_and_counts(rig: Rig) -> None:
+def test_telemetry_is_sent_every_ten_milliseconds(rig: Rig) -> None:
     rig.tick(100)
     assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
 
