@@ -95,7 +95,7 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
     assert access.holder(2 + LINGER_S) == "", "the end of the lease has not changed"
 
 
-def test_a_released_robot_is_free_at_once(access: Access) -> None:
+def test_a_released_robot_is_free_immediately(access: Access) -> None:
     begin_motion(access, ANA, 0).release(0)
     assert refusal(access, BEN, 0) is Reason.OK
 
@@ -157,12 +157,12 @@ def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_mu
     assert refusal(access, ANA, 1.3) is Reason.STOPPED
 
 
-def test_a_second_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
+def test_a_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
     stop(stop(begin_motion(access, ANA, 0), "b1", 1), "a1", 1.1)
     assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
-def test_a_stop_by_another_session_begins_a_pause_after_the_own_stop(access: Access) -> None:
+def test_a_session_must_pause_if_another_presses_stop_after_it(access: Access) -> None:
     stop(stop(begin_motion(access, ANA, 0), "a1", 1), "b1", 1.1)
     assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
@@ -173,7 +173,7 @@ def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> No
 
 
 def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) -> None:
-    """The next process of that seat would continue the stream."""
+    """The next process of that seat could continue the stream of motions."""
     begin_motion(access, ANA, 0)
     assert access.session_changed(ANA, alive=False)
     access.release(10)
@@ -300,7 +300,7 @@ def test_the_end_of_a_session_without_a_motion_is_not_a_lost_client(access: Acce
     assert not finish_motion(access, ANA, 0).session_changed(ANA, alive=False)
 
 
-def test_a_caller_without_a_session_never_ends(access: Access) -> None:
+def test_a_caller_without_a_session_is_never_a_lost_client(access: Access) -> None:
     begin_motion(access, NO_SESSION, 0)
     assert not access.session_changed(NO_SESSION, alive=False)
     assert refusal(access, NO_SESSION, 1) is Reason.OK

@@ -1,4 +1,4 @@
-"""No sequence of requests continues a stopped stream, enables motors under the latch, or makes two holders."""
+"""No sequence of requests continues a stopped stream, enables latched motors, or gives a robot two holders."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Sequences(RuleBasedStateMachine):
         except Refused:
             allowed = False
         if allowed:
-            assert not paused, "a stopped stream goes on"
+            assert not paused, "a stopped stream continues"
             assert not self.latched, "a motion under the latch"
             if self.moving is not None and self.moving.seat != caller.seat:
                 assert TEACHER in (caller.seat, self.moving.seat), "two seats hold the robot"

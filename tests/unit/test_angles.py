@@ -30,17 +30,17 @@ def test_finite_numbers_are_accepted(angle: float) -> None:
         (1e300, "numbers up to 3.4e38 are allowed"),
     ],
 )
-def test_other_values_are_refused_with_their_name(angle: float, message: str) -> None:
+def test_other_values_are_refused_with_the_name_of_the_angle(angle: float, message: str) -> None:
     with pytest.raises(BeatrixError, match=message):
         to_rad("yaw", angle)
 
 
-def test_speed_errors_have_their_unit() -> None:
+def test_the_error_for_a_wrong_speed_contains_the_unit() -> None:
     with pytest.raises(BeatrixError, match=r"speed is 'fast': give a number of degrees/s\."):
         pose_query(0, 0, 0, relative=False, speed="fast")  # type: ignore[arg-type]
 
 
-def test_a_text_is_refused_as_a_bool() -> None:
+def test_a_string_is_refused_as_a_bool() -> None:
     with pytest.raises(BeatrixError, match=r"relative is 'no': give True or False\."):
         motion_query(0, 0, 0, relative="no", speed=None)  # type: ignore[arg-type]
 
@@ -74,6 +74,6 @@ def test_other_speeds_are_refused(speed: Speed, message: str) -> None:
 
 
 @pytest.mark.parametrize("value", [-1, 0, None, "2", True, math.nan, math.inf, 1e9])
-def test_a_time_out_is_a_number_of_seconds_above_0(value: float) -> None:
+def test_a_timeout_that_is_not_a_number_above_0_is_refused(value: float) -> None:
     with pytest.raises(WrongUsage, match=r"timeout_s is .*: give a number of seconds above 0"):
         Robot("bea", "hw", timeout_s=value)

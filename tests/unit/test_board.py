@@ -39,7 +39,7 @@ def rig() -> Iterator[Rig]:
     made.close()
 
 
-def test_one_lost_reply_costs_one_retry(rig: Rig) -> None:
+def test_one_lost_reply_causes_one_retry(rig: Rig) -> None:
     rig.port.lose = [FrameType.ENABLE | 0x80]
     rig.board.enable(on=True)
     assert rig.board.link.retries == 1
@@ -65,7 +65,7 @@ def test_a_late_reply_is_not_matched_to_the_next_request(rig: Rig) -> None:
 
 
 def test_concurrent_requests_get_their_own_replies(rig: Rig) -> None:
-    """STOP always succeeds, CALIBRATE with motors off never does: a mixed-up reply would show."""
+    """STOP always succeeds, and CALIBRATE with motors off never does, so a mixed-up reply is detected."""
     mixed: list[str] = []
 
     def stop() -> None:
@@ -144,7 +144,7 @@ def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     rig.board.request(FrameType.EMERGENCY_STOP)
 
 
-def test_a_boot_number_larger_than_in_telemetry_is_matched() -> None:
+def test_a_boot_number_above_255_is_matched_to_its_lowest_byte_in_telemetry() -> None:
     virtual = VirtualBoard(Firmware(boot=2**16 + 300))
     ticker = RealTimeTicker(virtual)
     board = Board(lambda: LossyPort(virtual), lambda _: None, lambda: None)
@@ -216,7 +216,7 @@ def test_an_unknown_error_code_raises_refused(rig: Rig) -> None:
     assert "unknown error" in errors[0].message
 
 
-def test_frames_that_are_no_replies_do_not_answer_a_request(rig: Rig) -> None:
+def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
     rig.port.lose = [FrameType.STOP | 0x80] * 10
     unasked = [
         (FrameType.TEXT, Text(1, b"ACK\n").pack()),
@@ -326,7 +326,7 @@ def test_a_motion_is_acknowledged_without_the_thread_of_the_board() -> None:
 
 
 def test_the_time_of_a_sample_is_that_of_its_tick(rig: Rig) -> None:
-    """The delay of the reader does not matter; the ticker's period and the load of the machine remain."""
+    """The error does not depend on the delay of the reader, only on the ticker's period and the load of the machine."""
     errors_ms: list[float] = []
     begin: tuple[int, int] | None = None
     seen = -1

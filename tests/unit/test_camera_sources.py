@@ -21,7 +21,7 @@ from hw_node.cameras.source import FrameTimer
 
 
 def picture(level: int, width: int = 32, height: int = 16) -> bytes:
-    """A grey JPEG file, a different one for each level."""
+    """Return a grey JPEG picture, a different one for each level."""
     encoded: bytes = simplejpeg.encode_jpeg(np.full((height, width, 3), level, np.uint8), colorspace="RGB")
     return encoded
 
@@ -53,7 +53,7 @@ def test_programs_can_read_number_and_time_of_the_test_picture() -> None:
         assert jpeg.size(frame.jpeg) == (frame.width, frame.height) == (640, 480)
 
 
-def test_every_number_can_be_decoded() -> None:
+def test_every_picture_number_can_be_decoded() -> None:
     pattern = Pattern("right")
     for wanted in (0x55555555, 0xAAAAAAAA, 2**32 - 1, 2**32 + 7):
         pattern._number = wanted - 1
@@ -81,7 +81,7 @@ def test_the_frame_timer_keeps_its_rate_and_makes_no_burst_after_a_delay() -> No
     assert pace.wait(1.0)
     slow = FrameTimer(0.1)
     assert slow.wait(1.0)
-    assert not slow.wait(0.01), "the next is due in ten seconds"
+    assert not slow.wait(0.01), "the next picture is due in ten seconds"
 
 
 # -- JPEG ------------------------------------------------------------------------------------------
@@ -98,7 +98,7 @@ def test_only_missing_tables_are_added() -> None:
     "damaged",
     [b"", b"no picture", jpeg.SOI, picture(1)[:30], jpeg.SOI + b"\xff" * 9, picture(1)[:4] + bytes(99)],
 )
-def test_an_invalid_picture_is_an_error(damaged: bytes) -> None:
+def test_an_invalid_picture_raises_value_error(damaged: bytes) -> None:
     with pytest.raises(ValueError, match=r"it is not a JPEG picture|damaged"):
         jpeg.complete(damaged)
 
@@ -174,7 +174,9 @@ def test_a_film_without_tables_gets_them(tmp_path: Path) -> None:
         ("cut.mjpeg", picture(3)[:20], "damaged"),
     ],
 )
-def test_the_error_for_an_unusable_file_says_why(tmp_path: Path, name: str, content: bytes, why: str) -> None:
+def test_the_error_for_an_unusable_file_contains_the_cause(
+    tmp_path: Path, name: str, content: bytes, why: str
+) -> None:
     path = tmp_path / name
     path.write_bytes(content)
     files = Files(path)
@@ -225,7 +227,7 @@ def test_invalid_values_are_refused(words: list[str], why: str) -> None:
     assert refused.value.message.startswith(f"camera {words[-1]}: ")
 
 
-def test_one_camera_cannot_be_both_eyes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_camera_is_refused_for_both_eyes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     (tmp_path / "video0").touch()
     (tmp_path / "by-path").symlink_to(tmp_path / "video0")
@@ -233,7 +235,7 @@ def test_one_camera_cannot_be_both_eyes(tmp_path: Path, monkeypatch: pytest.Monk
         cameras.choices([f"left={tmp_path}/video0", f"right={tmp_path}/by-path"])
 
 
-def test_usb_cameras_are_refused_if_they_cannot_work(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_usb_cameras_are_refused_without_their_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
     monkeypatch.setattr(sys, "platform", "linux")
     with pytest.raises(WrongUsage, match=r'pip install "\.\[cameras\]"'):
@@ -251,7 +253,7 @@ def test_usb_cameras_are_refused_if_they_cannot_work(monkeypatch: pytest.MonkeyP
         (["left=1", "right=01"], "the other eye has this camera already"),
     ],
 )
-def test_cameras_of_windows_and_macos_have_one_number_each(
+def test_on_windows_each_camera_needs_its_own_number(
     words: list[str], why: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())

@@ -27,7 +27,7 @@ REST: Arms = (0.0, 0.0, 0.0)
 
 
 def durations(played: Choreography) -> list[float]:
-    """Duration of each motion; raises Refused for a motion that is not allowed."""
+    """Return the duration (s) of each motion; raises Refused for a motion that is not allowed."""
     neck, limits, here = Neck(), Limits(), REST
     found = []
     for _, pose in played.steps:
@@ -48,7 +48,7 @@ def test_hello_keeps_limits_and_times_and_lasts_about_twenty_seconds() -> None:
     assert 15 < times[-1] + taken[-1] < 22
 
 
-def test_hello_ends_where_it_began() -> None:
+def test_hello_ends_at_home() -> None:
     _, last = shipped("hello").steps[-1]
     assert isinstance(last, Pose)
     assert (last.yaw, last.pitch, last.roll) == (0, 0, 0)
@@ -58,7 +58,7 @@ HEAD = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s
 ROWS = HEAD + "0,0,5,0,,,,60,nod\n1.5,,,,10,-5,0,,\n2,1,0,0,,,,30,shake\n"
 
 
-def test_a_line_turns_the_head_or_the_arms() -> None:
+def test_a_line_of_a_choreography_turns_the_head_or_the_arms() -> None:
     steps = choreography(motion_file.parse(ROWS, "mine")).steps
     assert steps == [
         ("nod", Pose(0, 0, 5, 0, 60)),
@@ -122,7 +122,7 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
 
 
 class Recorder:
-    """One robot or both; records its calls."""
+    """Stand-in for a Twin that records its calls; `commit` raises Refused as the call number `fail_at`."""
 
     def __init__(self, fail_at: int | None = None) -> None:
         self.events: list[tuple[str, float]] = []
@@ -190,7 +190,7 @@ class OneRobot(Robot):
 
 
 class NoStop:
-    """No STOP event."""
+    """Stand-in for StopEvents that reports no STOP."""
 
     def check(self) -> None:
         pass
@@ -244,7 +244,7 @@ def test_a_choreography_is_refused_as_a_whole_with_line_and_time(
     assert reason in (None, refused.value.reason)
 
 
-def test_possible_choreographies_are_not_refused() -> None:
+def test_a_choreography_within_the_limits_is_accepted() -> None:
     check_choreography(shipped("hello"), ROBOT)
     check_choreography(shipped("hello").at_speed(90), ROBOT)
     check_choreography(TWO_POSES, ROBOT)

@@ -65,7 +65,7 @@ def test_graphics_that_do_not_draw_are_reported(monkeypatch: pytest.MonkeyPatch)
     assert found.state == "advice"
 
 
-def test_graphics_are_tried_by_drawing() -> None:
+def test_the_check_of_graphics_draws_a_picture() -> None:
     with checks.graphics_probe() as graphics:
         assert ("OpenGL works" in graphics().found) is (gl.backend() is not None)
 

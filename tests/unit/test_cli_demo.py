@@ -1,4 +1,4 @@
-"""The report and the files of `beatrix demo`, also if files cannot be written."""
+"""The report and the files of `beatrix demo`, also when files cannot be written."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def measured(turned_rad: float) -> Measured:
 
 @pytest.fixture
 def done(monkeypatch: pytest.MonkeyPatch) -> Measurement:
-    """Two robots that made the same movement; no process draws a picture."""
+    """Two robots that made the same movement; the process that draws the head makes an empty file instead."""
     monkeypatch.setattr(demo_files, "DRAW", "import pathlib, sys; pathlib.Path(sys.argv[1]).touch()")
     monkeypatch.delenv(
         "COVERAGE_PROCESS_CONFIG", raising=False
@@ -90,7 +90,7 @@ def test_on_a_full_disk_the_demo_prints_its_report_and_leaves_no_incomplete_file
     out = capsys.readouterr().out
     assert "Both made the same movement" in out
     assert f"{tmp_path / 'demo.csv'} could not be written: File too large." in out
-    assert names(tmp_path) == ["head.png"], "the path is empty here, so the line fits"
+    assert names(tmp_path) == ["head.png"], "only the empty file fits"
 
 
 def test_an_existing_file_is_replaced_only_by_a_complete_one(tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ def test_every_failure_has_its_exit_code(error: BaseException, code: int) -> Non
     ("page", "row"),
     [("reference/exit-codes.md", r"^\| (\d+) \| `(\w+)`"), ("how-to/no-answer.md", r"`(\w+)` \| (\d+) \|")],
 )
-def test_the_pages_list_the_exit_code_of_each_silence(page: str, row: str) -> None:
+def test_the_pages_list_the_exit_code_of_each_missing_answer(page: str, row: str) -> None:
     text = (Path(__file__).parents[2] / "docs" / page).read_text(encoding="utf-8")
     pairs = [sorted(found) for found in re.findall(row, text, re.MULTILINE)]
     assert {(int(code), reason) for code, reason in pairs} >= {
@@ -145,7 +145,7 @@ def test_every_verb_has_help_with_its_units(name: str, capsys: pytest.CaptureFix
         assert "egrees" in text
 
 
-def test_the_help_of_stop_says_that_it_stops_every_robot(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_help_of_stop_states_that_it_stops_every_robot(capsys: pytest.CaptureFixture[str]) -> None:
     app.run(["stop", "--help"])
     text = " ".join(capsys.readouterr().out.split())
     assert "beatrix.toml, every robot. --connect" in text
@@ -165,7 +165,7 @@ def test_help_lists_every_verb_in_one_line(capsys: pytest.CaptureFixture[str]) -
     assert not [line for line in lines if line.endswith("...")]
 
 
-def test_missing_command_line_extra_is_one_sentence(
+def test_the_error_without_typer_names_the_extra_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "typer", None)
@@ -187,16 +187,16 @@ def test_a_full_disk_is_reported_in_one_line(words: tuple[str, ...]) -> None:
 def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -> None:
     end, pipe = os.pipe()
     os.close(end)
-    with open(pipe, "wb") as closed:  # noqa: PTH123 - a number has no path
+    with open(pipe, "wb") as closed:  # noqa: PTH123 - a file descriptor has no path
         done = subprocess.run([*CLI, *words], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (141, "")
 
 
-def test_table_aligns_numbers_to_the_right_and_words_to_the_left() -> None:
+def test_a_table_aligns_numbers_to_the_right_and_words_to_the_left() -> None:
     assert columns(("robot", "hz"), [("bea", "50.0"), ("b", "-")]) == "robot    hz\nbea    50.0\nb         -"
 
 
-def test_errors_are_of_one_family() -> None:
+def test_no_answer_is_a_beatrix_error() -> None:
     assert issubclass(NoAnswer, BeatrixError)
 
 
@@ -233,6 +233,6 @@ def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(
     assert not list(tmp_path.iterdir())
 
 
-def test_too_short_a_rotation_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rotation_period_that_is_too_short_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["record", "mine.rrd", "--rotate", "0.01"]) == 2
     assert "give 0.1 or more, or 0" in capsys.readouterr().err

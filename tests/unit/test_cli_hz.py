@@ -1,4 +1,4 @@
-"""The figures of `beatrix hz`."""
+"""The statistics of `beatrix hz`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Publication(NamedTuple):
 
 
 def figures(*numbers: int) -> Rate:
-    """The figures of publications with these sequence numbers, a period of 20 ms and an age of 2 ms."""
+    """Return the statistics of publications with these sequence numbers, a period of 20 ms and an age of 2 ms."""
     times = [index * PERIOD_NS for index in range(len(numbers))]
     return rate(
         [

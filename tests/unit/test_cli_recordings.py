@@ -52,7 +52,7 @@ def write(path: Path, robots: dict[Place, float]) -> None:
 
 @pytest.fixture
 def lesson(tmp_path: Path) -> Path:
-    """A recording of two robots; of one only the simulation."""
+    """A recording of two robots, one of them without hardware."""
     path = tmp_path / "lesson.rrd"
     write(path, {("ada", "sim"): 0.0, ("ada", "hw"): LAG_S, ("bob", "sim"): 0.0})
     return path
@@ -102,7 +102,7 @@ def test_the_only_robot_of_a_recording_is_replayed_under_any_name(tmp_path: Path
     assert found.duration_s == pytest.approx(3.9, abs=0.3)
 
 
-def test_a_note_about_an_incomplete_recording_says_how_to_repair_it(
+def test_a_note_about_an_incomplete_recording_contains_the_repair_command(
     lesson: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     complete = lesson.read_bytes()

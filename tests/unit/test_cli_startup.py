@@ -1,4 +1,4 @@
-"""The start of the command line: Ctrl-C during imports, and what it imports."""
+"""The start of the command line: Ctrl-C during imports, and the modules that it imports."""
 
 from __future__ import annotations
 

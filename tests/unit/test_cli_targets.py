@@ -45,7 +45,7 @@ def test_several_robots_on_line_are_listed_in_the_error() -> None:
         only_name([OTHER, SIM], ENDPOINT)
 
 
-def test_the_error_for_no_robot_on_line_suggests_to_start_one() -> None:
+def test_the_error_for_no_robot_on_line_suggests_starting_one() -> None:
     with pytest.raises(NoAnswer, match="beatrix sim") as error:
         only_name([], ENDPOINT)
     assert error.value.reason is Reason.NO_ANSWER

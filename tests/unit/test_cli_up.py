@@ -14,7 +14,7 @@ def status(*, calibrated: bool) -> Status:
     return msgspec.structs.replace(READY, enabled=calibrated, calibrated=calibrated)
 
 
-def test_up_suggests_to_calibrate_only_robots_that_are_not_calibrated() -> None:
+def test_up_suggests_calibration_only_for_robots_that_are_not_calibrated() -> None:
     calibrated, uncalibrated = status(calibrated=True), status(calibrated=False)
     assert verbs("", {"hw": calibrated}) == ["look --yaw 20", "top", "stop"]
     assert verbs("", {"hw": uncalibrated})[:2] == ["enable", "calibrate"]

@@ -51,7 +51,7 @@ def movement(targets: list[tuple[float, float, float]], t: Floats) -> Floats:
 def recorded(
     targets: list[tuple[float, float, float]], lag_s: float, phase_s: float, noise: float = 0.0, seed: int = 0
 ) -> Recording:
-    """Recording of a robot that is late by `lag_s`, 50 samples a second with its own phase."""
+    """Return a recording of a robot that is late by `lag_s`: 50 samples a second from `phase_s` on, noise in deg."""
     t = np.arange(0.0, 12.0, 1 / HZ) + phase_s
     jitter = np.random.default_rng(seed).normal(0.0, noise, (len(t), 6))
     return Recording(t, movement(targets, t - lag_s) + jitter)
@@ -71,7 +71,7 @@ def test_known_lag_is_recovered_within_two_milliseconds(
 @pytest.mark.no_cover
 @FEW
 @given(TARGETS, LAGS)
-def test_lag_has_the_opposite_sign_the_other_way_round(
+def test_exchanging_two_recordings_changes_the_sign_of_the_lag(
     targets: list[tuple[float, float, float]], lag_s: float
 ) -> None:
     first, second = recorded(targets, 0.0, 0.0), recorded(targets, lag_s, 0.007)
@@ -108,7 +108,7 @@ def test_without_movement_there_is_no_lag() -> None:
     assert why_no_lag(found) == "nothing moved."
 
 
-def test_another_movement_has_no_lag() -> None:
+def test_two_different_movements_have_no_lag() -> None:
     found = compare(recorded([(30.0, 30.0, 30.0)], 0.0, 0.0), recorded([(-30.0, 10.0, -30.0)], 0.0, 0.0))
     assert math.isnan(found.lag_s)
     assert "did not make the same movement" in why_no_lag(found)
@@ -152,7 +152,7 @@ def test_a_lag_of_seconds_is_found() -> None:
     assert found.lag_s == pytest.approx(2.5, abs=0.005)
 
 
-def test_heads_are_apart_by_the_angle_between_them() -> None:
+def test_heads_apart_returns_the_angle_between_two_heads() -> None:
     first = np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [90.0, 0.0, 30.0]])
     second = np.array([[0.0, 0.0, 10.0], [-10.0, 0.0, 0.0], [90.0, 0.0, 30.0]])
     assert heads_apart(first, second) == pytest.approx([10.0, 50.0, 0.0], abs=1e-6)
@@ -243,7 +243,7 @@ def test_thresholds_that_cannot_be_checked_are_reported() -> None:
 
 
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
-def test_a_threshold_is_a_number(value: float) -> None:
+def test_a_threshold_that_is_negative_or_not_finite_is_refused(value: float) -> None:
     with pytest.raises(WrongUsage, match="give a number, 0 or more"):
         Thresholds(rms_deg=value)
 
@@ -254,7 +254,7 @@ def test_without_rest_there_is_no_difference_at_rest() -> None:
     assert math.isnan(compare(turning, turning).arms_at_rest)
 
 
-def test_yaw_beyond_half_a_turn_is_compared_on_the_circle() -> None:
+def test_yaw_is_compared_on_the_circle() -> None:
     t = np.arange(0.0, 2.0, 0.02)
     first = Recording(t, np.full((100, 6), 179.5))
     second = Recording(t, np.full((100, 6), -179.5))
@@ -272,12 +272,12 @@ def test_empty_recording_is_refused() -> None:
         compare(recording([]), recording([]))
 
 
-def test_resampling_keeps_what_was_recorded() -> None:
+def test_resampling_at_the_recorded_times_keeps_the_angles() -> None:
     first = recorded([(10.0, 20.0, 30.0), (5.0, 6.0, 7.0)], 0.0, 0.0)
     assert resample(first, first.t) == pytest.approx(first.angles)
 
 
-def test_rest_needs_time_without_motion() -> None:
+def test_a_robot_rests_at_times_that_are_not_close_to_a_motion() -> None:
     t = np.arange(0.0, 4.0, 0.01)
     moving = (t > 1) & (t < 3)
     angles = np.repeat(np.clip(t - 1, 0, 2)[:, None] * 20, 6, axis=1)

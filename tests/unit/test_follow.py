@@ -31,7 +31,7 @@ NECK = Neck()
 
 
 def path(text: str) -> ArmPath:
-    """A path of head angles, one point per line after the first two."""
+    """Return a path of the head; each line of `text` is a point: time (s), yaw, pitch and roll (deg)."""
     return path_of(motion_file.parse(HEADER + text, "mine.csv"), NECK)
 
 
@@ -40,7 +40,7 @@ def path(text: str) -> ArmPath:
 
 @st.composite
 def points(draw: st.DrawFn) -> tuple[Floats, Floats]:
-    """Strategy for times and arms of a path."""
+    """Strategy for times (s) and arms (deg) of a path."""
     steps = draw(st.lists(st.floats(0.01, 5.0), min_size=1, max_size=12))
     arms = draw(st.lists(st.tuples(ANGLES, ANGLES, ANGLES), min_size=len(steps) + 1, max_size=len(steps) + 1))
     return np.concatenate(([0.0], np.cumsum(steps))), np.array(arms)
@@ -121,7 +121,7 @@ def test_a_replay_leaves_out_long_rests_of_the_recording() -> None:
 
 
 def driven(following: Following) -> Floats:
-    """Arms (deg) by the firmware's time law in steps of STEP_S, target by target."""
+    """Return arms (n, 3) in deg by the firmware's time law in steps of STEP_S, target by target."""
     position: Arms = cast("Arms", tuple(math.radians(angle) for angle in following.path.arms[0]))
     velocity, arms = REST, []
     ends = [target.t for target in following.targets[1:]] + [len(following.planned) * STEP_S - LEAD_IN_S]
@@ -148,7 +148,7 @@ HEADS = st.lists(
 
 
 def recorded(heads: list[tuple[float, float, float]], speed: float) -> ArmPath:
-    """Recording of a robot that looks to several places, 20 points a second."""
+    """Return the path of a robot that looks to several places at `speed` (deg/s), 20 points a second."""
     here, arms = REST, [REST] * 10
     for head in [*heads, (0.0, 0.0, 0.0)]:
         goal = NECK.inverse(*(math.radians(angle) for angle in head))
@@ -165,7 +165,7 @@ def test_a_recorded_motion_is_followed_closely(heads: list[tuple[float, float, f
     following = follow(recorded(heads, speed), ROBOT)
     assert following.off_deg < 0.5
     way = driven(following)
-    assert way == pytest.approx(following.planned, abs=1e-3), "targets lead where the plan says"
+    assert way == pytest.approx(following.planned, abs=1e-3), "the targets give the planned path"
     assert way[-1] == pytest.approx(following.path.arms[-1], abs=0.02)
     assert following.at(0.015 - LEAD_IN_S) == pytest.approx((way[1] + way[2]) / 2, abs=1e-3)
 
@@ -197,7 +197,7 @@ def test_a_limit_between_points_is_reported_with_its_line() -> None:
     )
 
 
-def test_the_speed_factor_of_a_refusal_works() -> None:
+def test_a_path_is_accepted_at_the_speed_factor_of_its_refusal() -> None:
     fast = path("0,0,0,0\n1,90,0,0\n2,0,0,0\n")
     with pytest.raises(Refused, match=r"line 4 .*too fast") as refusal:
         follow(fast.at_speed(2.0), ROBOT)
@@ -236,7 +236,7 @@ class FakeRobot(Robot):
 
 
 class NoStop:
-    """No STOP event."""
+    """Stand-in for StopEvents that reports no STOP."""
 
     def check(self) -> None:
         pass

@@ -16,13 +16,13 @@ import pytest
 
 from beatrix_zenoh._generated.serial import CONTRACT
 
-pytestmark = pytest.mark.no_cover  # runs only schemas/, whose coverage is not measured
+pytestmark = pytest.mark.no_cover  # runs only code of schemas/, whose coverage is not measured
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "schemas"
 
 
 def header(folder: Path, robot: str) -> tuple[int, str]:
-    """Write the header of a robot whose file has this text; exit code and error output."""
+    """Write the header of a robot whose file has this text; return exit code and error output."""
     (folder / "other.toml").write_text(robot, encoding="utf-8")
     words = ["generate.py", "--robot", str(folder / "other.toml"), "--header", str(folder / "contract.h")]
     errors = io.StringIO()
@@ -41,7 +41,7 @@ def contract_in(path: Path) -> int:
 
 
 def contract(folder: Path, robot: str) -> int:
-    """The contract of a robot whose file has this text."""
+    """Return the contract hash of a robot whose file has this text."""
     assert header(folder, robot) == (0, "")
     return contract_in(folder / "contract.h")
 
@@ -85,7 +85,7 @@ def test_values_that_the_firmware_does_not_use_do_not_change_the_contract(tmp_pa
         ("reply_timeout = { value = 100", "reply_timeout = { value = 101", False),
     ],
 )
-def test_explanations_do_not_change_the_contract(
+def test_only_explanations_can_change_without_changing_the_contract(
     tmp_path: Path, original: str, replacement: str, *, same: bool
 ) -> None:
     schemas = copytree(SCHEMAS, tmp_path / "schemas")

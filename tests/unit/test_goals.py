@@ -22,7 +22,7 @@ STEP = math.tau / PLANNER.gear.steps_per_turn
 
 
 def at(arms: Arms = (0.0, 0.0, 0.0)) -> Telemetry:
-    """A board whose arms rest at these angles (rad)."""
+    """Return telemetry of a board whose arms rest at these angles (rad)."""
     return Telemetry(0, 1, 3, 0, 0, PLANNER.gear.to_steps(arms), (0, 0, 0), 0, 0)
 
 
@@ -71,7 +71,9 @@ def test_a_pose_is_a_straight_move_at_the_speed_of_the_fastest_arm() -> None:
 
 
 @pytest.mark.parametrize(("speed", "reason"), [(0.9, Reason.SPEED_LIMIT), (1.0, None)])
-def test_the_slowest_speed_is_a_quarter_of_a_step_a_second(speed: float, reason: Reason | None) -> None:
+def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second(
+    speed: float, reason: Reason | None
+) -> None:
     slowest = PLANNER.gear.quarters_to_speed((1, 1, 1))[0]
     query = PoseQuery(yaw=STEP, speed=speed * slowest)
     if reason is None:
@@ -83,7 +85,7 @@ def test_the_slowest_speed_is_a_quarter_of_a_step_a_second(speed: float, reason:
 
 
 @pytest.mark.parametrize("speed", [0.0, -0.5, 1000.0])
-def test_an_impossible_speed_is_refused_not_rounded(speed: float) -> None:
+def test_an_impossible_speed_is_refused_and_not_rounded(speed: float) -> None:
     with pytest.raises(Refused) as refusal:
         PLANNER.goal(PoseQuery(yaw=0.1, speed=speed), at())
     assert refusal.value.reason is Reason.SPEED_LIMIT
@@ -109,5 +111,5 @@ def test_the_largest_tilt_is_allowed(axis: int) -> None:
 
 
 def tilted(axis: int, tilt: float) -> PoseQuery:
-    """A pose that pitches (1) or rolls (2) the head."""
+    """Return a query for a head that is pitched (axis 1) or rolled (axis 2) by `tilt` (rad)."""
     return PoseQuery(pitch=tilt) if axis == 1 else PoseQuery(roll=tilt)

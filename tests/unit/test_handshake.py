@@ -10,11 +10,11 @@ from beatrix_zenoh.board.handshake import BOOT_S, FOREIGN_S, HELLO_S, LOADER_S, 
 
 STEP_S = 0.01
 LOADER_LISTENS_S, LOADER_WAITS_S = 0.9, 5.0
-"""Pauses of the boot loader: without any byte, and after the last byte (real one: tests/nodes/test_boot_loader.py)."""
+"""Time that the boot loader waits without any byte, and after the last byte. test_boot_loader.py runs a real one."""
 
 
 def hello_times(handshake: Handshake, until_s: float, *, foreign: bool = False) -> list[float]:
-    """Times of HELLO from 0 on (s)."""
+    """Return the times (s) of HELLO from 0 to `until_s`."""
     times = []
     for now in itertools.takewhile(lambda t: t < until_s, (n * STEP_S for n in itertools.count())):
         if handshake.due(now):
@@ -46,7 +46,7 @@ def test_a_frame_allows_hello_at_once_but_not_more_often_than_usual() -> None:
     assert handshake.due(HELLO_S)
 
 
-def test_after_a_loss_there_is_a_pause_unless_a_frame_comes() -> None:
+def test_after_a_loss_there_is_a_pause_unless_a_frame_arrives() -> None:
     handshake = Handshake(0.0, 0.0)
     handshake.hello_sent(0.0, foreign=False)
     handshake.lost(1.0)

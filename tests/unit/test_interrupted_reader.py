@@ -1,4 +1,4 @@
-"""Ctrl-C may come anywhere in a reader; Zenoh's thread must go on enqueueing."""
+"""Ctrl-C may interrupt a reader anywhere; Zenoh's thread must still enqueue publications."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ CALLS = 200
 
 
 def interrupted(read: Callable[[], object], nth: int) -> bool:
-    """Call `read`, with KeyboardInterrupt at its nth call or return; False if it ended before."""
+    """Call `read`, raise KeyboardInterrupt at its nth call or return, and return whether this happened."""
     count = 0
 
     def interrupt(_frame: FrameType, event: str, _arg: object) -> None:
         nonlocal count
-        # Where CPython looks for signals: a Python function begins, or a call has returned. Not before a C function.
+        # CPython handles signals when a Python function begins and when a call has returned, not before a C function.
         count += event in ("call", "c_return")
         if count == nth:
             sys.setprofile(None)
@@ -42,7 +42,7 @@ def publication(payload: bytes) -> Received:
     return Received("key", payload, "", None)
 
 
-def test_an_interrupted_reader_does_not_hold_up_the_next_publication() -> None:
+def test_an_interrupted_reader_does_not_block_the_next_publication() -> None:
     for nth in range(1, CALLS):
         inbox = Inbox(10)
         inbox.receive(publication(b"1"))

@@ -39,7 +39,7 @@ def pose(tilt: float, direction: float) -> tuple[float, float]:
 
 
 def reachable(neck: Neck, share: float) -> float:
-    """Tilt (rad) up to 40 deg, or to just below the reach in every direction."""
+    """Return a share of the largest tilt (rad): 40 deg, or 0.5 deg less than the reach if that is smaller."""
     return share * min(math.radians(40), neck.reach - math.radians(0.5))
 
 
@@ -108,7 +108,9 @@ def test_arms_of_close_poses_are_close(neck: Neck, share: float, direction: floa
 
 @pytest.mark.no_cover
 @given(shares, directions, directions)
-def test_mean_of_the_arms_is_next_to_the_yaw(share: float, direction: float, yaw: float) -> None:
+def test_the_mean_of_the_arms_is_within_a_quarter_turn_of_the_yaw(
+    share: float, direction: float, yaw: float
+) -> None:
     arms = SHIPPED.inverse(yaw, *pose(share * math.radians(44.9), direction))
     mean = sum(arms) / 3
     assert abs(mean - yaw) < math.pi / 2
@@ -119,7 +121,7 @@ def test_mean_of_the_arms_is_next_to_the_yaw(share: float, direction: float, yaw
     ("tilt", "gap", "off_mean"),
     [(0, 120, 0), (20, 80.7, 21.2), (30, 55.2, 34.5), (35, 39.8, 42.6), (40, 21.8, 52.8)],
 )
-def test_workspace_is_as_published(tilt: float, gap: float, off_mean: float) -> None:
+def test_gaps_and_deviations_of_the_arms_are_as_published(tilt: float, gap: float, off_mean: float) -> None:
     ways = []
     for direction in range(0, 360, 2):
         # tilt without torsion: turn about a level axis
@@ -143,14 +145,14 @@ def failure(neck: Neck, arms: Arms) -> BeatrixError | None:
 
 
 @given(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 3))
-def test_forward_ends_on_any_arms(arms: Arms) -> None:
+def test_forward_returns_or_refuses_for_any_arms(arms: Arms) -> None:
     error = failure(SHIPPED, arms)
     assert error is None or error.reason in {Reason.OUT_OF_REACH, Reason.BAD_VALUE}
 
 
 @pytest.mark.no_cover
 @given(necks, st.tuples(*[st.floats(-math.pi, math.pi)] * 3))
-def test_forward_finds_the_home_assembly_or_nothing(neck: Neck, arms: Arms) -> None:
+def test_forward_finds_the_home_assembly_or_refuses(neck: Neck, arms: Arms) -> None:
     error = failure(neck, arms)
     if error is None:
         assert neck.in_home_assembly(arms, neck.rotation(arms))
@@ -204,7 +206,7 @@ def test_tilt_is_the_angle_of_the_head_axis(pitch: float, roll: float) -> None:
     assert math.cos(tilt_of(pitch, roll)) == pytest.approx(up, abs=1e-12)
 
 
-def test_gaps_name_the_neighbours_in_order() -> None:
+def test_gaps_are_in_the_order_of_the_arms() -> None:
     short_middle, middle_long, long_short = SHIPPED.gaps((0.1, 0.0, 0.0))
     assert short_middle == pytest.approx(math.radians(120) - 0.1)
     assert middle_long == pytest.approx(math.radians(120))
@@ -219,7 +221,7 @@ def test_the_refusal_of_a_pose_out_of_reach_names_the_reach() -> None:
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_angles_that_are_no_numbers_are_refused(bad: float, place: int) -> None:
+def test_angles_that_are_not_finite_are_refused(bad: float, place: int) -> None:
     angles = tuple3([bad if i == place else 0.0 for i in range(3)])
     with pytest.raises(Refused) as caught:
         SHIPPED.inverse(*angles)

@@ -38,7 +38,7 @@ def test_permissions_while_a_robot_is_taken_and_rests(
     assert refusal(access, caller, 1000, action=action) is reason
 
 
-def test_only_a_free_robot_is_taken(access: Access) -> None:
+def test_only_a_free_robot_can_be_taken(access: Access) -> None:
     assert take(access, ANA, 0) == 1
     with pytest.raises(Refused) as refused:
         take(access, BEN, 1)
@@ -102,7 +102,7 @@ def test_a_holder_that_moves_is_not_idle(access: Access) -> None:
     assert standing(access, 1001 + IDLE_S).holder == "ben"
 
 
-def test_giving_back_leaves_the_queue(access: Access) -> None:
+def test_give_back_removes_a_waiting_seat_from_the_queue(access: Access) -> None:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True)
     assert give_back(access, BEN)
@@ -147,7 +147,7 @@ def test_permissions_while_a_robot_is_frozen(
     assert refusal(access, caller, 0, action=action) is reason
 
 
-def test_freezing_between_authorize_and_take_is_effective(access: Access) -> None:
+def test_take_is_refused_if_the_robot_was_frozen_since_authorize(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
     access.freeze(on=True)
     with pytest.raises(Refused) as refused:

@@ -41,7 +41,7 @@ def test_a_line_has_one_effect(text: bytes, effect: Effect) -> None:
 
 
 @pytest.mark.parametrize("text", [b"hello", b"@" + b"x" * 127, b"@MOV\x00", "@é".encode()])
-def test_text_that_the_firmware_does_not_accept_as_a_line(text: bytes) -> None:
+def test_text_that_the_firmware_does_not_accept_is_not_readable(text: bytes) -> None:
     assert not readable(text)
 
 
@@ -57,7 +57,7 @@ def test_text_that_the_firmware_does_not_accept_as_a_line(text: bytes) -> None:
         (b"@FOO", True, ""),
     ],
 )
-def test_the_cause_of_a_refusal_that_the_line_itself_shows(text: bytes, unknown: bool, word: str) -> None:
+def test_the_cause_of_a_refusal_is_found_in_the_line_itself(text: bytes, unknown: bool, word: str) -> None:
     cause = explain(Line(text), unknown=unknown)
     assert (cause is not None) == bool(word)
     if cause is not None:
@@ -65,7 +65,7 @@ def test_the_cause_of_a_refusal_that_the_line_itself_shows(text: bytes, unknown:
         assert word in cause.message
 
 
-def test_a_damaged_answer_has_as_many_lines_as_the_protocol_says() -> None:
+def test_a_damaged_answer_has_as_many_lines_as_the_protocol_requires() -> None:
     answer = Answer()
     assert answer.add(ACK) == [ACK]
     answer.damaged = True

@@ -1,4 +1,4 @@
-"""Motions against limits over their whole path."""
+"""Checks of motions against the limits over their whole path."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_ordinary_motions_are_accepted(target: Arms, straight: bool) -> None:
     ],
 )
 @pytest.mark.parametrize("straight", [True, False])
-def test_a_goal_beyond_a_limit_is_refused_with_the_data(
+def test_a_goal_beyond_a_limit_is_refused_with_limit_and_value(
     target: Arms,
     limit: Limit,
     arms: list[str],
@@ -167,7 +167,7 @@ def test_a_refusal_of_arms_beyond_every_pose_names_the_furthest_position() -> No
 
 
 def detour() -> tuple[Arms, Arms]:
-    """Two allowed poses; the head tilts too far between them if the arms arrive one after another."""
+    """Return two allowed poses; the head tilts too far between them if the arms arrive one after another."""
     return pose(0, 30, 0), pose(0, -15, 30)
 
 
@@ -203,7 +203,7 @@ def test_swinging_through_a_limit_while_braking_is_refused() -> None:
         ((math.nan, 0.0, 0.0), Reason.BAD_VALUE),
     ],
 )
-def test_a_resting_pose_beyond_a_limit_is_refused_by_name(target: Arms, reason: Reason) -> None:
+def test_a_resting_pose_beyond_a_limit_is_refused_with_its_reason(target: Arms, reason: Reason) -> None:
     with pytest.raises(Refused) as caught:
         LIMITS.check_pose(target)
     assert caught.value.reason == reason
@@ -243,12 +243,12 @@ def test_arms_that_have_separated_may_not_close_up_again() -> None:
     assert refusal.reason == Reason.ARM_GAP
 
 
-def test_a_limit_counts_from_half_its_tolerance() -> None:
+def test_a_limit_may_be_exceeded_by_half_the_tolerance() -> None:
     allowed(arms_at(180.04, 180.04, 180.04), start=pose(179, 0, 0))
     assert refused(arms_at(180.07, 180.07, 180.07), start=pose(179, 0, 0)).reason == Reason.YAW_LIMIT
 
 
-def test_a_short_swing_beyond_a_limit_and_back_is_seen() -> None:
+def test_a_short_swing_beyond_a_limit_and_back_is_refused() -> None:
     start = pose(179, 0, 0)
     allowed(start, start=start, velocity=(0.3, 0.3, 0.3))  # the motion reverses at 179.8 deg
     assert (
@@ -272,7 +272,7 @@ def test_a_goal_is_refused_for_a_limit_that_it_exceeds() -> None:
     assert math.degrees(detail.value or 0.0) == pytest.approx(190.0)
 
 
-def test_small_motions_do_not_creep_beyond_a_limit() -> None:
+def test_many_small_motions_do_not_add_up_beyond_a_limit() -> None:
     here, step = pose(0, 35, 0), math.radians(0.03)
     for i in range(100):
         target = NECK.inverse(0, math.radians(35) + step * (i + 1), 0)
@@ -292,7 +292,7 @@ def test_the_refusal_of_arms_that_fit_no_head_explains_what_to_do() -> None:
 
 
 @pytest.mark.parametrize("value", [1e6, -1e6, 1e300, math.nan, math.inf, -math.inf])
-def test_extreme_numbers_are_refused_at_once(value: float) -> None:
+def test_extreme_numbers_are_refused_within_a_second(value: float) -> None:
     began = time.perf_counter()
     for place in range(3):
         x, y, z = (value if i == place else 0.0 for i in range(3))

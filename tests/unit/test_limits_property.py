@@ -80,7 +80,7 @@ def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
     st.booleans(),
     st.sampled_from([LIMITS, CLOSE_ARMS]),
 )
-def test_short_paths_are_checked_as_strictly(
+def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
     start: Arms, velocity: Arms, way: Arms, straight: bool, limits: Limits
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
@@ -94,7 +94,7 @@ def test_short_paths_are_checked_as_strictly(
 
 @pytest.mark.parametrize("arm", [0, 1, 2])
 @pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
-def test_short_paths_of_one_arm_near_the_limits(arm: int, limits: Limits) -> None:
+def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, limits: Limits) -> None:
     for index in range(8):
         start = tilted(limits, math.tau * index / 8)
         for way in (-0.1, -0.04, -0.015, 0.015, 0.04, 0.1):
@@ -110,7 +110,7 @@ def test_short_paths_of_one_arm_near_the_limits(arm: int, limits: Limits) -> Non
 
 
 def tilted(limits: Limits, direction: float) -> Arms:
-    """A pose close to the tilt limit in this direction."""
+    """Return arms (rad) with allowed gaps, as close to the tilt limit in this direction as possible."""
     for tenths in range(349, 0, -2):
         arms = NECK.inverse(0, *leaning(math.radians(tenths / 10), direction))
         if min(NECK.gaps(arms)) > limits.gap_min:
@@ -142,7 +142,7 @@ def assert_keeps(limits: Limits, way: Trajectory) -> None:
 def exceeds(
     limits: Limits, reason: Reason, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> bool:
-    """Whether a densely sampled path exceeds the limit of this reason."""
+    """Return whether a densely sampled path exceeds the limit of this reason."""
     trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
     ways = (trajectory.at(trajectory.duration * i / 2000)[0] for i in range(2001))
     return any(breaks_at(limits, reason, arms) for arms in ways)
@@ -180,8 +180,8 @@ def test_a_pose_at_the_tilt_limit_is_accepted_and_one_just_beyond_is_not(directi
         LIMITS.check_pose(towards(35.1))
 
 
-def test_the_bound_of_curvature_holds_everywhere_inside() -> None:
-    """Compare Taylor's bound, the base of the check, with the function itself."""
+def test_the_bound_of_curvature_holds_everywhere_within_the_limits() -> None:
+    """Compare Taylor's bound, on which the check is based, with the function itself."""
     checker = LIMITS._checker
     up_bend, yaw_bend = checker._curvature[0], checker._curvature[1]
     counts = {0.1: 0, 0.2: 0, 0.4: 0, 0.8: 0}

@@ -1,4 +1,4 @@
-"""Motion as a future, with replies of the test."""
+"""A motion as a future, with replies from the test."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_the_cause_of_a_missing_end_is_reported(monkeypatch: pytest.MonkeyPatch)
     assert caught.value is setting.replies.cause
 
 
-def test_two_threads_wait_for_one_motion(setting: Setting) -> None:
+def test_two_threads_can_wait_for_one_motion(setting: Setting) -> None:
     results: list[MotionReply] = []
     threads = [
         threading.Thread(target=lambda: results.append(setting.motion.result(PATIENCE_S))) for _ in "ab"
@@ -172,7 +172,9 @@ def test_cancel_presses_stop_once(setting: Setting) -> None:
     assert isinstance(setting.motion.exception(), Interrupted)
 
 
-def test_callbacks_run_in_a_thread_of_their_own(setting: Setting) -> None:
+def test_a_callback_runs_in_a_thread_of_its_own_or_after_the_end_in_the_calling_thread(
+    setting: Setting,
+) -> None:
     setting.motion.add_done_callback(setting.record)
     setting.motion.add_done_callback(setting.record)
     setting.replies.send(DONE)
@@ -226,7 +228,7 @@ def test_a_callback_that_fails_is_logged_and_the_next_runs(
     assert [record.exc_info[0] for record in caplog.records if record.exc_info] == [ValueError]
 
 
-def test_ctrl_c_stops_the_robot_and_names_its_position(
+def test_ctrl_c_stops_the_robot_and_reports_the_reply(
     setting: Setting, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(kind: type[MotionReply], timeout_s: float) -> MotionReply:
@@ -238,7 +240,7 @@ def test_ctrl_c_stops_the_robot_and_names_its_position(
     assert setting.stops == 1
 
 
-def test_the_dispatcher_runs_later_calls_in_time_and_none_after_close() -> None:
+def test_the_dispatcher_runs_calls_in_order_of_time_and_none_after_close() -> None:
     dispatcher, called = Dispatcher(), queue.SimpleQueue[str]()
     now = time.monotonic()
     dispatcher.call(lambda: called.put("later"), now + 0.1)

@@ -19,7 +19,7 @@ HEADER = "t_s,yaw_deg,pitch_deg,roll_deg\n"
 
 @st.composite
 def paths(draw: st.DrawFn) -> list[tuple[float, Place]]:
-    """A path of the head or of the arms."""
+    """Strategy for a path of the head or of the arms (s, deg)."""
     head, angles = draw(st.booleans()), st.tuples(ANGLE, ANGLE, ANGLE)
     return [(t, HeadAngles(*draw(angles)) if head else ArmAngles(*draw(angles))) for t in draw(TIMES)]
 
@@ -55,7 +55,9 @@ def times_or_refusal(content: str) -> tuple[list[float], str]:
 
 
 @given(st.binary(max_size=200))
-def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
+def test_a_file_of_random_bytes_is_refused_with_its_name(
+    tmp_path_factory: pytest.TempPathFactory, content: bytes
+) -> None:
     path = tmp_path_factory.getbasetemp() / "any.csv"
     path.write_bytes(content)
     with pytest.raises(WrongUsage, match=r"any\.csv"):

@@ -40,7 +40,7 @@ SWAPS = [
 ]
 
 
-def test_mutants_of_a_small_function() -> None:
+def test_a_small_function_has_the_expected_mutants() -> None:
     assert [(mutant.line, str(mutant)) for mutant in mutate.mutants(MODULE)] == MUTANTS
 
 

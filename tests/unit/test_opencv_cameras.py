@@ -1,4 +1,4 @@
-"""USB cameras through OpenCV, whose calls may block and give no reason when they fail."""
+"""USB cameras through OpenCV, whose calls may block, and fail without a reason."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twic
     assert len(module.opened) == 1
     module.goes_on.set()
     until(lambda: module.released == 1, "the blocked thread frees the camera itself")
-    until(lambda: not opencv_threads(), "and ends")
+    until(lambda: not opencv_threads(), "the blocked thread ends")
     camera.open()
     picture(camera)
 
@@ -156,7 +156,7 @@ def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeO
     module.goes_on.set()
     until(lambda: not module.pictures, "all pictures are read")
     # The failure follows the last picture and occupies the place of a picture in the queue.
-    until(lambda: module.released == 1, "the camera has gone")
+    until(lambda: module.released == 1, "the camera is released")
     assert picture(camera).width == 160
     with pytest.raises(NoAnswer):
         camera.next(1.0)

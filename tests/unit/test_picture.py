@@ -40,14 +40,14 @@ def without_gl(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def share(image: Image, dominant: int) -> float:
-    """Share of the pixels in which one colour is far stronger than the two others."""
+    """Return the share of the pixels in which one colour is far stronger than the two others."""
     strongest = image[..., dominant].astype(int)
     rest = np.delete(image, dominant, axis=2).max(axis=2)
     return float((strongest > rest * 1.5).mean())
 
 
 def shows_the_robot(image: Image) -> bool:
-    """Whether the red, green and blue rings and the dark base are in their places."""
+    """Return whether the red, green and blue rings and the dark base are in their places."""
     red, green, blue = (share(image, colour) for colour in range(3))
     base = image[-HEIGHT // 6 :, WIDTH // 3 : 2 * WIDTH // 3].mean()
     corner = image[: HEIGHT // 6, : WIDTH // 6].mean()
@@ -67,7 +67,7 @@ def test_opengl_draws_the_robot() -> None:
     assert shows_the_robot(picture(HOME, WIDTH, HEIGHT))
 
 
-def test_both_painters_draw_the_same() -> None:
+def test_both_painters_draw_similar_pictures() -> None:
     name = gl.backend()
     if name is None:
         pytest.skip("no OpenGL on this machine")
@@ -134,7 +134,7 @@ def test_a_picture_is_written_as_png(tmp_path: Path) -> None:
 
 
 def probed(environment: dict[str, str], before: str = "") -> str:
-    """The OpenGL backend in a new process, after it has run the code `before`."""
+    """Return the OpenGL backend in a new process that has run the code `before`."""
     command = [sys.executable, "-c", f"{before}from sim_node.gl import backend; print(backend())"]
     done = subprocess.run(
         command,

@@ -91,7 +91,7 @@ queries = st.one_of(
 
 @st.composite
 def boards(draw: st.DrawFn) -> Telemetry:
-    """A board whose arms are in an allowed pose and may be moving."""
+    """Strategy for telemetry of a board whose arms are in an allowed pose and may be moving."""
     direction, tilt = draw(st.floats(0, math.tau)), draw(st.floats(0, 0.6))
     arms = PLANNER.neck.inverse(draw(st.floats(-3, 3)), *leaning(tilt, direction))
     velocity = draw(st.just((0, 0, 0)) | st.tuples(*(st.integers(-1000, 1000),) * 3))
@@ -224,7 +224,7 @@ def test_the_alternative_of_one_wrong_speed_keeps_the_other_two() -> None:
     assert math.degrees(other.y) == pytest.approx(90.0)
 
 
-def test_a_relative_pose_from_impossible_arms_is_refused_with_what_to_do() -> None:
+def test_a_relative_pose_from_impossible_arms_is_refused_with_advice() -> None:
     board = at(0)._replace(position=(2000, -2000, 200))
     refusal = refusal_of(PoseQuery(absolute=False, yaw=0.1), board)
     assert refusal is not None
@@ -233,7 +233,7 @@ def test_a_relative_pose_from_impossible_arms_is_refused_with_what_to_do() -> No
 
 
 @pytest.mark.parametrize("steps", [40_000, -40_000])
-def test_counters_too_far_for_a_move_are_refused_with_what_to_do(steps: int) -> None:
+def test_step_counts_beyond_the_range_of_a_move_are_refused_with_advice(steps: int) -> None:
     little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
     with pytest.raises(Refused, match="calibrate") as refusal:
         PLANNER.goal(little, at(steps))

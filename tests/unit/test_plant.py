@@ -142,7 +142,7 @@ def test_yaw_follows_the_arms_through_whole_turns(plant: Plant) -> None:
     assert plant.head()[0] == pytest.approx(7.0, abs=0.01)
 
 
-def test_a_hundred_thousand_pulses_in_one_step_are_lost_without_harm(plant: Plant) -> None:
+def test_a_hundred_thousand_pulses_in_one_step_are_lost_and_the_loop_stays_closed(plant: Plant) -> None:
     hold_set_points(plant, HOME, 0.01)
     for _ in range(500):
         plant.step((100_000, -100_000, 50_000), drivers_on=True)
@@ -235,7 +235,7 @@ def test_another_assembly_is_detected_and_reassembled_at_the_set_points(plant: P
     assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 1e-6
 
 
-def test_reassembled_upright_if_the_set_points_are_impossible(plant: Plant) -> None:
+def test_the_plant_is_reassembled_upright_if_the_set_points_are_impossible(plant: Plant) -> None:
     plant.data.joint("arm_short").qpos = 2.0
     plant.step((GEAR.to_steps((2.0, 0.0, 0.0))), drivers_on=True)
     plant.reassemble()

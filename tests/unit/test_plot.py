@@ -1,4 +1,4 @@
-"""Figures: they are drawn without a display and show every curve."""
+"""Figures are drawn without a display and show every curve."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from beatrix_zenoh.recording.plot import path_figure, twin_figure
 from beatrix_zenoh.recording.series import Recording
 
 
-def test_two_recordings_make_a_picture(tmp_path: Path) -> None:
+def test_two_recordings_are_drawn(tmp_path: Path) -> None:
     t = np.arange(0.0, 4.0, 0.02)
     first = Recording(t, np.sin(t)[:, None] * np.arange(1, 7))
     figure = twin_figure(compare(first, Recording(t, first.angles + 0.1)), "two robots")

@@ -29,7 +29,7 @@ def test_the_only_board_is_found_among_other_ports(monkeypatch: pytest.MonkeyPat
     assert find() == "/dev/ttyUSB0"
 
 
-def test_of_several_boards_one_must_be_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_for_several_boards_lists_their_ports(monkeypatch: pytest.MonkeyPatch) -> None:
     plugged(monkeypatch, MEGA, CLONE)
     with pytest.raises(NoAnswer, match=r"--port: /dev/ttyACM0, /dev/ttyUSB0"):
         find()

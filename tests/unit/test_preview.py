@@ -122,7 +122,7 @@ def test_a_preview_starts_from_a_running_motion() -> None:
     assert seen.arms[-1] == pytest.approx((0.0, 0.0, 0.0), abs=math.radians(0.25))
 
 
-def test_a_refusal_of_the_firmware_refuses_the_preview() -> None:
+def test_a_motion_that_the_firmware_refuses_has_no_preview() -> None:
     with pytest.raises(Refused) as refusal:
         simulate_motion(Plant(), Firmware(), move_to(NODDED))
     assert refusal.value.reason is Reason.NOT_ENABLED

@@ -20,17 +20,17 @@ pytestmark = pytest.mark.no_cover  # it executes no code that coverage measures
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE_MAX = 300
-"""Most lines of code in a file: lines with a token that is neither comment nor docstring."""
+"""Largest number of lines of code in a file: lines with a token that is neither comment nor docstring."""
 FUNCTION_MAX = 50
-"""Most lines of a function, from `def` to its end, with its docstring."""
+"""Largest number of lines of a function, from `def` to its end, with its docstring."""
 METHODS_MAX = 15
-"""Most methods of a class of the node."""
+"""Largest number of methods of a class of the node."""
 PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
 """Top-level names of the wheel. Another name could hide a student's own file."""
 HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
 """Libraries that belong to a whole package; the others belong to one module of beatrix_zenoh."""
 SLEEPERS = {
-    "tests/nodes/test_legacy.py": "programs of 2023 send at their own pace, and what is not sent is no event",
+    "tests/nodes/test_legacy.py": "programs of 2023 send at their own pace, and no event shows that they send nothing",
     "tests/witness.py": "it measures how late it wakes up",
 }
 """Test files that may sleep, and the reason why they cannot wait for an event."""
@@ -50,7 +50,7 @@ CPP_COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re
 
 
 def sources(folders: str, *suffixes: str) -> list[Path]:
-    """Source files in the folders: not generated, built or hidden."""
+    """Return the source files in the folders, without generated, built and hidden ones."""
     generated = {ROOT / "firmware/beatrix/src/core/contract.h"}
     return sorted(
         path
@@ -64,7 +64,7 @@ def sources(folders: str, *suffixes: str) -> list[Path]:
 
 
 def docstring_lines(tree: ast.AST) -> set[int]:
-    """Lines of docstrings: of modules, classes, functions and attributes."""
+    """Return the numbers of the lines of all docstrings of modules, classes, functions and attributes."""
     return {
         line
         for node in ast.walk(tree)
@@ -76,7 +76,7 @@ def docstring_lines(tree: ast.AST) -> set[int]:
 
 
 def python_code_lines(text: str) -> int:
-    """Number of lines of code in a Python file."""
+    """Return the number of lines of code in a Python file."""
     lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type not in NOT_CODE:
@@ -85,13 +85,13 @@ def python_code_lines(text: str) -> int:
 
 
 def cpp_code_lines(text: str) -> int:
-    """Number of lines of code in a C++ file."""
+    """Return the number of lines of code in a C++ file."""
     bare = CPP_COMMENT_OR_STRING.sub(lambda match: match.group(1) or "", text)
     return sum(1 for line in bare.splitlines() if line.strip())
 
 
 def long_functions(path: Path) -> Iterator[str]:
-    """Functions of a Python file that exceed the limit."""
+    """Yield the functions of a Python file that exceed the limit."""
     text = path.read_text(encoding="utf-8")
     if text.count("\n") <= FUNCTION_MAX:
         return
@@ -103,7 +103,7 @@ def long_functions(path: Path) -> Iterator[str]:
 
 
 def sleeps(path: Path) -> bool:
-    """Whether a Python file calls or imports a function `sleep`."""
+    """Return whether a Python file calls or imports a function `sleep`."""
     text = path.read_text(encoding="utf-8")
     return "sleep" in text and any(
         (isinstance(node, ast.Attribute) and node.attr == "sleep")

@@ -24,7 +24,7 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 
 
 def refusal_of(raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery] | None) -> Refused:
-    """Return the refusal of a query of this kind; None: of a motion or pose."""
+    """Return the refusal of a query of this kind, or with None of a motion or pose."""
     with pytest.raises(Refused) as caught:
         _ = query_forms.read_motion_or_pose(raw) if kind is None else query_forms.read(raw, kind)
     return caught.value
@@ -80,7 +80,7 @@ def test_any_parameters_are_decoded_or_refused(
         RawQuery(b'{"' + LONG.encode() + b'":1}', "", ""),
     ],
 )
-def test_a_refusal_repeats_only_the_begin_of_the_request(
+def test_a_refusal_repeats_only_the_beginning_of_the_request(
     raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery]
 ) -> None:
     with pytest.raises(Refused) as refused:
@@ -102,7 +102,7 @@ def test_all_forms_of_a_motion_give_the_same_message(x: float, y: float, z: floa
 
 
 @given(st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.lists, max_leaves=5))
-def test_any_msgpack_value_is_refused_unless_it_is_a_request(value: object) -> None:
+def test_a_msgpack_value_that_is_not_a_map_is_refused(value: object) -> None:
     with pytest.raises(Refused):
         query_forms.read(RawQuery(msgpack.packb(value), codec.MSGPACK, ""), MotionQuery)
 
@@ -179,7 +179,7 @@ def test_a_request_in_two_forms_is_refused(raw: RawQuery, field: str) -> None:
         (RawQuery(b"", "", "speed_z=.125;x=1;y=2;z=3;speed_x=.5;speed_y=.25"), (0.5, 0.25, 0.125), True),
     ],
 )
-def test_speeds_of_words_and_parameters(
+def test_speeds_are_read_from_words_and_parameters(
     raw: RawQuery, speed: tuple[float, float, float] | None, absolute: bool
 ) -> None:
     query = query_forms.read(raw, MotionQuery)
@@ -194,7 +194,7 @@ def test_a_wrong_number_of_words_is_refused(payload: bytes) -> None:
     assert query_forms.usage(MotionQuery) in refusal.message
 
 
-def test_a_pose_has_one_speed() -> None:
+def test_a_pose_takes_one_speed_only() -> None:
     assert query_forms.read(RawQuery(b"1 2 3 .5", "", ""), PoseQuery).speed == 0.5
     assert "words" in refusal_of(RawQuery(b"1 2 3 .5 .5 .5", "", ""), PoseQuery).message
     assert field_of(refusal_of(RawQuery(b"", "", "yaw=1;speed_x=1"), PoseQuery)) == "speed_x"
@@ -208,7 +208,7 @@ def test_a_missing_speed_of_an_arm_is_refused() -> None:
     ("text", "number"),
     [(".5", 0.5), ("-.5", -0.5), ("+0.5", 0.5), ("+.5", 0.5), ("5.", 5.0), ("-5.e-1", -0.5), ("1E1", 10.0)],
 )
-def test_numbers_as_people_write_them(text: str, number: float) -> None:
+def test_numbers_are_read_in_the_forms_that_people_write(text: str, number: float) -> None:
     words = query_forms.read(RawQuery(f"{text} {text} {text}".encode(), "", ""), MotionQuery)
     assert words.position == Vector3(number, number, number)
     code = text.replace("+", "%2B")

@@ -1,4 +1,4 @@
-"""Checks by status whether a robot may move, with the robot's own rules."""
+"""Decision from the status whether a robot may move, by the robot's own rules."""
 
 from __future__ import annotations
 

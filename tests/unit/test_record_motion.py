@@ -16,7 +16,7 @@ TURNS = st.lists(
 
 
 def published(turns: list[tuple[float, int, int]]) -> list[Timed]:
-    """50 points per second of an arm that turns by an angle (deg) in a time (s), then rests for a time (s)."""
+    """Return 50 points per second of an arm; each turn has an angle (deg) and numbers of moving and resting points."""
     angles = [0.0]
     for by, moving, resting in turns:
         angles += [angles[-1] + by * (k + 1) / moving for k in range(moving)]
@@ -49,6 +49,6 @@ def test_the_first_and_the_last_point_of_a_rest_are_kept() -> None:
     assert [t for t, _ in kept if 0.2 <= t <= 2.2] == pytest.approx([0.2, 2.2])
 
 
-def test_a_motion_has_at_most_the_requested_points() -> None:
+def test_a_motion_has_about_the_requested_number_of_points() -> None:
     kept = thinned(published([(20.0, 500, 0)]), 0.1)
     assert len(kept) == pytest.approx(101, abs=2)

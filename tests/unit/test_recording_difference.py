@@ -1,4 +1,4 @@
-"""The difference of two robots on a grid, and their common time line."""
+"""The difference of two robots on a grid of times, and their common time line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BEA = ("bea", "sim")
 
 
 def fed(samples: list[tuple[str, int, float]]) -> list[AngleDifference]:
-    """All differences of samples: twin, time in ms, angle in deg."""
+    """Return all differences of these samples: twin, time in ms, angle in deg."""
     difference = Difference()
     return [apart for twin, ms, angle in samples for apart in difference.add(twin, ms * MS, (angle,))]
 
@@ -27,7 +27,7 @@ def test_angles_are_interpolated_to_the_grid() -> None:
     assert found.angles == pytest.approx((11.0 - 1.0,))
 
 
-def test_a_sample_on_the_grid_counts_as_it_is() -> None:
+def test_a_sample_on_the_grid_is_used_unchanged() -> None:
     assert fed([("sim", 20, 1.0), ("hw", 20, 4.0)]) == [AngleDifference(20 * MS, (3.0,))]
 
 
@@ -53,7 +53,7 @@ def test_older_samples_are_ignored() -> None:
     ]
 
 
-def test_samples_of_a_single_robot_are_bounded() -> None:
+def test_the_number_of_waiting_samples_is_bounded() -> None:
     difference = Difference()
     for index in range(10 * WAITING):
         assert not list(difference.add("sim", index * GRID_NS, (0.0,)))

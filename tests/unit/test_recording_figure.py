@@ -86,7 +86,7 @@ def test_rods_are_arcs_from_elbow_to_mount() -> None:
     assert scaled(points[0], 2.0) == tuple(2 * value for value in points[0])
 
 
-def test_no_solid_is_inside_out() -> None:
+def test_solids_have_positive_sizes_and_unit_quaternions() -> None:
     for body in Figure().bodies:
         for solid in body.solids:
             assert len(solid.size) == (3 if solid.form is Form.ELLIPSOID else 2)

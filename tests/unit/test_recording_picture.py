@@ -23,7 +23,7 @@ BEGAN_NS = 1_763_000_000_000_000_000
 
 
 def rows(place: tuple[str, str], yaw: float) -> list[Row]:
-    """Rows of a robot that looks aside (rad)."""
+    """Return rows of a robot whose head is turned by `yaw` (rad)."""
     arms = Neck().inverse(yaw, 0.0, 0.0)
     turns = Figure().rotations(arms, rotation_of(yaw, 0.0, 0.0))
     poses: list[Row] = [
@@ -33,7 +33,7 @@ def rows(place: tuple[str, str], yaw: float) -> list[Row]:
     return [*poses, Numbers(of_robot(place, "arms"), BEGAN_NS, BEGAN_NS, numbers)]
 
 
-def test_the_ghost_of_the_simulation_stands_out_from_the_hardware(tmp_path: Path) -> None:
+def test_the_ghost_of_the_simulation_is_visible_beside_the_hardware(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     stream = Stream("one", "lesson")
     stream.to_file(path)
@@ -44,7 +44,7 @@ def test_the_ghost_of_the_simulation_stands_out_from_the_hardware(tmp_path: Path
     (png,) = pictures(path, [(0, BEGAN_NS / 1e9)])
     picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
     assert np.mean(np.all(np.abs(picture - BACKGROUND) < 6, axis=2)) > 0.5
-    assert share_of_blue(picture) > 0.005  # 0.003 without the ghost: the long arm
+    assert share_of_blue(picture) > 0.005  # without the ghost, the long arm alone has 0.003
 
 
 def share_of_blue(picture: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:

@@ -44,7 +44,7 @@ def strict(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def sample(place: tuple[str, str], index: int) -> list[Row]:
-    """Rows of one moment."""
+    """Return the rows of one moment."""
     time_ns, robot_ns = BEGAN_NS + index * STEP_NS, BEGAN_NS + index * STEP_NS - 7
     what: list[Row] = [
         Numbers(of_robot(place, name), time_ns, robot_ns, (index + k, k, -index))
@@ -58,7 +58,7 @@ def sample(place: tuple[str, str], index: int) -> list[Row]:
 
 
 def written(path: Path, stage: RobotSet, batches: list[list[Row]]) -> None:
-    """A complete recording of these rows."""
+    """Write a complete recording of these rows."""
     stream = Stream("one", path.stem)
     stream.to_file(path)
     stream.show(stage)
@@ -134,7 +134,7 @@ def test_bodies_are_entities_of_the_model(tmp_path: Path) -> None:
     assert not any("/hw/" in entity and "ghost" in entity for entity in entities)
 
 
-def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
+def test_a_file_that_is_no_recording_of_positions_is_refused(tmp_path: Path) -> None:
     names = ("missing.rrd", "text.rrd", "nothing.rrd", "mine.csv", "empty.rrd")
     missing, text, nothing, motion, empty = (tmp_path / name for name in names)
     text.write_text("no recording")

@@ -29,7 +29,7 @@ NOW_NS = 1_763_000_000_123_456_789
 
 
 def positions(yaw: float = 0.0, measured: Head | None = None) -> Positions:
-    """Positions of a robot with a turned head (rad)."""
+    """Return positions of a robot whose head is turned by `yaw` (rad)."""
     vector = Vector3(*Neck().inverse(yaw, 0.0, 0.0))
     return Positions(
         seq=0,
@@ -45,7 +45,7 @@ def positions(yaw: float = 0.0, measured: Head | None = None) -> Positions:
 
 
 def event(kind: EventKind, **fields: object) -> Event:
-    """An event of this kind."""
+    """Return an event of this kind."""
     given = {"seq": 1, "t_mono_ns": 0, "t_wall_ns": NOW_NS, "kind": kind, **fields}
     return msgspec.convert(given, Event)
 
@@ -112,7 +112,7 @@ def test_a_status_is_one_state(fields: dict[str, object], state: State) -> None:
 
 
 def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | None) -> list[str]:
-    """Return the state bars that follow from these states; None stands for the end of positions."""
+    """Return the state bars that follow from these publications; None stands for the end of positions."""
     bars = []
     for happening in happenings:
         if isinstance(happening, Status):
@@ -158,7 +158,7 @@ def test_an_emergency_stop_has_its_own_state(rows_of_robot: RobotRows) -> None:
     assert states(rows_of_robot, READY, stop, latched, off) == ["ready", "emergency stop", "disabled"]
 
 
-def test_a_robot_is_lost_and_comes_back(rows_of_robot: RobotRows) -> None:
+def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: RobotRows) -> None:
     assert states(rows_of_robot, READY, None, None, positions(), READY) == ["ready", "lost", "ready"]
 
 

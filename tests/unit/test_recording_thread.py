@@ -98,7 +98,7 @@ class Rig:
         )
 
     def answer(self, offset_ns: int | None) -> None:
-        """Let the robot answer, or with None not answer."""
+        """Deliver an answer with this clock offset, or with None one without an offset."""
         offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
         self.queries.pending = [RobotAnswer(BEA, offset, ROBOT.geometry)]
 
@@ -132,10 +132,10 @@ def test_publications_are_kept_until_the_clock_offset_is_known(rig: Rig) -> None
     rig.subscriptions.publish(positions())
     until(lambda: rig.queries.requests == [BEA], "one request")
     rig.subscriptions.publish(positions())
-    until(lambda: not rig.subscriptions.arrivals, "both were taken")
+    until(lambda: not rig.subscriptions.arrivals, "both publications were taken")
     assert rig.arms() == []
     rig.answer(AHEAD_NS)
-    until(lambda: len(rig.arms()) == 2, "both are written")
+    until(lambda: len(rig.arms()) == 2, "both publications are written")
     assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
     assert rig.queries.requests == [BEA]
     assert [list(shown.robots) for shown in rig.output.robot_sets] == [[BEA]]
@@ -145,7 +145,7 @@ def test_without_an_answer_the_clock_offset_is_estimated_from_arrivals(rig: Rig)
     rig.subscriptions.publish(positions())
     until(lambda: bool(rig.queries.requests), "a request")
     rig.answer(None)
-    until(lambda: len(rig.arms()) == 1, "it is written")
+    until(lambda: len(rig.arms()) == 1, "the publication is written")
     assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
 
 
@@ -153,11 +153,11 @@ def test_the_clock_offset_is_requested_again_after_a_restart_of_the_computer(rig
     rig.subscriptions.publish(positions())
     until(lambda: bool(rig.queries.requests), "a request")
     rig.answer(AHEAD_NS)
-    until(lambda: len(rig.arms()) == 1, "it is written")
+    until(lambda: len(rig.arms()) == 1, "the publication is written")
     rig.subscriptions.publish(positions(ahead_ns=-1_000_000_000_000))  # the computer was restarted
     until(lambda: len(rig.queries.requests) == 2, "a second request")
     rig.answer(-1_000_000_000_000)
-    until(lambda: len(rig.arms()) == 2, "it is written")
+    until(lambda: len(rig.arms()) == 2, "the publication is written")
     assert 0 <= rig.arms()[1].time_ns - rig.arms()[0].time_ns < 5_000_000_000
 
 
@@ -210,14 +210,14 @@ def test_the_end_of_positions_is_a_state(rig: Rig) -> None:
     def states() -> list[str]:
         return [row.state for row in rig.output.rows if isinstance(row, Bar)]
 
-    until(lambda: states() == ["ready", "lost"], "it is lost")
+    until(lambda: states() == ["ready", "lost"], "the robot is lost")
     rig.subscriptions.publish(positions())
-    until(lambda: states() == ["ready", "lost", "ready"], "it is back")
+    until(lambda: states() == ["ready", "lost", "ready"], "the robot is back")
 
 
 def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:
     rig.output.failure = OSError("gone")
-    until(lambda: rig.thread.failure is not None, "it has failed")
+    until(lambda: rig.thread.failure is not None, "the thread has failed")
     assert rig.thread.failure is rig.output.failure
     assert rig.thread.close()
     assert rig.output.closed

@@ -90,7 +90,7 @@ def test_closing_interrupts_the_start() -> None:
     closing.join()
 
 
-def test_a_late_picture_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_late_picture_raises_timeout_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "PICTURE_S", 0.0)
     renderer = start_renderer("rays")
     assert dict(renderer.draw(NOW, ["left"])), "the first picture may take longer"

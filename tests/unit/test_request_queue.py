@@ -37,7 +37,7 @@ def test_entries_run_in_order() -> None:
     assert log.ran == ["a", "b", "c"]
 
 
-def test_a_newer_motion_takes_its_place_at_the_end() -> None:
+def test_a_newer_motion_of_a_seat_replaces_the_older_and_runs_last() -> None:
     log, queue = Log(), RequestQueue()
     queue.post_latest("ana", log.task("old"))
     queue.post(log.task("command"))
@@ -60,7 +60,7 @@ def test_a_full_queue_declines_commands_as_busy_but_not_events() -> None:
 
 
 def test_a_replaced_entry_does_not_wake_the_reader() -> None:
-    """Otherwise the reader would take None, which ends it."""
+    """Otherwise `take` would return None, which ends the reader."""
     log, queue = Log(), RequestQueue()
     queue.post_latest("ana", log.task("old"))
     queue.post_latest("ana", log.task("new"))

@@ -90,14 +90,16 @@ def test_the_bounds_of_each_range_are_allowed(tmp_path: Path) -> None:
         ("[pins]\nenable = 9\n", r"firmware/beatrix/src/mega/pins\.h"),
     ],
 )  # fmt: skip
-def test_wrong_values_are_named(tmp_path: Path, text: str, why: str) -> None:
+def test_wrong_tables_fields_and_values_are_refused_with_their_names(
+    tmp_path: Path, text: str, why: str
+) -> None:
     with pytest.raises(WrongUsage, match=why) as refusal:
         robot_file.load(write(tmp_path, text))
     assert "lab.toml" in refusal.value.message
 
 
 @pytest.mark.parametrize("main", [hw_node.app.main, sim_node.app.main])
-def test_a_node_does_not_start_with_it(
+def test_a_node_does_not_start_with_an_invalid_robot_file(
     main: Callable[[list[str]], int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["--robot-file", str(write(tmp_path, "[limits]\ntilt_max = 95\n"))]) == USAGE
@@ -136,7 +138,7 @@ VALUES = st.lists(st.sampled_from(FIELDS).flatmap(entry), max_size=4).map(dict)
 
 
 def loaded(values: dict[tuple[str, str], float]) -> RobotData | str:
-    """The robot of a file with these values, or the error."""
+    """Return the robot of a file with these values, or the message of the error."""
     tables: dict[str, str] = {}
     for (table, field), value in values.items():
         tables[table] = tables.get(table, "") + f"{field} = {value}\n"

@@ -39,7 +39,7 @@ def posture(yaw: float = 0.0, pitch: float = 0.0) -> npt.NDArray[np.float64]:
 
 
 def magenta(image: Image) -> npt.NDArray[np.bool_]:
-    """The pixels of the person's cap and collar."""
+    """Return a mask of the pixels of the person's cap and collar."""
     red, green, blue = (image[..., colour].astype(int) for colour in range(3))
     return (red > 100) & (green < 60) & (blue > 60)
 
@@ -54,7 +54,7 @@ def painter() -> RayPainter:
     return RayPainter(eye_scene(), WIDTH, HEIGHT, cell=2)
 
 
-def test_the_scene_takes_the_posture_of_the_plant() -> None:
+def test_the_scene_has_the_joints_of_the_plant() -> None:
     plant, scene = build(), scene_spec().compile()
     assert scene.nq == plant.nq
     assert scene.jnt_qposadr.tolist() == plant.jnt_qposadr.tolist()
@@ -111,7 +111,7 @@ def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
     group[VISUAL] = 1
     ahead = (place - start) / np.linalg.norm(place - start)
     distance = mujoco.mj_ray(posed.model, posed.data, start, ahead, group, 1, -1, hit)
-    # Paper or ink, both in front of the wall.
+    # The ray hits paper or ink, both in front of the wall.
     assert float((start + ahead * distance - place) @ inward) > 0.005
 
 
@@ -179,7 +179,7 @@ def test_only_a_picture_drawn_by_ray_casting_has_a_badge() -> None:
     assert np.abs(image[corner].astype(int) - drawn[corner]).mean() > 40
     elsewhere = slice(0, HEIGHT - 30)
     assert np.median(np.abs(image[elsewhere].astype(int) - drawn[elsewhere])) < 20, (
-        "otherwise both pictures would be the same"
+        "apart from the badge, both pictures are nearly the same"
     )
 
 

@@ -25,7 +25,7 @@ def signals_as_before() -> Iterator[None]:
         signal.signal(signal.SIGALRM, lambda _signal, _frame: None)
 
 
-def test_a_request_stays() -> None:
+def test_a_request_to_shut_down_is_permanent() -> None:
     shutdown = Shutdown()
     assert not shutdown.requested(0)
     shutdown.request()
@@ -65,7 +65,7 @@ def test_another_thread_requests_a_shutdown() -> None:
 
 
 @pytest.mark.timeout(30)  # if a request took a lock, this would block within milliseconds
-def test_a_signal_may_arrive_anywhere(signals_as_before: None) -> None:
+def test_a_signal_may_arrive_at_any_point_of_the_program(signals_as_before: None) -> None:
     shutdown = Shutdown()
     received = 0
 

@@ -69,7 +69,7 @@ def test_slip_is_counted_in_the_motors_direction() -> None:
 
 
 @given(counts, angles)
-def test_set_points_never_leave_the_arm_by_more_than_half_a_cycle(
+def test_set_points_differ_from_the_arm_by_at_most_half_a_cycle(
     pulses: tuple[int, int, int], arms: tuple[float, float, float]
 ) -> None:
     drive = driven()

@@ -1,4 +1,4 @@
-"""Subscriptions and monitor records, with publications of the test."""
+"""Subscriptions and monitor records, with publications from the test."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_nothing_is_decoded_before_it_is_read(client: FakeClient) -> None:
     assert subscription.take() == ["a", "b", "c"]
 
 
-def test_the_oldest_are_dropped_and_counted(client: FakeClient) -> None:
+def test_the_oldest_publications_are_dropped_and_counted(client: FakeClient) -> None:
     subscription = subscribed(client, length=2)
     for name in "abcde":
         client.bus.publish(status(name))
@@ -148,7 +148,7 @@ def test_closing_the_client_closes_its_subscriptions(client: FakeClient) -> None
     assert list(itertools.islice(subscription, 1)) == []
 
 
-def test_a_channel_decodes_the_newest_once_and_returns_its_age(client: FakeClient) -> None:
+def test_a_channel_decodes_the_newest_message_once_and_returns_its_age(client: FakeClient) -> None:
     channel = Channel(cast("Client", client), KEY, Status)
     assert (channel.read(0.0), channel.rate(0.0), channel.empty) == ((None, None), 0.0, True)
     for name in "abc":
@@ -184,7 +184,9 @@ def test_earlier_and_new_events_are_merged(client: FakeClient) -> None:
     assert [found.seq for found in log.read()] == [3, 4, 1]
 
 
-def test_presence_of_a_robot(client: FakeClient, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_presence_of_a_robot_follows_its_token_and_positions(
+    client: FakeClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
     record = Record(cast("Client", client), "bea", "hw", 0)
     assert record.state().presence is Presence.ABSENT
     record.alive = True

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.tolerance import Reporter, Undecodable, decode
 
 
 def changed(**fields: object) -> bytes:
-    """The status of a robot of another version; None: without this field."""
+    """Return an encoded status in which these fields are changed, or missing if the value is None."""
     status = msgspec.to_builtins(READY) | fields
     return msgspec.msgpack.encode({name: value for name, value in status.items() if value is not None})
 

@@ -50,7 +50,7 @@ def test_an_arm_that_cannot_stop_in_time_turns_back() -> None:
     )
 
 
-def test_a_lower_top_speed_is_taken_up_in_motion() -> None:
+def test_an_arm_in_motion_brakes_to_a_lower_top_speed() -> None:
     trajectory = plan(REST, (2.0, 0.0, 0.0), (5.0, 0.0, 0.0), (0.5, 1.0, 1.0), ACCELERATION, straight=False)
     braking = (2.0 - 0.5) / ACCELERATION
     assert trajectory.at(braking + 1e-6)[1][0] == pytest.approx(0.5)
@@ -87,7 +87,7 @@ def test_a_straight_motion_takes_as_long_as_its_longest_arm() -> None:
 
 
 @given(angles, rates, angles, speeds, st.booleans())
-def test_any_retarget_is_smooth_and_arrives(
+def test_a_motion_to_any_new_target_is_smooth_and_arrives(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> None:
     trajectory = plan(start, velocity, target, speed, ACCELERATION, straight=straight)

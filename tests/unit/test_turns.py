@@ -8,7 +8,7 @@ from pathlib import Path
 from turns import Turns
 
 
-def test_a_test_that_runs_alone_waits_for_the_running_ones_and_the_next_wait_for_it(tmp_path: Path) -> None:
+def test_a_test_that_runs_alone_waits_for_running_tests_and_later_tests_wait_for_it(tmp_path: Path) -> None:
     order: list[str] = []
     begun = threading.Event()
 

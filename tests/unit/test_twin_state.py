@@ -1,4 +1,4 @@
-"""State of a Twin: from publications, or from queries if those are old; and the lag."""
+"""State of a Twin, from publications or, if these are old, from queries; and the lag."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ZERO = Vector3(0.0, 0.0, 0.0)
 
 
 def positions(t_mono_ns: int = 0, short: float = 0.0) -> Positions:
-    """Arms at `short` rad, 0, 0."""
+    """Return positions with the short arm at `short` (rad) and the other arms at 0."""
     arms = Vector3(short, 0.0, 0.0)
     return Positions(
         seq=0,
@@ -102,7 +102,7 @@ def test_an_old_or_missing_state_is_queried(
     assert published.queries == 1
 
 
-def test_a_state_from_before_the_last_reply_is_waited_for_and_then_queried() -> None:
+def test_a_state_newer_than_the_last_reply_is_awaited_or_else_queried() -> None:
     published = Published(READY, OFF)
     robot = cast("Robot", published)
     published.replied_s["bea", "sim"] = time.monotonic()

@@ -76,7 +76,7 @@ def test_read_returns_after_its_timeout(board: VirtualBoard) -> None:
     assert 0.04 < time.monotonic() - begin < 5
 
 
-def test_a_waiting_reader_wakes_when_bytes_come(board: VirtualBoard) -> None:
+def test_a_waiting_reader_wakes_when_bytes_arrive(board: VirtualBoard) -> None:
     board.read(0)
     got: list[bytes] = []
     reader = threading.Thread(target=lambda: got.append(board.read(30)))
@@ -120,7 +120,7 @@ def test_two_boards_are_independent() -> None:
     assert one.steps() != other.steps() == (0, 0, 0)
 
 
-def test_drivers_follow_enable() -> None:
+def test_enable_switches_the_drivers_on() -> None:
     firmware = Firmware()
     assert not firmware.drivers_on()
     make_move(firmware, (10, 0, 0))

@@ -33,7 +33,9 @@ from beatrix_zenoh.web.server import STATIC
         ("", "127.0.0.1", False),
     ],
 )
-def test_a_host_is_the_address_of_the_connection(host: str, address: str, allowed: bool) -> None:
+def test_only_the_address_of_the_connection_is_allowed_as_host(
+    host: str, address: str, allowed: bool
+) -> None:
     assert protection.host_allowed(host, address, 8088) is allowed
 
 
@@ -86,7 +88,9 @@ def test_pins_are_random_and_of_six_digits() -> None:
 
 
 @pytest.mark.parametrize("pin", ["", "12345", "x" * 65])
-def test_a_chosen_pin_has_a_length(pin: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_chosen_pin_of_another_length_than_6_to_64_is_refused(
+    pin: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv(protection.PIN_VARIABLE, pin)
     with pytest.raises(WrongUsage, match="choose 6 to 64") as refused:
         protection.chosen_pin()
@@ -109,7 +113,7 @@ def test_a_stop_counts_once() -> None:
     assert [visitor.is_new_stop(number) for number in ("1", "1", "2")] == [True, False, True]
 
 
-def test_a_jog_ends_soon_after_its_last_heartbeat() -> None:
+def test_a_jog_is_relative_and_ends_within_half_a_second() -> None:
     assert BRAKE_S < DEAD_MAN_S < AHEAD_S <= 0.5
     hold = messages.Hold(press=1, part="long", sign=-1, speed=40.0)
     query = jog_query(hold, 0.25)
@@ -126,7 +130,7 @@ COLOURS = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", STYLE))
 
 
 def used() -> Iterator[str]:
-    """Return the keys of texts that the scripts use; `*` stands for a computed part."""
+    """Yield the keys of texts that the scripts use; `*` stands for a computed part."""
     for path in SCRIPTS:
         script = path.read_text()
         for key in re.findall(r'text\(\s*["`]([^"`]+)["`]', script):
@@ -169,7 +173,7 @@ def luminance(colour: str) -> float:
         ("stop-text", "stop-pressed"),
     ],
 )
-def test_texts_can_be_read(text: str, ground: str) -> None:
+def test_texts_contrast_with_their_background(text: str, ground: str) -> None:
     lighter, darker = sorted((luminance(COLOURS[text]), luminance(COLOURS[ground])), reverse=True)
     assert (lighter + 0.05) / (darker + 0.05) >= 4.5
 
