@@ -1,6 +1,6 @@
 """A program at a seat of a class: evaluates each line of its input, and prints `= result` or `! error`.
 
-It uses the account of its folder, as the programs of a student do.
+It uses the account that `beatrix.toml` of its working folder names, as the programs of a student do.
 """
 
 from __future__ import annotations
@@ -54,14 +54,14 @@ def yaw(name: str) -> float:
 
 
 def listen(*keys: str) -> int:
-    """Subscribe to key expressions; `publications` returns the received keys."""
+    """Subscribe to key expressions; return their number. See `publications`."""
     for key in keys:
         client().bus.subscribe(key, lambda received: RECEIVED.update([(received.key, received.session)]))
     return len(keys)
 
 
 def publications() -> list[tuple[str, str]]:
-    """Key and session of each publication that has arrived."""
+    """Return the different pairs of key and publisher's session of the publications that have arrived."""
     return list(RECEIVED)
 
 
@@ -77,19 +77,22 @@ def queries() -> list[str]:
 
 
 def can_connect(account: str, endpoint: str = "") -> bool:
-    """Connect with the account in a file, to the router of its class or to another; raises if the router refuses."""
+    """Return True if a session with the account in this file opens, at `endpoint` or the router of its class.
+
+    Raises NoAnswer if the router refuses the account.
+    """
     shown = accounts.load(Path(account))
     with zbus.connect(endpoint or shown.connect, account=shown):
         return True
 
 
 def main() -> None:
-    """Read lines until the end of the input."""
+    """Evaluate lines until the end of the input."""
     print("ready", flush=True)
     for line in sys.stdin:
         try:
             result = eval(line, globals())
-        except Exception as error:  # noqa: BLE001  # the test reads it
+        except Exception as error:  # noqa: BLE001  # the test reads the error
             print("!", type(error).__name__, str(error).replace("\n", " "), flush=True)
         else:
             print("=", repr(result), flush=True)

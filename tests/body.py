@@ -20,12 +20,12 @@ class Body:
     twin: str
 
     def robot(self, who: str = "ana") -> Robot:
-        """The robot through another session."""
+        """Return the robot, through a new session of a seat."""
         return self.stage.robot(self.name, self.twin, who)
 
 
 def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:
-    """Run a test with this fixture on the bodies of its mark, or on all."""
+    """Run a test that uses this fixture on each body in its mark `bodies`, or on all bodies."""
     if fixture in metafunc.fixturenames:
         mark = metafunc.definition.get_closest_marker("bodies")
         metafunc.parametrize(fixture, mark.args if mark else bodies, indirect=True)

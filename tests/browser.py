@@ -29,7 +29,7 @@ OPTIONS = (
     "--remote-debugging-port=0",
 )
 LONGEST = 50_000_000
-"""Longest message of the browser, bytes: a picture of the page"""
+"""Largest message from the browser (bytes): a picture of the page."""
 KEYS = {" ": "Space", "Escape": "Escape", "ArrowLeft": "ArrowLeft"}
 
 
@@ -116,7 +116,7 @@ class Browser:
         return found
 
     def wait(self, holds: Callable[[], bool], what: str) -> None:
-        """Wait until a JavaScript condition holds; the error shows the page's text."""
+        """Wait until a condition holds; the AssertionError contains the page's text and errors."""
         try:
             until(holds, what, START_S)
         except AssertionError as error:
@@ -152,7 +152,7 @@ class Browser:
         self.call("Input.insertText", text=text)
 
     def picture(self, path: Path) -> None:
-        """Write a picture of what is visible."""
+        """Write a picture of the visible part of the page, as PNG."""
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
 
     def errors(self) -> list[str]:

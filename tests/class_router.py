@@ -180,7 +180,7 @@ class ClassRouter:
 
 
 def start_node(folder: Path, account: Path) -> Process:
-    """Serve the robot of an account, which a file `beatrix.toml` names."""
+    """Start a virtual robot with an account; a file `beatrix.toml` in `folder` names the account's file."""
     (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
     node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
     node.expect("ready")

@@ -21,7 +21,7 @@ from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
 from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
 # Hypothesis has no deadline, because a busy machine is no fault of the code; pytest's timeout applies. Each run draws
-# other examples.
+# new examples.
 settings.register_profile("beatrix", deadline=None, max_examples=50)
 settings.load_profile("beatrix")
 
@@ -35,15 +35,15 @@ FEWEST_WORKERS = 3
 NICE = 5
 """Added to the niceness of COMPUTING_WORKER."""
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
-"""Processes of all tests, and those that Python keeps for itself."""
+"""Processes that outlive a test: the witness, and those of Python's multiprocessing."""
 WITNESS = pytest.StashKey[Witness]()
 TURNS = pytest.StashKey[Turns]()
 BEGIN_S = pytest.StashKey[float]()
-"""Begin of a test, monotonic clock."""
+"""Start time of a test (s), monotonic clock."""
 
 
 def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
-    """Audit hook: Python's sockets stay on this machine."""
+    """Audit hook that raises PermissionError if a socket of Python would leave this machine."""
     if event in {"socket.bind", "socket.connect", "socket.sendto"}:
         address = args[1]
         if isinstance(address, tuple) and address[0] not in LOOPBACK:
@@ -77,7 +77,7 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
         return nodeid if file.startswith("tests/unit/") else file
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        """Assign the next scope of the process's own kind; the others help the first process at the end."""
+        """Assign the next scope of the process's own kind; at the end the others also run scopes of the first."""
         first = node.gateway.id == COMPUTING_WORKER and self.numnodes >= FEWEST_WORKERS
         scope = next(
             (scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first), None
@@ -149,7 +149,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Let tools/mutate.py, which asks for contexts, see what all tests execute."""
+    """Remove all marks `no_cover` for tools/mutate.py, which needs to know the code that each test executes."""
     if config.getoption("cov_context", None):
         for node in {node for item in items for node in item.listchain()}:
             node.own_markers[:] = [mark for mark in node.own_markers if mark.name != "no_cover"]

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.subscription import Subscription
 from sim_node.renderer import HEIGHT, WIDTH
 
 FIRST_S = 60.0
-"""Longest wait for the first picture: drawing is tried and started for it."""
+"""Longest wait (s) for the first picture, for which the node tests and starts a renderer."""
 
 
 def fresh(images: Subscription[CameraImage]) -> npt.NDArray[np.uint8]:

@@ -3,8 +3,9 @@
  * The system itself opens the pipe and waits for it. The structures are those of its header, so a program that fills
  * them wrongly fails. Pictures come through the pipe, each after two numbers: its length in bytes, and 1 if the camera
  * marks it as damaged. A picture of no bytes unplugs the camera. While the camera does not stream, pictures are discarded. A
- * file beside the pipe, named like it with `.refuses` at the end, contains an errno and a rate (1/s): to begin a stream
- * at this rate or above fails with the errno. During a stream a file that ends in `.asked` contains its settings. */
+ * file beside the pipe, named like it with `.refuses` at the end, contains an errno and a rate (1/s): a stream at
+ * this rate or above does not start, but fails with the errno. During a stream a file that ends in `.asked` contains
+ * its settings. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

@@ -11,7 +11,7 @@ from pathlib import Path
 SOURCE = Path(__file__).with_suffix(".c")
 HEAD = struct.Struct("=II")
 PIPE = 1 << 20
-"""Bytes: room for the pictures that are sent before the camera begins."""
+"""Size of the pipe (bytes), for the pictures that are sent before the stream starts."""
 
 
 def library(folder: Path) -> Path:

@@ -30,7 +30,7 @@ class FakeOpenCv:
         self.failures = 0
         """How often a read fails before the first picture."""
         self.endless = True
-        """Pictures without end, every 5 ms; else those of `pictures`."""
+        """If true, a picture arrives every 5 ms without end; otherwise those of `pictures` arrive."""
         self.goes_on = threading.Event()
         """While this event is clear, reads block."""
         self.goes_on.set()

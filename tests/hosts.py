@@ -1,7 +1,7 @@
 """The computers of a school: each reaches only the computer of the router.
 
-If this computer permits network namespaces, each computer is one: a cable of its own links it to the router's computer,
-and it has no other route and no multicast. Otherwise all of them are processes on loopback.
+If this computer permits network namespaces, each computer of the school is a namespace: a cable of its own links it to
+the router's computer, and it has no other route and no multicast. Otherwise all of them are processes on loopback.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ LISTENING: Final = "0A"
 
 @functools.cache
 def isolates() -> bool:
-    """Whether this computer permits network namespaces with cables between them."""
+    """Return whether this computer permits network namespaces with cables between them."""
     try:
         done = subprocess.run([*NAMESPACE, "sh", "-c", PROBE], capture_output=True, check=False)
     except OSError:
@@ -68,7 +68,7 @@ class School:
         return ROUTER if self.isolated else "127.0.0.1"
 
     def host(self, name: str) -> Host:
-        """A computer whose cable is plugged in."""
+        """Create a computer and plug its cable in."""
         host = self._host(name)
         if self.isolated:
             cable, own, pid = f"cable{host.number}", HOST.format(host.number), self._namespaces[-1].pid

@@ -1,7 +1,7 @@
-"""An hour of work in the window, shortened; prints what is kept at its end, as JSON.
+"""Simulate an hour of work in the window, shortened; print what the window keeps at its end, as JSON.
 
-It needs a process of its own. With the objects of other tests, PyQt doubles its table of all objects at any time, which
-looks like a leak; and tracemalloc of Python 3.11 crashes when it stops while a thread of Zenoh allocates.
+It needs a process of its own. With the objects of other tests, PyQt may double its table of all objects at any time,
+which looks like a leak; and tracemalloc of Python 3.11 crashes when it stops while a thread of Zenoh allocates.
 """
 
 from __future__ import annotations
@@ -33,9 +33,12 @@ HOUR_S = 3600
 ROUNDS = 500
 """Requests of this window in the hour."""
 COUNTED = (60, 280, ROUNDS)
-"""Rounds at which counting starts, and at which memory is measured: every list is full of counted rows at the first."""
+"""Round at which tracemalloc starts, and rounds at which memory is measured.
+
+At the first measurement every list is full of rows that tracemalloc has counted.
+"""
 EVENTS = 70
-"""Events kept of each robot; every third request has one of another seat."""
+"""Events kept of each robot; another seat causes one at every third request."""
 JPEG: bytes = simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8))
 GUI = str(Path(__file__).resolve().parents[1] / "gui" / "*")
 
@@ -50,7 +53,7 @@ class Kept(msgspec.Struct, frozen=True):
     bytes: list[int]
     """bytes that our modules have allocated and still use, at both measurements"""
     threads: list[int]
-    """threads at the begin and at the end"""
+    """number of threads at the start and at the end"""
 
 
 def at(world: World, passed_s: float, events: tuple[Event, ...]) -> World:
@@ -83,7 +86,7 @@ def picture(number: int, passed_s: float) -> CameraImage:
 
 def held() -> int:
     """Return the number of bytes that modules of the window have allocated and still use."""
-    gc.collect()  # in a process with many objects it runs too seldom by itself
+    gc.collect()  # by itself, the collector runs too seldom in a process with many objects
     snapshot = tracemalloc.take_snapshot().filter_traces(
         [tracemalloc.Filter(inclusive=True, filename_pattern=GUI)]
     )

@@ -21,17 +21,17 @@ PATIENCE_S = 40.0
 
 
 def look(yaw: float, speed: float = 60.0) -> PoseQuery:
-    """A turn of the head, deg and deg/s."""
+    """Return a request to turn the head to this yaw (deg) at this speed (deg/s)."""
     return pose_query(yaw, 0.0, 0.0, relative=False, speed=speed)
 
 
 def arms(short: float, middle: float, long: float, speed: float = 60.0) -> MotionQuery:
-    """A turn of the arms, deg and deg/s."""
+    """Return a request to turn the arms to these angles (deg) at this speed (deg/s)."""
     return motion_query(short, middle, long, relative=False, speed=speed)
 
 
 class Linked:
-    """A link that was started, closed at the end of a `with` block."""
+    """A started link; it is closed at the end of a `with` block."""
 
     def __init__(
         self,
@@ -58,7 +58,7 @@ class Linked:
         return self.link.world()
 
     def do(self, action: Action) -> None:
-        """Carry out an action and assert that the call returns at once."""
+        """Carry out an action and assert that the call returns within a second."""
         began_s = time.monotonic()
         self.link.do(action)
         assert time.monotonic() - began_s < 1.0, "the call waited"
@@ -98,14 +98,14 @@ class Linked:
         return last
 
     def accepted(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
-        """Wait for the first outcome of a row and twin, and assert that it is good."""
+        """Wait for the first outcome of a row and twin, and assert that the robot accepted the request."""
         until(lambda: bool(self.of(row, twin)), f"row {row} {twin} is accepted", timeout_s)
         first = self.of(row, twin)[0]
         assert first.accepted, first
         return first
 
     def close(self) -> None:
-        """End the link, and assert its time limit."""
+        """Close the link, and assert that this takes less than three seconds."""
         began_s = time.monotonic()
         self.link.close()
         assert time.monotonic() - began_s < 3.0
@@ -139,6 +139,6 @@ def at_home(linked: Linked) -> None:
 
 
 def is_home(state: RobotState) -> bool:
-    """Whether a robot is ready to move and all its angles are 0."""
+    """Return whether a robot is calibrated and all its commanded angles are 0."""
     known = state.status is not None and state.status.calibrated and state.reading is not None
     return known and state.reading is not None and state.reading.commanded == (0, 0, 0)

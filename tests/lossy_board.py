@@ -1,4 +1,4 @@
-"""A virtual board on a wire that loses, delays and forges frames, and a Board that speaks to it."""
+"""A virtual board on a wire that loses, delays and forges frames, and a Board that is connected to it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class LossyPort:
 
 
 class Rig:
-    """A board on a lossy wire, and what it reported."""
+    """A Board on a lossy wire, with the samples and link changes that it reported."""
 
     def __init__(self) -> None:
         self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))

@@ -53,11 +53,11 @@ class Place:
         self.start = 0.0
 
     def far(self) -> bool:
-        """Whether the robot is moving and has made some steps."""
+        """Return whether the robot is moving and its short arm is more than 2 deg from the start."""
         return self.robot.status().moving and abs(self.robot.positions().commanded.short - self.start) > 2
 
     def turn(self, steps: int) -> bytes:
-        """A line that turns the head by this many steps, away from its limit."""
+        """Return the line that turns the head by this many steps, away from its limit."""
         away = -steps if self.robot.positions().commanded.short > 0 else steps
         return f"@MOVRALL {away} {away} {away} 200\r".encode()
 
@@ -72,12 +72,12 @@ class Place:
         return max((event.seq for event in self.events()), default=-1)
 
     def _remember(self) -> None:
-        """Store the position at the begin; a simulation is upright."""
+        """Store the position from which `far` measures, after @CALNOW, which may set a simulated head upright."""
         self.start = self.robot.positions().commanded.short
 
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
-        """A program that has opened the port, while no seat drives."""
+        """Open the port with a program when no seat drives; close it and stop the robot at the end."""
         until(lambda: self.robot.status().holder == "", "free", 5.0)
         program = Program(self.path, self._remember)
         try:

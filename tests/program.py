@@ -1,6 +1,6 @@
 """A program of 2023 at the text port, in virtual time.
 
-It opens the board itself, or is behind a node that passes lines on.
+It opens the board itself, or is behind a node that forwards its lines.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BYTE_MS: Final = 10 / 9.6
 """Time of a byte (ms) at 9600 baud."""
 HEARTBEAT_MS: Final = 100
 LOOK_MS: Final = 10
-"""Default time (ms) between two polls of the replies, because a poll costs more than the firmware's milliseconds."""
+"""Default time (ms) between two polls of the replies, because a poll takes longer than the firmware between polls."""
 LAST: Final = 1
 
 

@@ -71,7 +71,7 @@ class PtyBoard:
         return kept
 
     def unplug(self) -> None:
-        """Remove the port at once."""
+        """Remove the port and end the board."""
         self.path.unlink(missing_ok=True)
         self._over.set()
         for thread in self._threads:

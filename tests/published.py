@@ -70,9 +70,9 @@ def without_clocks(status: Status) -> Status:
 
 
 def regular(statuses: Published[Status]) -> Status:
-    """Return a free robot's status at the moment of a publication that no change has caused.
+    """Return a free robot's status from a publication that no change has caused.
 
-    The next periodic publication is due in a second, so an earlier one was caused by a change.
+    The next periodic publication is due a second later, so a change must have caused an earlier one.
     """
     before = statuses.next()
     while True:

@@ -47,7 +47,7 @@ class Core(Protocol):
 
 
 class HostFirmware:
-    """The host library; one per process may be in use at a time, because its state is in the library."""
+    """The firmware as a library for this computer; a process can use one at a time, because its state is global."""
 
     _REPORT = struct.Struct("<6q6iIII")
 
@@ -74,12 +74,12 @@ class HostFirmware:
         return sent
 
     def tick(self, ms: int) -> None:
-        """Let time pass."""
+        """Let this many milliseconds pass."""
         self._library.tick(ms)
         self._drain()
 
     def steps(self) -> Steps:
-        """Set points from home."""
+        """Set points in microsteps from home."""
         x, y, z = self._report()[6:9]
         return x, y, z
 
@@ -131,7 +131,7 @@ class Rig:
         straight: bool = False,
         motion: int | None = None,
     ) -> Error:
-        """Send MOVE, or MOVE_STRAIGHT with the first speed; the default number is the next one."""
+        """Send MOVE, or MOVE_STRAIGHT with the first speed; the default motion number is the next one."""
         self.motion = (self.motion + 1) % 65536 if motion is None else motion
         speeds = (speed, speed, speed) if isinstance(speed, int) else speed
         move = MoveStraight(self.motion, target, speeds[0]) if straight else Move(self.motion, target, speeds)
@@ -145,12 +145,12 @@ class Rig:
         return list(self.others)
 
     def tick(self, ms: int = 1) -> None:
-        """Let time pass and read what was sent meanwhile."""
+        """Let this many milliseconds pass, and read the frames sent meanwhile."""
         self.core.tick(ms)
         self._look()
 
     def run(self, limit_ms: int = 60_000) -> None:
-        """Let time pass until the arms rest, with heartbeats."""
+        """Let time pass until the arms rest, at most `limit_ms`, with heartbeats."""
         while State.MOVING in self.state:
             assert limit_ms > 0, self.last
             self.ask(FrameType.PING)

@@ -31,7 +31,10 @@ NAME = "bea1"
 
 @contextlib.contextmanager
 def settings_of_this_process() -> Iterator[None]:
-    """Restore at the end what a serving program changes in its process and does not restore: it ends with it."""
+    """Restore signal handlers, thread hook and switch interval at the end.
+
+    A serving program changes them and does not restore them, because its process ends with it.
+    """
     handlers = {number: signal.getsignal(number) for number in SIGNALS}
     hook, interval_s = threading.excepthook, sys.getswitchinterval()
     try:
@@ -139,7 +142,7 @@ def wait_until_free(shell: Shell) -> None:
 
 
 def is_free(robot: Robot) -> bool:
-    """Whether a robot has no holder, and had neither a motion nor STOP in the last three seconds."""
+    """Return whether a robot has no holder, and had neither a motion nor STOP in the last QUIET_S seconds."""
     kinds = (EventKind.MOTION, EventKind.STOP)
     last_ns = max((event.t_wall_ns for event in robot.past_events() if event.kind in kinds), default=0)
     return not robot.status().holder and time.time_ns() - last_ns > QUIET_S * 1e9

@@ -24,7 +24,7 @@ from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
 START_S = 60.0
-"""A busy machine may need this long to import MuJoCo; a test that passes does not wait for it."""
+"""Time limit (s) of a start: a busy machine may need this long to import MuJoCo."""
 END_S = 30.0
 PATIENCE_S = 10.0
 """Time limit (s) of an answer on a busy machine."""
@@ -36,8 +36,8 @@ ROOT = Path(__file__).resolve().parent.parent
 def untraced() -> dict[str, str]:
     """Environment of a process whose coverage is not counted.
 
-    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer leaves its lock
-    taken for ever.
+    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer keeps its lock
+    forever.
     """
     return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 
@@ -48,7 +48,7 @@ def free_endpoint() -> str:
 
 
 def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> None:
-    """Poll a condition that causes no event, until a deadline."""
+    """Poll a condition that causes no event; raise AssertionError if it does not hold within the time limit."""
     deadline = time.monotonic() + timeout_s
     pause = threading.Event()
     while not holds():

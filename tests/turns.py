@@ -1,4 +1,4 @@
-"""Locks of files between the processes of `make test`, so that one test can have the computer for itself."""
+"""File locks between the processes of `make test`, so that a test can have the computer for itself."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def serving(
 
 
 class WebSocket:
-    """One web socket; it is read while a test waits for a message."""
+    """One web socket; it is read only while a test waits for a message."""
 
     def __init__(self, browser: WebClient, path: str, headers: dict[str, str]) -> None:
         self._do = browser.do
@@ -75,7 +75,10 @@ class WebSocket:
     def wait(
         self, holds: Callable[[dict[str, Any]], bool], what: str, heartbeat: bool = True
     ) -> dict[str, Any]:
-        """The next message that fulfils `holds`; with `heartbeat` each state is confirmed, as the page does."""
+        """Return the next message that fulfils `holds`; confirm each state, as the page does.
+
+        With `heartbeat`, also send the heartbeat of a page that drives or waits.
+        """
         found: list[dict[str, Any]] = []
 
         def look() -> bool:
@@ -155,7 +158,7 @@ class WebClient:
         return {name: value for name, value in {**own, **more}.items() if value}
 
     def fetch(self, path: str, body: str | None = None, **headers: str) -> HTTPResponse:
-        """The response to GET, or to POST with a body; redirections are not followed."""
+        """Return the response to GET, or to POST with a body; store cookies, and follow no redirection."""
 
         async def ask() -> HTTPResponse:
             request = HTTPRequest(
@@ -177,7 +180,7 @@ class WebClient:
         return response
 
     def load(self) -> str:
-        """The page, as a browser loads it."""
+        """Return the page after at most one redirection, and store its token for later requests."""
         response = self.fetch("/")
         if response.code == 303:
             response = self.fetch("/")

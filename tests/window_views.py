@@ -67,7 +67,7 @@ def reported(state: State, intent: Intent, now: World, refused: Detail | None = 
 
 
 def outcome(action: Action, twin: str, refused: Detail | None) -> Outcome:
-    """The end of a request at one robot."""
+    """Return the last outcome of a request at one robot; with `refused`, a refusal."""
     row: int = getattr(action, "row", 0)
     if refused is None:
         return Outcome(row, twin, accepted=True, done=True, duration_s=1.21)
@@ -104,7 +104,7 @@ SHARED: dict[str, dict[str, Any]] = {
 
 
 def shared(deciding: State, before: World, **known: Any) -> World:
-    """Both robots in a lesson; the seat waited for them before."""
+    """Return a world in which both robots have this status, after one in which the seat waited for them."""
     waiting = {
         twin: robot(twin, known=status(twin, holder="ana", waiting=("ben",))) for twin in ("sim", "hw")
     }

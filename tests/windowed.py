@@ -45,7 +45,7 @@ class Windowed:
         self.until_shown()
 
     def drag(self, widget: QWidget, start: QPoint, goal: QPoint) -> None:
-        """Drag with the mouse; QTest moves it without its buttons."""
+        """Drag with the mouse; QTest cannot, because it moves the mouse without a pressed button."""
         steps = (
             (QEvent.Type.MouseButtonPress, start),
             (QEvent.Type.MouseMove, (start + goal) / 2),
@@ -62,7 +62,7 @@ class Windowed:
             QApplication.sendEvent(widget, event)
 
     def check(self, box: QAbstractButton, *, on: bool = True) -> None:
-        """Click a box unless it has this state."""
+        """Click a box unless it has this state already."""
         if box.isChecked() != on:
             QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
         assert box.isChecked() is on
@@ -117,7 +117,7 @@ class Windowed:
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:
-    """Whether all angles are within a tolerance (deg)."""
+    """Return whether all angles are within a tolerance (deg)."""
     return all(abs(angle - wanted) < by for angle, wanted in zip(arms, goal, strict=True))
 
 

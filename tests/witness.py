@@ -1,4 +1,4 @@
-"""A process that measures how long this computer keeps a process waiting that wants to run.
+"""A process that measures how long this computer delays a process that is ready to run.
 
 Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of
 robots has no result: it is skipped if it fails, and the skip says how long the computer stood still.
@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 STALL_S = 0.25
-"""Delay (s) that is longer than a busy computer delays a process that seldom runs."""
+"""Shortest delay (s) that counts: a busy computer delays a process that seldom runs by less."""
 PERIOD_S = 0.02
 
 
@@ -59,7 +59,7 @@ class Witness:
 
 
 def main() -> None:
-    """Measure until the process is killed, or the process that started it has ended."""
+    """Measure until this process is killed or its parent has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = os.getppid()
     due_s = time.monotonic()

@@ -81,7 +81,7 @@ def status(
 
 
 def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0.0) -> Positions:
-    """Positions of a robot that rests; deg."""
+    """Positions of a robot at rest; `arms` and `yaw` in deg."""
     return Positions(
         seq=1,
         t_mono_ns=0,
