@@ -25,7 +25,7 @@ TICK: Final = 32
 _ENDED_STATES: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
 _RECEIVE_SIZE: Final = 4096
-"""Bytes fetched at once."""
+"""Most bytes that one call fetches."""
 _PIECE: Final = 16_000_000
 """Cycles for each call into C, so that Python can handle a keyboard interrupt."""
 
@@ -113,8 +113,8 @@ def _library() -> ctypes.CDLL:
 class Avr:
     """An Arduino Mega with this firmware (.elf or .hex), after reset. Use it in `with`.
 
-    Times are cycles of 62.5 ns since power-on, or milliseconds of 16 000 cycles. `eeprom` is what
-    the memory holds before; without it, nothing. Raises Crashed as soon as the program is lost.
+    Times are cycles of 62.5 ns since power-on, or milliseconds of 16 000 cycles. `eeprom` is the initial content of the
+    memory, by default erased. Methods that run the program raise Crashed if it ends or crashes.
     """
 
     def __init__(self, firmware: Path, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
@@ -217,7 +217,7 @@ class Avr:
         edges = self.all_edges()
         steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"].astype(np.int64)
         turns = edges[edges["signal"] == 3 + arm]
-        # Low, that is backward, before its first change.
+        # Before its first change the wire is low, which means backward.
         levels = np.concatenate([[0], turns["level"]])
         forward = levels[np.searchsorted(turns["cycle"].astype(np.int64), steps, side="right")]
         return steps, np.where(forward == 1, 1, -1)
@@ -250,7 +250,10 @@ class Avr:
         self._c.bench_analogue(self._board, pin, millivolts)
 
     def hang(self) -> int:
-        """Replace the next instruction of the main loop by a jump to itself; interrupts continue. For `mend`."""
+        """Replace the next instruction of the main loop by a jump to itself; return it for `mend`.
+
+        Interrupts continue.
+        """
         for _ in range(1000):
             if self._c.bench_in_main(self._board):
                 return int(self._c.bench_hang(self._board))

@@ -1,14 +1,14 @@
 """A simulated Mega behind a pseudo-terminal, in real time.
 
 python tests/avr/live.py --path /tmp/board    then  python -m hw_node --name bea --port /tmp/board
-Each line on standard input is a command, and is printed again when it was carried out:
+Each line on standard input is a command, and is printed again after it has been carried out:
 reset         press the reset button, as opening a real port does
 freeze, go    suspend the processor, and let it continue
 unplug, plug  pull the cable, which also cuts the power and removes the port; plug it in again
-noise, quiet  begin or end to damage one byte in a hundred, in both directions
+noise, quiet  start or stop damaging one byte in a hundred, in both directions
 swallow       lose the next reply to a numbered request
-  quit
-The program ends with its standard input, and prints its delays behind real time.
+quit          end the program
+The program also ends with its standard input. It prints its delays behind real time.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ CATCH_UP: Final = 20 * CYCLES_PER_MS
 DAMAGED_SHARE: Final = 0.01
 """Share of damaged bytes while there is noise."""
 PR_SET_TIMERSLACK: Final = 29
-"""linux/prctl.h; ns."""
+"""Option of prctl(2) that sets the timer slack (ns)."""
 WORDS: Final = ("reset", "freeze", "go", "unplug", "plug", "noise", "quiet", "swallow", "quit")
 
 
@@ -151,7 +151,7 @@ class Live:
     # -- running --------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Run until the control line `quit`."""
+        """Run until the command `quit` or the end of standard input."""
         ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, 1)  # otherwise each slice ends 0.05 ms late
         next_s = time.monotonic()
         while self._running:
@@ -188,13 +188,14 @@ class Live:
             print(f"There is no command {word!r}. Type one of: {', '.join(WORDS)}", flush=True)
             return
         if self._plugged == (word == "plug") and word != "quit":
-            print(f"{word}: it is {'plugged in' if self._plugged else 'unplugged'}", flush=True)
+            state = "already plugged in." if self._plugged else "unplugged. Type plug first."
+            print(f"{word}: the board is {state}", flush=True)
             return
         getattr(self, f"_{word}")()
         print(word, flush=True)
 
     def close(self) -> None:
-        """Unplug the board, and print how far it was behind real time after each slice."""
+        """Unplug the board, and print percentiles of its delays behind real time."""
         if self._plugged:
             self._unplug()
         lags = sorted(self._lags) or [0.0]
@@ -206,7 +207,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--path", type=Path, required=True, help="where the port's link shall be")
+    parser.add_argument("--path", type=Path, required=True, help="path of the symbolic link to the port")
     parser.add_argument("--firmware", type=Path, default=HEX, help=".hex or .elf")
     given = parser.parse_args()
     live = Live(given.firmware, given.path)

@@ -341,7 +341,7 @@ static void on_reset(avr_io_t *io) {
   look_at_enable(b, 0, 0);
 }
 
-// Restores after a reset, before the first instruction, what libsimavr has reset.
+// Restores settings that a reset of libsimavr clears, before the first instruction.
 static void prepare(Bench *b) {
   b->fresh = false;
   b->avr->run_cycle_limit = RUN_LIMIT;

@@ -21,9 +21,9 @@ LOADER: Final = Path(
 START_MS: Final = 30
 """Time from reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
 PULSE_MIN: Final = 16
-"""Cycles: 1 us, high and low (A4988)."""
+"""Shortest pulse and shortest pause (cycles): 1 us (A4988)."""
 SETUP_MIN: Final = 4
-"""Cycles: more than 200 ns from direction to step, and after it (A4988)."""
+"""Shortest time (cycles) between a change of direction and a step, before and after: over 200 ns (A4988)."""
 
 
 class MegaCore:
@@ -33,7 +33,7 @@ class MegaCore:
         self.avr = avr
 
     def receive(self, data: bytes) -> None:
-        """Send bytes to the board and wait for the replies."""
+        """Send bytes to the board and run for 4 ms, in which it replies."""
         self.avr.deliver(data)
         self.avr.run_ms(4)
 
@@ -42,7 +42,7 @@ class MegaCore:
         return self.avr.receive()
 
     def tick(self, ms: int) -> None:
-        """Let time pass."""
+        """Let this many milliseconds pass."""
         self.avr.run_ms(ms)
 
     def steps(self) -> Steps:
