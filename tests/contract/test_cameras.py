@@ -14,7 +14,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.names import EYES
 
 LONG_S = 60.0
-"""A first picture may need an OpenGL context on a busy machine."""
+"""Time limit (s) of a first picture, which may need an OpenGL context on a busy machine."""
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_pictures_come_only_while_a_client_subscribes(watcher: Robot) -> None:
         last = images.next()
         wait_status(watcher, lambda status: status.cameras[0].streaming, "it streams", LONG_S)
         assert not watcher.status().cameras[1].streaming, "no client subscribes to the right eye"
-    wait_status(watcher, lambda status: not status.cameras[0].streaming, "it streams no more", LONG_S)
+    wait_status(watcher, lambda status: not status.cameras[0].streaming, "it no longer streams", LONG_S)
     begin = time.monotonic()
     until(lambda: time.monotonic() - begin > 1.0, "time for fifteen pictures and more")
     with watcher.camera("left", timeout_s=LONG_S) as images:

@@ -74,7 +74,7 @@ def test_every_seat_may_send_stop(body: Body, robot: Robot) -> None:
     assert ended.value.reason is Reason.STOPPED
 
 
-def test_a_put_on_the_stop_key_stops(robot: Robot) -> None:
+def test_a_put_on_the_stop_key_stops_the_robot(robot: Robot) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
     robot.client.bus.put(keys.stop(robot.name, robot.twin), b"", "text/plain", "real_time")
@@ -96,14 +96,14 @@ def test_stop_is_accepted_from_an_invalid_seat(robot: Robot, seat: str, command:
         motion.wait()
 
 
-def test_a_query_or_put_on_all_keys_does_not_stop(robot: Robot) -> None:
+def test_a_query_or_put_on_all_keys_does_not_stop_the_robot(robot: Robot) -> None:
     motion = robot.look(yaw=6, wait=False)
     ask_raw(robot.client, "beatrix/**")
     robot.client.bus.put("beatrix/**", b"hello", "text/plain")
     motion.wait()
 
 
-def test_emergency_stop_overtakes_a_flood_of_stops(body: Body, robot: Robot) -> None:
+def test_emergency_stop_is_carried_out_during_a_flood_of_stops(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     over = threading.Event()
 
@@ -183,7 +183,7 @@ class Flood:
 
 
 @pytest.mark.bodies("sim", "in-process")
-def test_stop_holds_while_another_client_floods(body: Body, robot: Robot) -> None:
+def test_the_robot_stays_stopped_while_another_client_floods_it(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     stream = other.positions_stream()
     with Flood(robot) as flood:

@@ -183,7 +183,7 @@ def test_time_stamps_increase_and_are_those_of_this_computer(robot: Robot) -> No
     assert ended_ns - stamps[-1] < 0.5e9
     assert began_wall_ns - 0.1e9 < samples[0].t_wall_ns <= samples[-1].t_wall_ns <= ended_wall_ns
     offsets = [at.t_wall_ns - at.t_mono_ns for at in samples]
-    assert max(offsets) - min(offsets) < 20e6, "both clocks of one moment"
+    assert max(offsets) - min(offsets) < 20e6, "both clocks are read at the same moment"
 
 
 def test_a_relative_pose_adds_to_yaw_pitch_and_roll(robot: Robot) -> None:

@@ -61,8 +61,8 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
         dora.look(yaw=2, speed=60)
 
 
-def test_a_seat_that_the_robot_has_forgotten_waits_again(body: Body, robot: Robot) -> None:
-    """Another program of the seat gives up, the node restarts, or the router disconnects a suspended computer."""
+def test_a_waiting_seat_that_loses_its_place_waits_again(body: Body, robot: Robot) -> None:
+    """Here another program of the seat gives up. A restart of the node or a suspended computer has the same effect."""
     holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
     held = holder.lease()
     taken: list[int] = []

@@ -177,7 +177,7 @@ def test_the_suggestion_of_a_refusal_is_accepted(robot: Robot) -> None:
 
 @pytest.mark.bodies("in-process")
 @pytest.mark.parametrize("yaw", [200.0, 500.0])
-def test_the_refusal_of_a_yaw_is_about_the_head(robot: Robot, yaw: float) -> None:
+def test_the_refusal_of_a_yaw_names_the_limits_of_the_head(robot: Robot, yaw: float) -> None:
     with pytest.raises(Refused, match=r"yaw [25]00\.0°; -180\.0° to 180\.0°") as refusal:
         robot.look(yaw=yaw)
     assert refusal.value.reason is Reason.YAW_LIMIT

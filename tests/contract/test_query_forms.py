@@ -109,7 +109,7 @@ BAD_MSGPACK = [
 
 
 @pytest.mark.parametrize(("payload", "word"), BAD_MSGPACK)
-def test_invalid_msgpack_is_refused_with_the_field(robot: Robot, payload: bytes, word: str) -> None:
+def test_the_refusal_of_invalid_msgpack_names_the_field(robot: Robot, payload: bytes, word: str) -> None:
     (answer,) = ask_raw(robot.client, key_of(robot, "motion"), payload, codec.MSGPACK)
     reply = codec.decode(answer.payload, MotionReply)
     assert (reply.result, reply.reason) == (False, Reason.BAD_VALUE)
@@ -133,7 +133,7 @@ def test_invalid_msgpack_is_refused_with_the_field(robot: Robot, payload: bytes,
         ("", None, "Empty query"),
     ],
 )
-def test_invalid_text_is_refused_with_the_cause(
+def test_the_refusal_of_invalid_text_names_the_cause(
     robot: Robot, selector: str, payload: bytes | None, word: str
 ) -> None:
     reply = last_json(robot, key_of(robot, "motion") + selector, payload)

@@ -1,4 +1,4 @@
-"""States and commands: refusals with what to do, and states after commands."""
+"""Commands: the state after each, and refusals that name the next step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Fault, Reason
 
 
-def test_a_motion_with_motors_off_is_refused_with_what_to_do(robot: Robot) -> None:
+def test_the_refusal_of_a_motion_with_motors_off_names_enable(robot: Robot) -> None:
     robot.disable()
     with pytest.raises(Refused, match="enable") as refusal:
         robot.look(yaw=5)

@@ -32,7 +32,7 @@ def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> 
     later.client.close()
 
 
-def test_stop_between_two_motions_of_a_program_refuses_the_next(body: Body, robot: Robot) -> None:
+def test_after_a_stop_between_two_motions_the_second_is_refused(body: Body, robot: Robot) -> None:
     boss = body.robot("boss")
     robot.move(3, 3, 3, speed=60)
     until(lambda: not boss.status().moving, "at rest")
@@ -69,7 +69,7 @@ def test_stop_is_answered_within_a_second(robot: Robot) -> None:
 def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robot) -> None:
     boss = body.robot("boss")
     with robot.events(timeout_s=20.0) as events:
-        began_ns = robot.positions().t * 1e9  # STOPs of the test before may still arrive
+        began_ns = robot.positions().t * 1e9  # STOPs of the previous test may still arrive
         boss.stop()
         received: list[Event] = []
 
@@ -85,8 +85,8 @@ def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robo
     boss.client.close()
 
 
-def test_stop_goes_before_waiting_commands(body: Body, robot: Robot) -> None:
-    """Each command waits for telemetry; all together take most of a second."""
+def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -> None:
+    """Each command waits for telemetry, so that all of them take most of a second."""
     boss = body.robot("boss")
     key = keys.command(robot.name, robot.twin, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))

@@ -20,7 +20,7 @@ THREAD = re.compile(r'(?:threads\.start\(.*|ThreadPoolExecutor\(1, )f?"(?:beatri
 NOT_OURS = {"Zenoh's threads"}
 
 
-def test_tables_of_compare_are_as_printed() -> None:
+def test_tables_of_the_compare_page_have_the_printed_columns() -> None:
     text = (ROOT / "docs/how-to/compare.md").read_text(encoding="utf-8")
     assert comparison_text.AFTER in text
     for heads in (comparison_text.AXIS_HEADS, comparison_text.SAMPLE_HEADS):

@@ -17,7 +17,7 @@ FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").ite
 
 
 def named(page: Path) -> set[str]:
-    """Paths in the code and the drawings of a page, those of files without a colon and what follows it."""
+    """Return the paths in the code and the drawings of a page, each without a colon and the text after it."""
     words = {
         word for span in CODE.findall(page.read_text(encoding="utf-8")) for word in span.strip("`").split()
     }
@@ -38,7 +38,7 @@ def test_paths_of_a_page_exist(page: Path) -> None:
     assert not missing
 
 
-def test_a_path_that_does_not_exist_is_found(tmp_path: Path) -> None:
+def test_paths_are_found_in_code_and_drawings(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text(
         "See `beatrix_zenoh/nowhere.py`, `make -C firmware mega` and `bus/session.py`.\n```text\nnode -- node/x.py\n```\n"
