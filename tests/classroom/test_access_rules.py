@@ -35,12 +35,12 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 
 def asks(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether a query of the account reaches a robot that answers."""
+    """Return whether a query of the account reaches a robot that answers."""
     return bool(replies(router.session(account), key))
 
 
 def puts(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether a publication of the account reaches the teacher."""
+    """Return whether a publication of the account reaches the teacher."""
     own = account if account != "teacher" else "bea1"
     marker = keys.status(own, SIM)
     received = ReceivedKeys(router.session("teacher"), "beatrix/**")
@@ -54,7 +54,7 @@ def puts(router: ClassRouter, account: str, key: str) -> bool:
 
 
 def serves(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether a queryable of the account receives the teacher's query, and the teacher receives its reply."""
+    """Return whether a queryable of the account receives the teacher's query, and the teacher receives its reply."""
     session = router.session(account)
     Answering(session, key, payload=FORGED)
     settled(session)
@@ -62,7 +62,7 @@ def serves(router: ClassRouter, account: str, key: str) -> bool:
 
 
 def announces(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether a liveliness token of the account is seen by the teacher."""
+    """Return whether the teacher receives a liveliness token of the account."""
     session = router.session(account)
     session.declare_token(key)
     settled(session)
@@ -72,7 +72,7 @@ def announces(router: ClassRouter, account: str, key: str) -> bool:
 
 
 def receives(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether the account receives a publication of bea2 on this key."""
+    """Return whether the account receives a publication of bea2 on this key."""
     position, marker = keys.positions("bea2", HW), keys.status("bea2", HW)
     session, robot = router.session(account), router.session("bea2")
     received, marked = ReceivedKeys(session, key), ReceivedKeys(session, marker)
@@ -86,7 +86,7 @@ def receives(router: ClassRouter, account: str, key: str) -> bool:
 
 
 def reads_router(router: ClassRouter, account: str, key: str) -> bool:
-    """Whether the account reads the admin space of the router, not only that of its own session."""
+    """Return whether the account reads the admin space of the router, not only that of its own session."""
     session = router.session(account)
     return any(session.session_id not in replied for replied, _ in replies(session, key))
 
@@ -115,7 +115,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", receives, keys.positions(ANY, ANY), True),
     ("bea1", receives, keys.positions("bea2", HW), True),
     ("ana", receives, "**", False),
-    # every account may stop each robot, and all robots at once
+    # every account may stop each robot, and all robots together
     ("ana", asks, keys.stop("bea1", HW), True),
     ("ana", asks, keys.stop("ben", SIM), True),
     ("ana", asks, keys.stop(ANY, ANY), True),
@@ -179,5 +179,5 @@ def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRo
     )
 
 
-def test_no_key_but_stop_ends_like_stop() -> None:
+def test_only_the_stop_key_ends_with_stop() -> None:
     assert [name for name, row in keys.KEYS.items() if row.key.endswith("/stop")] == ["stop"]

@@ -62,7 +62,7 @@ def test_a_program_without_account_is_refused(passwords: ClassRouter, certificat
 
 
 def with_certificate(account: Account, issuer: Authority, days: int, trusted: Authority) -> Account:
-    """The account with a certificate of `issuer` that trusts the routers of another authority."""
+    """Return the account with a certificate of `issuer`, valid for `days`, and `trusted` for the router's."""
     identity = issuer.issue(account.name, days=days)
     return msgspec.structs.replace(
         account,
@@ -73,7 +73,7 @@ def with_certificate(account: Account, issuer: Authority, days: int, trusted: Au
     )
 
 
-def test_each_wrong_certificate_has_its_own_sentence(certificates: ClassRouter) -> None:
+def test_each_kind_of_wrong_certificate_has_its_own_error_message(certificates: ClassRouter) -> None:
     account = certificates.account("ana")
     ours = Authority.read((certificates.folder / "authority.pem").read_text())
     foreign = Authority.make("8b")
@@ -86,7 +86,7 @@ def test_each_wrong_certificate_has_its_own_sentence(certificates: ClassRouter) 
         assert sentence in refused(account.connect, wrong)
 
 
-def test_a_certificate_of_the_class_under_an_unknown_name_may_do_nothing(certificates: ClassRouter) -> None:
+def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certificates: ClassRouter) -> None:
     ours = Authority.read((certificates.folder / "authority.pem").read_text())
     account = with_certificate(
         msgspec.structs.replace(certificates.account("ana"), name="zoe"), ours, 40, ours
@@ -132,7 +132,7 @@ def test_an_expired_account_is_refused_before_anything_is_sent(certificates: Cla
         zbus.connect(account.connect, account=account)
 
 
-def test_without_a_router_the_class_is_named(tmp_path: Path, passwords: ClassRouter) -> None:
+def test_the_error_without_a_router_names_the_class(tmp_path: Path, passwords: ClassRouter) -> None:
     account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
     message = refused(account.connect, account)
     assert message.startswith("No router of class 8b at tcp/127.0.0.1:1")
@@ -147,7 +147,7 @@ def test_files_with_secrets_are_for_their_owner_only(certificates: ClassRouter) 
 
 @pytest.fixture
 def joined(passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Account:
-    """The folder of a seat that has joined a class."""
+    """Join a class as the seat ana, in a folder of its own; return the account."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     done = beatrix("join", str(passwords.path("ana")))
@@ -215,7 +215,7 @@ def test_stop_needs_no_readable_account(
     assert done.returncode == 3, "the program looked for a router"
 
 
-def test_leaving_and_an_empty_variable_forget_the_class(
+def test_leaving_the_class_or_an_empty_variable_removes_the_account(
     joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert resolve().account == joined
@@ -242,7 +242,7 @@ def test_an_account_may_be_named_by_file_and_environment(
     assert resolve(robot="bea2", who="ana").who == "ana"
 
 
-def test_an_account_comes_from_standard_input(
+def test_join_reads_an_account_from_standard_input(
     passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
@@ -267,7 +267,7 @@ def test_an_account_comes_from_standard_input(
         ),
     ],
 )
-def test_a_wrong_file_is_refused_with_what_an_account_file_is(tmp_path: Path, text: str, cause: str) -> None:
+def test_the_refusal_of_a_wrong_file_describes_an_account_file(tmp_path: Path, text: str, cause: str) -> None:
     path = tmp_path / "wrong.toml"
     path.write_text(text)
     done = beatrix("join", str(path))
@@ -277,7 +277,7 @@ def test_a_wrong_file_is_refused_with_what_an_account_file_is(tmp_path: Path, te
     assert "Object" not in done.stderr
 
 
-def test_the_teachers_own_files_are_named_as_such(passwords: ClassRouter, tmp_path: Path) -> None:
+def test_the_refusal_states_why_a_file_is_no_account_file(passwords: ClassRouter, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
     picture.write_bytes(b"\x89PNG")
     causes = {
@@ -296,7 +296,7 @@ def test_another_router_gets_no_account_of_the_class(joined: Account) -> None:
     assert resolve(connect=joined.connect).account == joined
 
 
-def test_up_starts_no_router_without_rules_in_a_class(passwords: ClassRouter, tmp_path: Path) -> None:
+def test_up_with_an_account_of_a_class_starts_no_router(passwords: ClassRouter, tmp_path: Path) -> None:
     account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
     (tmp_path / "ana.toml").write_text(account.text())
     assert "not usable now" in beatrix("join", str(tmp_path / "ana.toml")).stderr

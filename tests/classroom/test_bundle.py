@@ -1,4 +1,4 @@
-"""The archive for a room without network: made for two platforms, installed and used where there is no network."""
+"""The archive for a room without network: installed and used without network, and the packages of another platform."""
 
 from __future__ import annotations
 

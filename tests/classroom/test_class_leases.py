@@ -50,7 +50,7 @@ def robot_of(router: ClassRouter, seat: str) -> Robot:
     return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
 
 
-def test_one_of_thirty_simultaneous_takes_wins_and_the_others_read_its_name(router: ClassRouter) -> None:
+def test_one_of_thirty_seats_takes_the_robot_and_the_others_read_its_name(router: ClassRouter) -> None:
     gate = threading.Barrier(SEATS)
 
     def take(robot: Robot) -> Refused | None:

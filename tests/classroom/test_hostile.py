@@ -49,7 +49,10 @@ def teacher(router: ClassRouter) -> Iterator[Robot]:
 
 
 def moves_and_stops(robot: Robot) -> None:
-    """The robot moves, and STOP ends the motion. A motion may be lost in a flood of motions, STOP may not."""
+    """Assert that the robot moves, and that STOP ends the motion.
+
+    A flood of motions may delay or drop a motion, which is then sent again; STOP is sent once.
+    """
 
     def short() -> float:
         return patiently(robot.positions).commanded.short
@@ -75,7 +78,7 @@ def recorded_session(router: ClassRouter) -> bytes:
         return bytes(max(cable.recorded, key=len))
 
 
-def test_hostile_traffic_moves_nothing_and_stops_nothing(router: ClassRouter, teacher: Robot) -> None:
+def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRouter, teacher: Robot) -> None:
     recorded = recorded_session(router)
     before = teacher.status().motion
     seats = teacher.client.bus.tokens(keys.seat("ana", "*"))
@@ -93,7 +96,9 @@ def test_hostile_traffic_moves_nothing_and_stops_nothing(router: ClassRouter, te
     assert sum(event.seat == "ana" for event in teacher.past_events() if event.kind is EventKind.MOTION) == 2
 
 
-def test_stop_stops_beside_a_seat_that_floods(router: ClassRouter, teacher: Robot, tmp_path: Path) -> None:
+def test_stop_works_while_a_seat_floods_the_robot(
+    router: ClassRouter, teacher: Robot, tmp_path: Path
+) -> None:
     flooding = start(tmp_path, router.path("ben"), str(ROOT / "tools/hostile.py"), "flood", "bea1")
     try:
         for _ in range(STOPS):

@@ -81,7 +81,7 @@ def test_seats_of_a_class_reach_its_robots_and_no_others(lesson: Lesson) -> None
     assert "ana drives this robot" in ben.refused("begin('bea1', 0)")
 
 
-def test_stop_of_all_robots_stops_those_of_the_own_class(lesson: Lesson) -> None:
+def test_stop_of_all_robots_stops_only_the_robots_of_its_class(lesson: Lesson) -> None:
     ana, other = lesson.seats["ana 8a"], lesson.seats["ana 8b"]
     for seat, robot in ((ana, "bea2"), (other, "bea1")):
         seat.does(f"ready({robot!r})")
@@ -117,7 +117,7 @@ def test_an_account_is_valid_in_one_class_only(lesson: Lesson) -> None:
         )
 
 
-def test_no_computer_but_the_routers_listens_and_none_sends_datagrams(lesson: Lesson) -> None:
+def test_only_the_routers_listen_and_no_program_sends_datagrams(lesson: Lesson) -> None:
     for process in lesson.processes:
         found = sockets(process.pid)
         assert found, "the program is connected"
@@ -170,10 +170,10 @@ def test_after_a_restart_of_the_router_no_robot_moves_and_all_reconnect(lesson: 
         where = ben.does("yaw('bea1')")
         assert isinstance(where, float)
         assert where < 140
-        ben.until("ready('bea2') == 'bea2'", "the seat is known again")
+        ben.until("ready('bea2') == 'bea2'", "the seat is connected again")
         assert ben.does("yaw('bea2')") == rest, "the robot has not moved"
         assert ana.does("yaw('bea1')") == where, "the motion does not continue"
-        ana.until("bool(begin('bea1', 0))", "the lesson goes on")
-        assert other.does("robot('bea1').status().moving"), "the other class has not noticed"
+        ana.until("bool(begin('bea1', 0))", "the robot moves again")
+        assert other.does("robot('bea1').status().moving"), "the other class is not affected"
     finally:
         router.process.end()  # a test ends what it has started, so this is the last test of this lesson

@@ -24,7 +24,7 @@ def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 
 def files(folder: Path) -> dict[str, str]:
-    """The account files."""
+    """Return the text of each account file by its name."""
     return {path.name: path.read_text() for path in folder.glob("*s/*.toml")}
 
 
@@ -69,7 +69,7 @@ def test_a_damaged_account_file_is_not_replaced(file: Path) -> None:
     assert damaged.read_text() == "class = 3\n"
 
 
-def test_a_router_without_accounts_names_what_to_do(file: Path) -> None:
+def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: Path) -> None:
     done = beatrix("router", "--class", str(file))
     assert done.returncode == 2
     assert "beatrix classroom init" in done.stderr

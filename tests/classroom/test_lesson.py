@@ -19,7 +19,7 @@ from beatrix_zenoh.settings import Settings
 
 @pytest.fixture(scope="module", params=["password", "certificate"])
 def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    """A class with one of its robots, and the own robot of a seat, on line."""
+    """A class in which the robot bea1 and the seat ana's own robot are on line."""
     with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
         folders = {name: tmp_path_factory.mktemp(name) for name in ("bea1", "ana")}
         nodes = [start_node(folder, made.path(name)) for name, folder in folders.items()]
@@ -54,8 +54,8 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
     Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)
 
 
-def test_pages_of_a_seat_drive_one_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
-    """The router allows the server of the pages only the seat of its account."""
+def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
+    """All pages act as one seat, because the router allows their server only the seat of its account."""
     account = router.account("ben")
     robot = Robot("bea1", "hw", client=clients["teacher"])
     until(lambda: not robot.status().holder, "no seat drives")

@@ -1,4 +1,4 @@
-"""A recorded session that is sent to the router again opens nothing and moves nothing."""
+"""A recorded session that is sent to the router again opens no session and moves no robot."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 
 def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
-    """Send the pieces one by one, each after the router's reply to the last; return the number of bytes received."""
+    """Send the pieces one by one, each after the reply to the one before; return the number of bytes received."""
     received_bytes = 0
     with (
         contextlib.suppress(ConnectionError),
@@ -44,7 +44,7 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
     return received_bytes
 
 
-def test_a_replayed_session_opens_nothing(router: ClassRouter) -> None:
+def test_a_replayed_session_opens_no_session_and_repeats_no_request(router: ClassRouter) -> None:
     served = Answering(router.session("bea1"), keys.command("bea1", "hw", "*"))
     settled(router.session("bea1"))
     account = router.account("ana")

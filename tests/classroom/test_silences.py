@@ -78,7 +78,7 @@ def wrong_account(lesson: Lesson) -> Iterator[Case]:
 
 @contextlib.contextmanager
 def denied(lesson: Lesson) -> Iterator[Case]:
-    """The own robot of another seat."""
+    """A request to another seat's own robot, which the router refuses."""
     with connected(lesson, "ana") as bus:
         for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
             Answering(bus, key)
@@ -206,7 +206,7 @@ Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
 
 
 def enable(case: Case, timeout_s: float) -> None:
-    """Send the request of a case by the SDK."""
+    """Send the request of a case with the SDK."""
     account = case.account
     with Client(Settings("", account.connect, account.name, account=account)) as client:
         client.robots()  # a node counts as lost only if it was on line before
@@ -214,7 +214,7 @@ def enable(case: Case, timeout_s: float) -> None:
 
 
 @pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
-def test_the_sdk_raises_each_silence_with_its_reason(
+def test_the_sdk_raises_the_reason_of_each_missing_answer(
     lesson: Lesson, make: Provoke, reason: Reason, sentence: str
 ) -> None:
     with make(lesson) as case, pytest.raises(NoAnswer) as caught:
@@ -223,7 +223,7 @@ def test_the_sdk_raises_each_silence_with_its_reason(
 
 
 @pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
-def test_the_command_line_ends_with_the_exit_code_of_each_silence(
+def test_the_command_line_ends_with_the_exit_code_of_each_missing_answer(
     lesson: Lesson, make: Provoke, reason: Reason, sentence: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(lesson.folder)
@@ -263,7 +263,7 @@ def test_a_seat_without_its_simulation_does_not_move_the_only_robot_of_the_class
     assert "On line: bea1 (hw)" in done.stderr
 
 
-def test_each_silence_has_an_exit_code_of_its_own() -> None:
+def test_each_cause_of_a_missing_answer_has_an_exit_code_of_its_own() -> None:
     codes = [exit_code(reason) for _, reason, _ in TABLE]
     assert len({*codes, 0, 1, 2}) == len(TABLE) + 3
 
@@ -296,12 +296,12 @@ def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch
     assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
     todo = found["bea2 (hw)"][0]["todo"]
     assert "restart it" in todo or "is not on line" in todo, (
-        "the router drops it after 2 s, which doctor may exceed"
+        "the router drops the node after 2 s, and doctor may take longer"
     )
     assert found["bea1 (hw)"][0]["found"].startswith("answers")
 
 
-def test_the_window_says_that_the_router_refuses_the_account(lesson: Lesson) -> None:
+def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) -> None:
     with wrong_account(lesson) as case, Linked(case.account.connect, account=case.account) as linked:
         world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "it is refused")
         banner = State().view(world).banner
@@ -312,7 +312,7 @@ def test_the_window_says_that_the_router_refuses_the_account(lesson: Lesson) -> 
         assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
 
 
-def test_accounts_that_changed_while_a_program_runs_are_named(tmp_path: Path) -> None:
+def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path) -> None:
     with ClassRouter(tmp_path, "password") as router:
         account = router.account("ana")
         with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
@@ -325,12 +325,12 @@ def test_accounts_that_changed_while_a_program_runs_are_named(tmp_path: Path) ->
     assert caught.value.reason is Reason.ACCOUNT_REFUSED
 
 
-def test_a_node_whose_account_was_replaced_says_that_the_router_refuses_it(tmp_path: Path) -> None:
+def test_a_node_whose_account_was_replaced_reports_that_the_router_refuses_it(tmp_path: Path) -> None:
     with ClassRouter(tmp_path, "password") as router:
         node = start_node(tmp_path, router.path("bea1"))
         try:
             router.process.end(signal.SIGKILL)
-            node.expect("The router at")  # was lost
+            node.expect("The router at")  # the node reports that it is lost
             router.make_anew()
             router.start_again()
             line = node.expect(f"The router at {router.classroom.connect} refuses account bea1 of class 8b")

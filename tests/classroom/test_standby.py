@@ -47,9 +47,9 @@ def test_the_second_router_takes_over_with_the_same_rules(router: ClassRouter) -
 
     assert replies(ana, own)
     router.process.end(signal.SIGKILL)
-    until(lambda: bool(replies(ana, own)), "seat and robot meet at the second router")
+    until(lambda: bool(replies(ana, own)), "seat and robot are connected through the second router")
     assert not replies(ana, another)
-    until(lambda: teacher.robots() == [("bea1", "hw")], "the teacher, too")
+    until(lambda: teacher.robots() == [("bea1", "hw")], "the teacher is connected, too")
 
     router.start_again()
     with zbus.connect(router.classroom.listen, account=account) as back:
