@@ -24,7 +24,7 @@ from gui.window import Window
 
 @pytest.fixture(scope="session", autouse=True)
 def runtime_folder(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Create a runtime folder, without which Qt warns, as in containers; warnings are errors."""
+    """Create a runtime folder if there is none, as in containers: Qt would warn, and warnings are errors."""
     os.environ.setdefault("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("runtime")))
 
 
@@ -53,7 +53,7 @@ def window(qtbot: QtBot, link: RecordingLink, state: WatchedState) -> Iterator[W
 
 @pytest.fixture
 def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
-    """Return the intents since the last call, without those of the tabs."""
+    """Return a function that returns the intents since its last call, at first those after this fixture."""
 
     def taken() -> list[Intent]:
         given = state.intents.copy()
@@ -110,7 +110,7 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 
 
 def is_at_rest(robot: Robot) -> bool:
-    """Whether the arms rest, and the pause after a STOP of another session has ended."""
+    """Return whether the arms rest, and the pause after a STOP of another session has ended."""
     if robot.status().moving:
         return False  # the STOP of a window that closes may not be an event yet
     stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]

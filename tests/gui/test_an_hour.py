@@ -18,12 +18,12 @@ from gui.widgets.plots import CAPACITY
 from gui.window import Window
 
 HZ = 2
-"""Refreshes a second; a tenth of the window's, which fill the same rows several times."""
+"""Refreshes a second: a tenth of the window's, but enough to fill all rows several times."""
 GROWTH = 50_000
 """Bytes by which the memory of our modules may grow between both measurements."""
 
 
-def test_an_hour() -> None:
+def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:
     done = subprocess.run(
         [sys.executable, hour.__file__],
         env={**untraced(), "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])},
@@ -41,7 +41,7 @@ def test_an_hour() -> None:
     assert kept.threads[1] == kept.threads[0]
 
 
-def test_the_plots_of_an_hour(window: Window) -> None:
+def test_the_plots_keep_their_size_for_an_hour(window: Window) -> None:
     plots, base = window.panels.plots, ready()
     sizes = [history._rows.nbytes for history in plots._histories.values()]
     for tick in range(HOUR_S * HZ):

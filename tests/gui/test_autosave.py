@@ -39,7 +39,9 @@ def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
 
 
 def test_unchanged_choices_are_not_written(file: Path) -> None:
-    Autosave(State(Saved(theme=Theme.LIGHT))).save_changes()  # an option is for one window
+    Autosave(
+        State(Saved(theme=Theme.LIGHT))
+    ).save_changes()  # a command-line option applies to one window only
     assert not file.exists()
 
 

@@ -46,7 +46,7 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     teacher.until(lambda: "done at 3 robots" in page.result.text(), "all are frozen")
     user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
     assert all(robot.status().frozen and robot.positions().arms.long < 55 for robot in robots.values())
-    user.until(lambda: "frozen by the teacher" in panels.header.pills["hw"].state.text(), "the pill says so")
+    user.until(lambda: "frozen by the teacher" in panels.header.pills["hw"].state.text(), "the pill shows it")
     user.until(lambda: "frozen the robot (both)" in panels.banner.text.text(), "the banner names both robots")
     user.press(panels.arms.rows["all"].plus)
     user.until(lambda: "The teacher has frozen this robot" in panels.refusal.text.text(), "it is refused")
@@ -78,14 +78,16 @@ def test_a_waiting_seat_gets_the_robot_and_the_teacher_takes_it(
     teacher.until(lambda: row.text(3) == "ana (taken)", "the class shows the lease")
     page.list.setCurrentItem(row)
     teacher.press(page.take)
-    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "said")
+    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "seen")
     assert hw.status().holder == "teacher"
     teacher.until(lambda: page.take.text() == "Give back", "the class shows the teacher's lease")
     teacher.press(page.take)
     teacher.until(lambda: hw.status().holder == "", "given back")
 
 
-def test_a_speed_limit_and_stop_all(user: Windowed, teacher: Windowed, robots: dict[str, Robot]) -> None:
+def test_the_teacher_limits_the_speed_and_stops_all_robots(
+    user: Windowed, teacher: Windowed, robots: dict[str, Robot]
+) -> None:
     panels, page = user.window.panels, teacher.window.panels.class_page
     page.limit.setText("25")
     teacher.press(page.set_limit)

@@ -106,7 +106,7 @@ def test_the_selected_robot_stays_selected(window: Window, page: ClassPage, link
     assert not page.freeze.isVisible()
 
 
-def test_a_row_follows_its_robot(window: Window, page: ClassPage, link: RecordingLink) -> None:
+def test_a_row_shows_the_new_state_of_its_robot(window: Window, page: ClassPage, link: RecordingLink) -> None:
     first, *others = link.known.robots
     link.known = replace(link.known, robots=(replace(first, status=status("sim", frozen=True)), *others))
     window.refresh()
@@ -121,7 +121,7 @@ def test_space_stops_all_robots(page: ClassPage, link: RecordingLink) -> None:
     assert isinstance(link.done[-1], StopAll)
 
 
-def test_tab_goes_through_the_page(qtbot: QtBot, window: Window, page: ClassPage) -> None:
+def test_the_tab_key_reaches_all_controls_of_the_page(qtbot: QtBot, window: Window, page: ClassPage) -> None:
     seen: list[QWidget] = []
     for _ in range(20):
         QTest.keyClick(window, Qt.Key.Key_Tab)

@@ -85,7 +85,7 @@ def test_a_picture_keeps_its_shape(picture: Picture) -> None:
     assert alike(colour(picture, 0.5, 0.5), RED)
     field = QColor(style_of(Theme.DARK).field)
     assert alike(colour(picture, 0.5, 0.98), (field.red(), field.green(), field.blue())), (
-        "no picture is that high"
+        "the picture does not reach the lower edge"
     )
 
 
@@ -173,7 +173,7 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     assert not alike(colour(shown, 0.75, 0.25), BLUE)
 
 
-def test_the_head_from_outside_takes_no_picture_of_an_eye(qtbot: QtBot) -> None:
+def test_the_outside_view_shows_no_picture_of_an_eye(qtbot: QtBot) -> None:
     shown = OutsideView(WORDS)
     qtbot.addWidget(shown)
     shown.resize(400, 320)
@@ -193,7 +193,7 @@ def test_each_theme_has_its_colours(picture: Picture, theme: Theme) -> None:
 
 
 def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: Picture) -> None:
-    """The size is in the header's frame, after 0xFFC0, its length and the precision: height, width."""
+    """Height and width follow the marker 0xFFC0, the length of its segment and the precision."""
     jpeg = bytearray(picture_of(RED).jpeg)
     at = jpeg.index(b"\xff\xc0") + 5
     assert jpeg[at : at + 4] == (480).to_bytes(2, "big") + (640).to_bytes(2, "big")

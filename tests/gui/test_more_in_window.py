@@ -133,10 +133,10 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
     pictures = [panels.eyes.pictures[twin, eye] for twin in ("sim", "hw") for eye in ("left", "right")]
     user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
     user.check(panels.sending.cameras, on=False)
-    user.until(lambda: not any(streaming()), "they rest")
+    user.until(lambda: not any(streaming()), "they no longer stream")
 
 
-def test_another_robot_is_chosen(user: Windowed, stage: Stage) -> None:
+def test_the_user_chooses_another_robot(user: Windowed, stage: Stage) -> None:
     header = user.window.panels.header
     user.until(lambda: header.robots.count() == 2, "both names")
     header.robots.setFocus()
@@ -150,7 +150,7 @@ def test_another_robot_is_chosen(user: Windowed, stage: Stage) -> None:
     until(lambda: other.status().enabled, "it was enabled")
 
 
-def test_themes_and_languages(user: Windowed, sim: Robot) -> None:
+def test_the_menu_changes_theme_and_language(user: Windowed, sim: Robot) -> None:
     for theme in Theme:
         choose(user, theme.value)
         assert style_of(theme).ground in user.window.styleSheet()

@@ -14,7 +14,7 @@ from beatrix_zenoh.client import CameraImage, Client
 from gui.link.pictures import CLOSE_S, Pictures
 
 FIRST_S = 20.0
-"""Longest wait for the first picture, which starts rendering."""
+"""Longest wait (s) for the first picture, which starts rendering."""
 LEFT, RIGHT = ("hw", "left"), ("hw", "right")
 
 
@@ -83,7 +83,7 @@ def test_no_camera_works_before_its_pictures_are_wanted(
     assert not right.streaming
     pictures.watch(frozenset())
     last = images_taken.count(*LEFT)
-    wait_status(hw, lambda status: not status.cameras[0].streaming, "the camera rests")
+    wait_status(hw, lambda status: not status.cameras[0].streaming, "the camera stops")
     assert images_taken.count(*LEFT) == last, "unsubscribed pictures are not delivered"
 
 
@@ -97,7 +97,7 @@ def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_t
         assert (image.width, image.height) == (640, 480)
     pictures.watch(frozenset({RIGHT}))
     counts = {place: images_taken.count(*place) for place in wanted}
-    until(lambda: images_taken.count(*RIGHT) > counts[RIGHT] + 5, "those that are still wanted go on")
+    until(lambda: images_taken.count(*RIGHT) > counts[RIGHT] + 5, "the wanted pictures continue")
     assert all(images_taken.count(*place) == counts[place] for place in wanted - {RIGHT})
     assert threading.current_thread().name not in images_taken.threads
 
@@ -131,7 +131,7 @@ def test_a_camera_without_a_router_is_tried_again(
     pictures.close()
 
 
-def test_closing_is_quick_and_final(client: Client, images_taken: ImageLog) -> None:
+def test_close_is_fast_and_no_picture_follows(client: Client, images_taken: ImageLog) -> None:
     pictures = Pictures(client, "bea", images_taken.add)
     wanted = frozenset({LEFT, RIGHT, ("sim", "left")})
     pictures.watch(wanted)

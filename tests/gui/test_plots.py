@@ -50,12 +50,12 @@ def world_at(now_s: float, sim: Arms = (0, 0, 0), hw: Arms = (0, 0, 0)) -> World
 
 
 def ramp(time_s: float) -> float:
-    """10 deg/s, from 5 s on."""
+    """Return an angle (deg) that grows by 10 deg/s from 5 s on."""
     return 10 * max(0.0, time_s - 5)
 
 
 def fill(plots: Plots, arms: Callable[[float], Arms], seconds: float = 10.0) -> None:
-    """Append 20 worlds a second; the hardware lags."""
+    """Append 20 worlds a second; the hardware lags by LAG_S."""
     for tick in range(round(seconds * 20) + 1):
         now_s = tick / 20
         plots.append(world_at(now_s, arms(now_s - 0.01), arms(now_s - 0.01 - LAG_S)))
@@ -145,7 +145,7 @@ def test_there_is_no_difference_without_a_simulation() -> None:
     assert np.isnan(difference(later, alone)[:, 1]).all(), "no times in common"
 
 
-def test_the_stamps_of_another_computer_are_moved_to_this_clock() -> None:
+def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
     state = robot_at("hw", 99.9, (0, 0, 0))
     assert sample_time_s(state, 100.0) == pytest.approx(99.9)
     foreign = robot_at("hw", 5099.9, (0, 0, 0))
@@ -181,7 +181,7 @@ def test_another_robot_begins_with_empty_plots(plots: Plots) -> None:
     assert curve(plots.arms[0].lines[0])[1].tolist() == [0.0]
 
 
-def test_plots_without_samples_say_what_to_do(plots: Plots) -> None:
+def test_plots_without_samples_show_a_hint(plots: Plots) -> None:
     plots.show()
     assert plots.empty.isVisible()
     plots.append(worlds.world(worlds.absent("sim"), worlds.absent("hw")))

@@ -25,7 +25,7 @@ MISSING = [program for program in ("Xvfb", "xdotool") if shutil.which(program) i
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
 END_S = 3.0
 BEGUN = 100_000
-"""Bytes of a recording that holds positions of both."""
+"""Size (bytes) above which a recording has positions of both robots."""
 
 
 class Screen:
@@ -53,7 +53,7 @@ class Screen:
         return done.stdout.strip() if done.returncode == 0 else ""
 
     def pixels(self) -> npt.NDArray[np.uint8]:
-        """Red, green and blue of all pixels, rows from above; the file is a dump of xwd."""
+        """Return the screen as red, green and blue, shape (height, width, 3); the file has the format of xwd."""
         data = self._file.read_bytes()
         header = struct.unpack(">25I", data[:100])
         width, height, line, colours = header[4], header[5], header[12], header[19]
@@ -103,7 +103,7 @@ def window(
 
 
 def found(screen: Screen) -> str:
-    """Return the X number of the window."""
+    """Return the number of the window on the screen; empty if it is not visible."""
     return screen.tool("search", "--onlyvisible", "--name", "^BEATRIX – bea$").partition("\n")[0]
 
 

@@ -81,7 +81,7 @@ def test_sliders_change_distance_and_speed(user: Windowed, hw: Robot) -> None:
 
 
 def fastest(user: Windowed, robot: Robot, goal: tuple[float, float, float]) -> float:
-    """Press + of all arms; the top speed (deg/s) that the robot reports on its way."""
+    """Press + of all arms; return the top speed (deg/s) that the robot reports on its way."""
     with robot.positions_stream() as stream:
         user.press(user.window.panels.arms.rows["all"].plus)
         user.until_at(robot, *goal)
@@ -109,14 +109,14 @@ def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robo
 
 
 def shows(label: QLabel, angle: float) -> bool:
-    """Whether a label shows an angle (deg)."""
+    """Return whether a label shows an angle (deg)."""
     return label.text() != "–" and abs(float(label.text().rstrip("°")) - angle) < 0.2
 
 
 # -- commands -------------------------------------------------------------------------------------
 
 
-def test_commands_of_both_robots(user: Windowed, robots: dict[str, Robot]) -> None:
+def test_commands_are_sent_to_both_robots(user: Windowed, robots: dict[str, Robot]) -> None:
     panels, buttons = user.window.panels, user.window.panels.commands.buttons
     user.press(panels.arms.rows["all"].plus)
     user.until_last("done")
@@ -132,7 +132,7 @@ def test_commands_of_both_robots(user: Windowed, robots: dict[str, Robot]) -> No
     user.press(buttons["disable"])
     user.until_last("disable done")
     assert not any(robot.status().enabled for robot in robots.values())
-    user.until(lambda: "motors off" in panels.header.pills["hw"].state.text(), "it says so")
+    user.until(lambda: "motors off" in panels.header.pills["hw"].state.text(), "the pill shows it")
     user.press(buttons["enable"])
     user.until_last("enable done")
     assert all(robot.status().enabled and not robot.status().calibrated for robot in robots.values())
@@ -170,7 +170,7 @@ def stop_in_a_popup(user: Windowed) -> None:
     user.key(Qt.Key.Key_Space)
 
 
-def test_stop_stops_both_while_they_move(user: Windowed, sim: Robot, hw: Robot) -> None:
+def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     panels, way = user.window.panels, 1
     user.type_number(panels.arms.speed.box, 30)
     user.type_number(panels.arms.increment.box, 60)
@@ -203,7 +203,7 @@ def aim(user: Windowed, pitch: float, roll: float) -> None:
     user.drag(pad, start, goal)
 
 
-def test_the_pad_is_dragged_and_sent(user: Windowed, sim: Robot, hw: Robot) -> None:
+def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head
     aim(user, 12.0, -8.0)
     target = head.pad._view.target if head.pad._view else None
@@ -217,7 +217,7 @@ def test_the_pad_is_dragged_and_sent(user: Windowed, sim: Robot, hw: Robot) -> N
         assert (at.yaw, at.pitch, at.roll) == pytest.approx((0, target.pitch, target.roll), abs=0.25)
 
 
-def test_the_pad_by_keys(user: Windowed, sim: Robot) -> None:
+def test_keys_move_the_target_of_the_pad_and_send_it(user: Windowed, sim: Robot) -> None:
     user.send_to("sim")
     pad = user.window.panels.head.pad
     pad.setFocus()
@@ -264,7 +264,7 @@ def leading(user: Windowed, sim: Robot) -> None:
     user.until(lambda: "follows in 5" in panels.sending.countdown.text(), "the countdown")
 
 
-def test_send_now(user: Windowed, sim: Robot, hw: Robot) -> None:
+def test_send_now_ends_the_lead(user: Windowed, sim: Robot, hw: Robot) -> None:
     leading(user, sim)
     assert near(hw.positions().arms, HOME)
     user.press(user.window.panels.sending.send_now)

@@ -103,7 +103,7 @@ def test_sliders_set_increment_and_speed() -> None:
     )
 
 
-def test_angles_of_both_robots_stand_side_by_side() -> None:
+def test_angles_of_both_robots_are_shown_side_by_side() -> None:
     now = world(robot("sim", arms=(12, 0, 0)), robot("hw", arms=(12.14, 0, 0)))
     row = State().view(now).arms.rows[0]
     assert (row.sim, row.hw, row.difference, row.axis) == ("12.0°", "12.1°", "+0.1°", "x")
@@ -182,7 +182,7 @@ def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World,
     assert state.view(now).head.refusal is None
 
 
-def test_an_absolute_jog_needs_the_other_arms() -> None:
+def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
     now = world(robot("sim", arms=None))
     state = state_after(intents.SetRelative(False))
     assert state.handle(Jog("short", 1), now) == []
@@ -209,7 +209,7 @@ def test_a_number_outside_the_range_of_the_message_is_refused() -> None:
 
 
 @pytest.mark.parametrize("now", [world(), NOWHERE, world(phase=LinkPhase.NO_ROUTER)])
-def test_stop_goes_to_both_robots_always(now: World) -> None:
+def test_stop_is_always_sent_to_both_robots(now: World) -> None:
     assert state_after(NOT_SIM).handle(intents.Stop(), now) == [StopBoth(1)]
     assert state_after().view(now).stop.enabled
 
@@ -298,7 +298,7 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     assert state.view(ended).last == "last: stop sent, both"
 
 
-def test_another_robot_is_chosen() -> None:
+def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     state = state_after(Jog("short", 1))
     accept(state, 1)
     now = world(names=("bea2", "bea1"))
@@ -307,6 +307,6 @@ def test_another_robot_is_chosen() -> None:
     assert not state.view(now).commands.undo.enabled
 
 
-def test_only_disabling_the_hardware_has_a_question() -> None:
+def test_only_disabling_the_hardware_needs_a_confirmation() -> None:
     assert state_after().view(world()).commands.disable.question == ""
     assert "sinks" in state_after(BOTH).view(world()).commands.disable.question

@@ -54,7 +54,7 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     assert silent.details.startswith("The last positions are 3.2 s old.")
 
 
-def test_summary_and_limit() -> None:
+def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
     view = page(opened())
     assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
     assert view.limit_now == "Speed limit: 20 °/s."
@@ -78,7 +78,7 @@ def test_summary_and_limit() -> None:
         (LimitClass(""), Govern(1, LeaseAction.LIMIT, (), 0.0)),
     ],
 )
-def test_requests_of_the_teacher(intent: Intent, action: Govern) -> None:
+def test_intents_of_the_teacher_become_requests(intent: Intent, action: Govern) -> None:
     assert opened().handle(intent, TEACHER) == [action]
 
 

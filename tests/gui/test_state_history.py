@@ -158,7 +158,7 @@ def test_a_row_is_copied_as_python_and_as_a_command_line(
 
 
 def specified_twin() -> MagicMock:
-    """A Twin that accepts only the calls that a real one has, with the arguments that it takes."""
+    """Return a mock Twin that accepts only the calls of a real Twin, with their arguments."""
     twin: MagicMock = create_autospec(Twin, instance=True)
     twin.sim, twin.hw = create_autospec(Robot, instance=True), create_autospec(Robot, instance=True)
     for preview in (twin.preview, twin.preview_arms):
@@ -182,7 +182,7 @@ def test_the_command_line_is_one_that_beatrix_parses(line: str) -> None:
 
 
 def parsed(words: list[str]) -> dict[str, Any]:
-    """Return the parameters of a command line as typer parses them; fails for wrong usage, and runs nothing."""
+    """Return the parameters of a command line as typer parses them, without running it; raises for wrong usage."""
     app = typer.main.get_command(application(words))
     with app.make_context("beatrix", list(words)) as context:
         name, verb, rest = app.resolve_command(context, words)  # type: ignore[attr-defined]
@@ -199,7 +199,7 @@ def test_the_command_line_sends_the_same_request() -> None:
     assert found["on"] == "both"
 
 
-def test_the_command_line_names_robot_and_router_if_they_are_not_the_defaults() -> None:
+def test_the_command_line_names_the_robot_if_several_are_on_line() -> None:
     assert (
         newest(intents.Stop(), now=world(names=("bea1", "bea2"))).command_line == "beatrix stop --name bea1"
     )
@@ -249,7 +249,7 @@ def test_a_motion_of_another_seat_is_one_row_from_accepted_to_done() -> None:
     assert rows(begun, event(11.2, phase=Phase.DONE)) == [("ana", "look", "done, 1.2 s", True)]
 
 
-def test_both_robots_are_one_row_which_ends_with_the_later() -> None:
+def test_a_motion_of_both_robots_is_one_row_that_ends_with_the_later_robot() -> None:
     sim = (event(10, motion=7), event(11.2, phase=Phase.DONE, motion=7))
     assert rows(*sim, hw=(event(12, motion=3),)) == [("ana", "look", "under way, takes 1.2 s", None)]
     hw = (event(12, motion=3), event(13.2, phase=Phase.DONE, motion=3))

@@ -43,7 +43,7 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
         assert view.send_now.tooltip == "No motion waits for its lead."
 
 
-def test_a_verdict_that_warns_is_shown() -> None:
+def test_a_warning_of_the_preview_is_shown() -> None:
     now = world(
         plan=PlanProgress(PlanPhase.LEADING, "Possible: 1.2 s. The hardware stands 3.0° away.", 1.2, 2.0, 1.0)
     )
@@ -81,7 +81,7 @@ def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
     assert view.history[1].result == "replaced by a newer motion"
 
 
-def test_plus_in_the_lead_adds_to_the_goal_of_both() -> None:
+def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
     leading = plan(PlanPhase.LEADING)
     again = sent(state.handle(Jog("long", 1), leading))
@@ -92,7 +92,7 @@ def test_plus_in_the_lead_adds_to_the_goal_of_both() -> None:
     assert third.query.absolute, "robots at different places move to one place"
 
 
-def test_abort_just_after_the_hardware_was_sent_its_motion_stops_both() -> None:
+def test_abort_just_after_the_lead_stops_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
     assert state.handle(intents.Abort(), plan(PlanPhase.SENT)) == [AbortPlan()]
     assert state.handle(intents.Abort(), world()) == []

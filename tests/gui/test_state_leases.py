@@ -1,4 +1,4 @@
-"""The lease in the window: the button of each robot, notes, and the banner when a lease gets another holder."""
+"""The lease in the window: the button of each robot, notes, and the banner when a robot gets another holder."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TAKE, WAIT, GIVE_BACK = LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BAC
 
 
 def sim_with(seat: str = "ben", **known: Any) -> World:
-    """A world whose simulation has these fields in its status; the seat is `ben`."""
+    """Return the world of a seat, whose simulation has these fields in its status."""
     return world(robot("sim", known=status("sim", **known)), seat=seat)
 
 
@@ -54,7 +54,7 @@ def test_the_button_of_a_lease_sends_its_query(
     assert State().handle(button.intent, now) == [SendLease(1, action, "sim")]
 
 
-def test_there_is_no_lease_of_a_robot_that_does_not_answer_or_needs_another_step() -> None:
+def test_no_lease_is_offered_for_a_robot_that_does_not_answer_or_needs_another_step() -> None:
     for sim in (absent("sim"), robot("sim", presence=Presence.LOST, age_s=3.0)):
         assert pill(world(sim)).lease is None
     assert pill(sim_with(enabled=False)).lease is None

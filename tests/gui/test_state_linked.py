@@ -59,11 +59,11 @@ class BareWindow:
 
 
 def changed(window: BareWindow, number: int, condition: Condition) -> bool:
-    """Whether the pill of a robot shows another condition."""
+    """Return whether the pill of a robot shows another condition."""
     return window.view().pills[number].condition is not condition
 
 
-def test_next_steps_motion_refusal_and_undo_with_both_robots(linked: Linked) -> None:
+def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: Linked) -> None:
     window = BareWindow(linked)
     window.want(SetDestination("hw", checked=True))
     for number in (0, 1):

@@ -102,7 +102,7 @@ def test_without_a_router_no_robot_is_on_line(phase: LinkPhase, text: str) -> No
     assert found.latency == ""
 
 
-def test_the_router_is_tried_again_from_the_pill_of_the_hardware() -> None:
+def test_the_pill_of_the_hardware_offers_to_try_the_router_again() -> None:
     next_step = pill(world(phase=LinkPhase.NO_ROUTER), "hw").next_step
     assert next_step is not None
     assert next_step.intent == Retry()
@@ -183,7 +183,7 @@ def test_without_a_robot_the_banner_offers_the_next_step() -> None:
     assert found.buttons == ()
 
 
-def test_a_pill_is_german() -> None:
+def test_a_pill_is_translated_into_german() -> None:
     state, now = State(), world(sim_with(holder="ana"))
     state.handle(SetLanguage("de"), now)
     assert state.view(now).pills[0].text == "ana steuert"

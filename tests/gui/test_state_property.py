@@ -49,7 +49,7 @@ ANGLES = st.floats(-1e6, 1e6)
 ANY_NUMBER = st.floats()
 NAMES = st.sampled_from(["bow", "up", ""])
 COMMANDS = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
-"""those that the window sends"""
+"""Commands that the window sends."""
 FILES = st.sampled_from([Path(), Path("a.csv")])
 LEASES = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 SEATS = st.sampled_from(["ana", "ben", ""])

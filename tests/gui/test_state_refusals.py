@@ -210,7 +210,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     assert shown.text == german
 
 
-def test_a_request_that_ended_with_another_robot_is_explained_in_german() -> None:
+def test_a_request_that_ends_because_another_robot_is_chosen_is_explained_in_german() -> None:
     state = state_after(Jog("short", 1), intents.SetLanguage("de"))
     accept(state, 1)
     refused(state, None, Reason.STOPPED, DESELECTED)

@@ -24,7 +24,7 @@ def slots(template: str) -> set[str]:
 
 
 def literals(node: ast.AST) -> Iterator[str]:
-    """Return the texts, and regular expressions of texts, that an expression may evaluate to."""
+    """Yield regular expressions for the texts that an expression may evaluate to."""
     match node:
         case ast.Constant(value=str(text)):
             yield re.escape(text)
@@ -38,7 +38,7 @@ def literals(node: ast.AST) -> Iterator[str]:
 
 
 def keys_asked_for(tree: ast.AST) -> Iterator[str]:
-    """Return the expressions that calls use as keys."""
+    """Yield regular expressions for the keys of texts that calls use."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             called = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
@@ -48,7 +48,7 @@ def keys_asked_for(tree: ast.AST) -> Iterator[str]:
 
 
 def is_used(key: str, words: set[str], patterns: set[str]) -> bool:
-    """Whether the window's code contains a key, or the words that it is composed of."""
+    """Return whether the window's code contains a key, or the words of which the key is composed."""
     found = (re.fullmatch(pattern, key) for pattern in patterns)
     return key in words or any(match and words.issuperset(match.groups()) for match in found)
 
@@ -78,7 +78,7 @@ def test_texts_are_not_empty_and_have_no_exclamation_marks(code: str) -> None:
     assert {key for key, text in LANGUAGES[code].items() if not text.strip() or "!" in text} == set()
 
 
-def test_every_key_that_the_window_asks_for_exists() -> None:
+def test_every_key_that_the_window_uses_exists() -> None:
     for path, tree in modules().items():
         for pattern in keys_asked_for(tree):
             found = any(re.fullmatch(pattern, key) for key in LANGUAGES["en"])

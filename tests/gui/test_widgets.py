@@ -82,7 +82,7 @@ def jog(window: Window, arm: str, sign: int) -> QAbstractButton:
 
 @pytest.fixture
 def shown() -> ShownState:
-    """A window with a motion that waits for its lead, so that every button is on."""
+    """A state in which a motion waits for its lead, so that every button is enabled."""
     return ShownState(example("preview", Theme.LIGHT, "en"))
 
 
@@ -156,7 +156,7 @@ def test_a_slider_and_its_box_report_the_same(window: Window, intents: Taken, na
     assert intents() == [intent(12.5)]
 
 
-def test_the_lead_is_reported_at_enter(window: Window, intents: Taken) -> None:
+def test_enter_in_the_box_reports_the_lead(window: Window, intents: Taken) -> None:
     lead = window.panels.sending.lead
     lead.setFocus()
     lead.selectAll()
@@ -236,7 +236,7 @@ def pad_of(window: Window) -> HeadPad:
 def drag(pad: HeadPad, start: QPointF, end: QPointF) -> None:
     QTest.mousePress(pad, LEFT, pos=start.toPoint())
     held = QMouseEvent(QEvent.Type.MouseMove, end, NO_BUTTON, LEFT, Qt.KeyboardModifier.NoModifier)
-    QApplication.sendEvent(pad, held)  # QTest moves the mouse without its button
+    QApplication.sendEvent(pad, held)  # QTest moves the mouse without a pressed button
     QTest.mouseRelease(pad, LEFT, pos=end.toPoint())
 
 
@@ -274,7 +274,7 @@ def test_left_on_the_ring_is_left_on_the_screen(window: Window) -> None:
     assert pad.yaw_point(0.0).y() < pad.height() / 2
 
 
-def test_a_target_beyond_the_limit_is_possible(window: Window, intents: Taken) -> None:
+def test_the_pad_accepts_a_target_beyond_the_limit(window: Window, intents: Taken) -> None:
     pad = pad_of(window)
     edge = pad.tilt_point(Orientation(0.0, 35.0, 0.0), 35.0)
     drag(pad, QPointF(pad.width() / 2, pad.height() / 2), edge + QPointF(0, 12))

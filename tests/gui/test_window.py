@@ -73,7 +73,7 @@ def test_an_outcome_is_shown(window: Window, link: RecordingLink) -> None:
     assert "done" in window.panels.stop_bar.last.text()
 
 
-def test_a_check_box_changes_only_if_the_state_agrees(
+def test_a_click_changes_a_check_box_only_if_it_changes_the_state(
     window: Window, state: WatchedState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     box = window.panels.sending.hw
@@ -84,7 +84,7 @@ def test_a_check_box_changes_only_if_the_state_agrees(
     assert box.isChecked()
 
 
-def test_disable_asks_beside_its_button_before_the_head_sinks(window: Window, intents: Taken) -> None:
+def test_disable_needs_a_confirmation_beside_its_button(window: Window, intents: Taken) -> None:
     window.handle(SetDestination("hw", checked=True))
     intents()
     panels = window.panels
@@ -133,7 +133,7 @@ def test_disable_without_a_question_acts_at_once(window: Window, link: Recording
     assert not action.value
 
 
-def test_a_theme_applies_to_all_widgets_at_once(window: Window) -> None:
+def test_a_theme_applies_to_all_widgets(window: Window) -> None:
     for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
         window.handle(SetTheme(theme))
         colours = style_of(theme)
@@ -165,7 +165,7 @@ def test_the_menu_chooses_the_theme(window: Window, intents: Taken) -> None:
     assert window.panels.header.choices["projector"].isChecked()
 
 
-def test_tabs_are_reported_for_the_pictures(window: Window, intents: Taken) -> None:
+def test_the_choice_of_a_tab_is_reported(window: Window, intents: Taken) -> None:
     for number, name in enumerate(Tab):
         window.panels.tabs.setCurrentIndex(number)
         assert window.panels.tabs.currentIndex() == number, name
@@ -202,7 +202,7 @@ def test_a_file_is_chosen_without_blocking_the_window(
         qtbot.waitUntil(lambda: poses.dialog is None)
 
 
-def test_the_banner_says_what_to_do_first(window: Window, link: RecordingLink) -> None:
+def test_without_a_robot_a_banner_with_a_button_is_shown(window: Window, link: RecordingLink) -> None:
     assert not window.panels.banner.isVisible()
     link.known = replace(link.known, sim=absent("sim"), hw=absent("hw"), names=())
     window.refresh()
@@ -250,7 +250,7 @@ def test_an_error_of_another_thread_is_shown(
 
 
 def test_nothing_is_drawn_while_nothing_changes(qtbot: QtBot, window: Window) -> None:
-    """A window at rest leaves the computer to the simulation."""
+    """An unchanged window leaves the processor time to the simulation."""
     painted: list[str] = []
     pad = window.panels.head.pad
     window.panels.tabs.setCurrentWidget(window.panels.eyes)

@@ -33,7 +33,7 @@ def start(folder: Path, *words: str, **environment: str) -> subprocess.Popen[str
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.timeout(START_S + END_S + 10)
-def test_a_signal_closes_the_window_in_order(tmp_path: Path, number: signal.Signals) -> None:
+def test_a_signal_closes_the_window_without_an_error(tmp_path: Path, number: signal.Signals) -> None:
     with start(tmp_path, "--language", "de", "--theme", "projector") as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "ready window\n"
@@ -42,7 +42,7 @@ def test_a_signal_closes_the_window_in_order(tmp_path: Path, number: signal.Sign
         _, errors = process.communicate(timeout=END_S + 5)
         assert time.monotonic() - begin_s < END_S
     assert (process.returncode, errors) == (0, "")
-    assert not (tmp_path / "beatrix").exists(), "options are for one window"
+    assert not (tmp_path / "beatrix").exists(), "options apply to one window only"
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere there is always a display")
@@ -60,7 +60,7 @@ def test_an_unknown_language_is_refused(capsys: pytest.CaptureFixture[str]) -> N
     assert "Choose one of en, de" in capsys.readouterr().err
 
 
-def test_plugins_of_opencv_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_plugin_folder_of_opencv_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PLUGINS, "/somewhere/cv2/qt/plugins")
     check_display()
     assert PLUGINS not in os.environ

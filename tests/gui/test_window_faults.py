@@ -1,4 +1,4 @@
-"""Faults around the window are shown, end by themselves, and never block the window."""
+"""Faults around the window are shown until their cause is removed, and never block the window."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SOON_S = 0.5
 SILENCE_S = 0.4
 """Time (s) without positions after which a robot is silent; shorter gaps are normal on a busy network."""
 GAP_S = 0.5
-"""Longest time between two ticks of the window's timer, of 50 ms, on a computer that is not busy."""
+"""Longest time (s) between two ticks of the window's timer of 50 ms on a computer that is not busy."""
 pytestmark = pytest.mark.usefixtures("qtbot")
 
 
@@ -88,7 +88,7 @@ def assert_soon(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps
     assert took_s < limit_s + 2 * gaps.busy_s, f"{what} after {took_s:.2f} s; computer: {gaps.busy_s:.3f} s"
 
 
-def test_a_robot_that_is_killed_and_started_again(stage: Stage) -> None:
+def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> None:
     hw = stage.hardware("bea")
     with windowed(stage.endpoint) as user, Gaps(user) as gaps:
         user.until(shows(user, "hw", "motors off"), "the robot is shown")
@@ -105,7 +105,7 @@ def test_a_robot_that_is_killed_and_started_again(stage: Stage) -> None:
         gaps.check()
 
 
-def test_a_frozen_hardware_slows_neither_window_nor_simulation(stage: Stage) -> None:
+def test_a_frozen_hardware_node_slows_neither_window_nor_simulation(stage: Stage) -> None:
     stage.simulation("bea", "--ready")
     hw = stage.hardware("bea")
     sim = stage.robot("bea", "sim")
@@ -134,7 +134,7 @@ def test_a_frozen_hardware_slows_neither_window_nor_simulation(stage: Stage) -> 
         user.until_last("enable done")
 
 
-def test_a_router_that_is_started_again(stage: Stage) -> None:
+def test_the_window_works_again_after_a_restart_of_the_router(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
@@ -149,7 +149,7 @@ def test_a_router_that_is_started_again(stage: Stage) -> None:
         user.key(Qt.Key.Key_Space)
         user.until_last("stop", "router")
         stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-        user.until(shows(user, "hw", "motors off"), "all is back")
+        user.until(shows(user, "hw", "motors off"), "the robot is shown again")
         user.until(lambda: not banner_names_router(user, endpoint), "the banner is hidden")
         user.press(panels.header.pills["hw"].next_step)
         user.until(shows(user, "hw", "not calibrated"), "the robot carries out a command")
@@ -157,12 +157,12 @@ def test_a_router_that_is_started_again(stage: Stage) -> None:
 
 
 def banner_names_router(user: Windowed, endpoint: str) -> bool:
-    """Whether the banner names the router."""
+    """Return whether the banner names the router."""
     banner = user.window.panels.banner
     return banner.isVisible() and endpoint in banner.text.text()
 
 
-def test_a_camera_that_is_unplugged_and_plugged_in(stage: Stage, tmp_path: Path) -> None:
+def test_the_window_shows_the_loss_and_the_return_of_a_camera(stage: Stage, tmp_path: Path) -> None:
     picture, away = tmp_path / "eye.jpg", tmp_path / "away"
     picture.write_bytes(simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8)))
     words = ("--port", "virtual:", "--camera", f"left=file:{picture}")

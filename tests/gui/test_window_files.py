@@ -22,7 +22,7 @@ Taken = Callable[[], list[Intent]]
 
 @pytest.fixture(autouse=True)
 def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pose that can be saved; the working folder holds a file and a folder."""
+    """Save a pose, and create a file and a folder in the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dance.csv").write_text("mine")
     (tmp_path / "inner").mkdir()
@@ -38,7 +38,7 @@ def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:
 
 
 def enter(dialog: FileDialog, name: str) -> None:
-    """Type a name and Enter; a modal box would still be open after a second, and the test finds it."""
+    """Type a name and Enter; assert that no modal box opens. A timer closes one after a second."""
     boxes: list[object] = []
 
     def close_boxes() -> None:
@@ -103,7 +103,7 @@ def test_a_file_that_is_missing_is_not_played(
 ) -> None:
     dialog = opened(qtbot, window, window.panels.poses.play_file)
     intents()
-    enter(dialog, "none.csv")  # Open is off
+    enter(dialog, "none.csv")  # the button Open is disabled
     dialog.accept()  # as if the file was deleted just now
     assert dialog.isVisible()
     assert "none.csv" in dialog.notice.text()
@@ -151,7 +151,7 @@ def test_a_second_dialog_replaces_the_first(qtbot: QtBot, window: Window) -> Non
     qtbot.waitUntil(lambda: poses.dialog is None)
 
 
-def test_files_are_read_from_the_shipped_ones_and_written_where_the_user_works(
+def test_the_dialog_opens_shipped_files_and_saves_in_the_working_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert (begin_folder(QFileDialog.AcceptMode.AcceptOpen) / "hello.csv").is_file()

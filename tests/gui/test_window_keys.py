@@ -32,7 +32,7 @@ STOP_KEYS = [Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause]
 
 
 def a_list(window: Window) -> QWidget:
-    """The history, which is shown when it has a row."""
+    """Return the list of the history, after adding a row so that it is shown."""
     window.handle(Jog("short", 1))
     return window.panels.history.list
 
@@ -98,7 +98,7 @@ def test_stop_works_while_a_name_is_typed(qtbot: QtBot, window: Window, intents:
 
 
 @pytest.mark.parametrize("key", STOP_KEYS)
-def test_stop_works_while_a_list_of_robots_is_open(window: Window, intents: Taken, key: Qt.Key) -> None:
+def test_stop_works_while_the_list_of_robots_is_open(window: Window, intents: Taken, key: Qt.Key) -> None:
     window.panels.header.robots.showPopup()
     assert QApplication.activePopupWidget() is not None
     press(key)
@@ -164,7 +164,7 @@ def test_a_key_that_is_held_acts_once(qtbot: QtBot, window: Window, intents: Tak
     ("key", "intent"), [(Qt.Key.Key_Z, Undo()), (Qt.Key.Key_R, ToggleRecording())], ids=["undo", "record"]
 )
 @pytest.mark.parametrize("place", ["pad", "number", "list"])
-def test_control_keys(
+def test_ctrl_z_undoes_and_ctrl_r_records(
     qtbot: QtBot, window: Window, intents: Taken, place: str, key: Qt.Key, intent: Intent
 ) -> None:
     focus(qtbot, FOCUS[place](window))
@@ -173,7 +173,7 @@ def test_control_keys(
     assert intents() == [intent]
 
 
-def test_ctrl_r_asks_the_link_for_a_recording(window: Window, link: RecordingLink) -> None:
+def test_ctrl_r_makes_the_link_begin_a_recording(window: Window, link: RecordingLink) -> None:
     link.done.clear()
     press(Qt.Key.Key_R, Qt.KeyboardModifier.ControlModifier)
     assert link.done == [BeginRecording()]

@@ -79,7 +79,7 @@ def test_contrast_follows_the_standard() -> None:
 
 @pytest.mark.parametrize("theme", Theme)
 def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
-    """Blue and orange lie apart on the axis that red-green blindness leaves: one has more blue than red."""
+    """The red-green colour-blind can distinguish a colour with more blue than red from one with more red than blue."""
     colours = style_of(theme)
     red_sim, blue_sim = int(colours.sim[1:3], 16), int(colours.sim[5:7], 16)
     red_hw, blue_hw = int(colours.hw[1:3], 16), int(colours.hw[5:7], 16)
@@ -129,7 +129,7 @@ def outside(window: Window) -> Iterator[str]:
 
 
 INNER = {"QListWidget", "QScrollBar", "QWidget"}
-"""Parts that Qt moves inside of lists and scrolls."""
+"""Inner parts of lists, which Qt scrolls."""
 
 
 def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
@@ -148,7 +148,7 @@ def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("theme", Theme)
-def test_nothing_is_cut(qtbot: QtBot, theme: Theme, language: str) -> None:
+def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: str) -> None:
     state = ShownState(example("well", theme, language))
     window = Window(RecordingLink(), state)
     window.show()
@@ -172,7 +172,7 @@ def test_nothing_is_cut(qtbot: QtBot, theme: Theme, language: str) -> None:
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("theme", Theme)
-def test_the_title_of_the_outside_picture_is_whole(qtbot: QtBot, theme: Theme, language: str) -> None:
+def test_the_title_of_the_outside_picture_is_not_cut_off(qtbot: QtBot, theme: Theme, language: str) -> None:
     """The end of the title names the side on which the robot's left is."""
     window = Window(RecordingLink(), ShownState(example("well", theme, language)))
     qtbot.addWidget(window)
@@ -204,7 +204,7 @@ def test_the_window_has_a_least_size(window: Window) -> None:
     assert (window.width(), window.height()) == (1024, 560)
 
 
-def test_a_low_window_keeps_history_and_poses_in_the_middle(qtbot: QtBot, window: Window) -> None:
+def test_a_low_window_shows_history_and_poses_as_tabs(qtbot: QtBot, window: Window) -> None:
     panels = window.panels
     assert panels.side.isVisible()
     window.resize(1024, 600)

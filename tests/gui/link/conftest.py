@@ -19,7 +19,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture
 def linked(stage: Stage) -> Iterator[Linked]:
-    """Both robots at home and ready."""
+    """A link to both robots, which are calibrated and at home."""
     with Linked(stage.endpoint) as made:
         at_home(made)
         yield made

@@ -44,7 +44,7 @@ def test_commands_reach_both_and_each_answers(linked: Linked) -> None:
     assert linked.end_of(3, "hw").accepted
 
 
-def test_a_refusal_is_data(linked: Linked) -> None:
+def test_a_refusal_has_a_detail_with_an_alternative(linked: Linked) -> None:
     linked.do(Send(1, pose_query(0, 60, 0, relative=False, speed=30), ("sim",)))
     end = linked.end_of(1, "sim")
     assert (end.accepted, end.done) == (False, True)
@@ -61,7 +61,7 @@ def test_the_newer_motion_of_one_robot_replaces_the_older(linked: Linked) -> Non
     assert linked.end_of(2, "sim").accepted
 
 
-def test_stop_while_both_move(linked: Linked) -> None:
+def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
     for row, twin in ((1, "sim"), (2, "hw")):
         linked.do(Send(row, look(90, 30), (twin,)))
     linked.accepted(1, "sim")
@@ -110,7 +110,7 @@ def test_round_trips_are_measured(linked: Linked) -> None:
     assert all(0 < (latency or 0) < 0.5 for latency in world.latency_s.values())
 
 
-def test_events_of_other_seats_are_seen(linked: Linked, stage: Stage) -> None:
+def test_events_of_other_seats_are_received(linked: Linked, stage: Stage) -> None:
     stage.robot("bea", "sim", "eve").status()
     stage.robot("bea", "sim", "eve").stop()
     linked.until(lambda world: any(event.seat == "eve" for event in world.sim.events), "STOP of eve")
@@ -144,7 +144,7 @@ def test_the_router_may_start_later_stop_and_return() -> None:
             node.expect("ready")
             linked.on_line("hw")
             router.close()
-            world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "it has gone", 0.5)
+            world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 0.5)
             assert endpoint in world.trouble
             linked.do(StopBoth(1))
             assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
@@ -152,7 +152,7 @@ def test_the_router_may_start_later_stop_and_return() -> None:
             try:
                 linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "it is back")
                 linked.on_line("hw")
-                until(lambda: retried(linked), "the seat is known again")
+                until(lambda: retried(linked), "the seat is connected again")
             finally:
                 linked.close()
                 node.end()
@@ -160,7 +160,7 @@ def test_the_router_may_start_later_stop_and_return() -> None:
 
 
 def retried(linked: Linked) -> bool:
-    """Send `Ready` again in a new row."""
+    """Send `Ready` in a new row; return whether it is accepted."""
     row = 100 + len(linked.outcomes)
     linked.do(Ready(row, "hw"))
     return linked.end_of(row, "hw").accepted
@@ -168,7 +168,7 @@ def retried(linked: Linked) -> bool:
 
 def test_the_only_name_on_line_is_selected_and_another_can_be_selected(stage: Stage) -> None:
     with Linked(stage.endpoint, "not-there", name_given=False) as linked:
-        world = linked.until(lambda world: world.robot == "bea", "the only one is taken")
+        world = linked.until(lambda world: world.robot == "bea", "the only robot is selected")
         assert world.names == ("bea",)
         linked.on_line("sim", "hw")
         linked.do(Select("other"))
@@ -181,7 +181,7 @@ def test_the_only_name_on_line_is_selected_and_another_can_be_selected(stage: St
         assert linked.world.robot == "not-there"
 
 
-def test_a_frozen_router_counts_as_lost_and_delays_nothing(stage: Stage) -> None:
+def test_a_frozen_router_counts_as_lost_and_delays_no_request(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
@@ -198,7 +198,7 @@ def test_a_frozen_router_counts_as_lost_and_delays_nothing(stage: Stage) -> None
     router.end()
 
 
-# -- robots that die or freeze --------------------------------------------------------------------
+# -- robots that are frozen or killed -------------------------------------------------------------
 
 
 @pytest.fixture
@@ -208,7 +208,7 @@ def own() -> Iterator[tuple[Stage, Process, Process]]:
         yield stage, stage.simulation("bea", "--ready"), stage.hardware("bea")
 
 
-def test_a_frozen_hardware_delays_neither_the_simulation_nor_stop(
+def test_a_frozen_hardware_node_delays_neither_the_simulation_nor_stop(
     own: tuple[Stage, Process, Process],
 ) -> None:
     stage, _, hardware = own

@@ -52,7 +52,7 @@ def kill(child: Child | None) -> None:
     os.kill(child._process.pid, signal.SIGKILL)
 
 
-def test_a_viewer_that_cannot_show_a_file_says_why(linked: Linked, tmp_path: Path) -> None:
+def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, tmp_path: Path) -> None:
     linked.do(ViewRecording(tmp_path / "none.rrd"))
     world = linked.until(lambda world: bool(world.child_trouble), "it has ended", READY_S)
     assert "there is no such file" in world.child_trouble
@@ -74,7 +74,7 @@ def test_pictures_come_while_they_are_wanted(linked: Linked) -> None:
     linked.do(WatchCameras(frozenset()))
 
 
-def test_limits_clock_and_session_are_known(linked: Linked) -> None:
+def test_the_world_has_limits_clock_and_session(linked: Linked) -> None:
     world = linked.until(lambda world: world.limits is not None, "it has answered")
     assert world.limits is not None
     assert world.limits.tilt_max == pytest.approx(0.61, abs=0.01)
@@ -82,7 +82,7 @@ def test_limits_clock_and_session_are_known(linked: Linked) -> None:
     assert world.wall_s > 1.7e9
 
 
-# -- an own simulation ----------------------------------------------------------------------------
+# -- a simulation of the window -------------------------------------------------------------------
 
 
 def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None:
@@ -120,7 +120,7 @@ def test_a_simulation_at_another_computer_is_refused() -> None:
         assert not world.own_simulation
 
 
-def test_a_taken_name_is_the_error_of_the_simulation(linked: Linked) -> None:
+def test_a_simulation_whose_name_is_in_use_is_reported(linked: Linked) -> None:
     linked.do(RunSimulation())
     world = linked.until(lambda world: not world.starting, "it has ended", READY_S)
     assert "The simulation has ended" in world.child_trouble
@@ -131,7 +131,7 @@ def test_a_taken_name_is_the_error_of_the_simulation(linked: Linked) -> None:
 
 
 def recording(linked: Linked) -> RecordingProgress:
-    """A recording that has begun."""
+    """Begin a recording; return its progress after half a second."""
     linked.do(BeginRecording())
     world = linked.until(
         lambda world: world.recording is not None and world.recording.seconds > 0.5, "it records", READY_S
@@ -172,7 +172,7 @@ def test_a_recording_that_is_ended_while_it_starts_is_complete(linked: Linked) -
     assert world.recording.file.is_file()
 
 
-def test_a_recorder_that_ends_by_itself_says_why(linked: Linked) -> None:
+def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     recording(linked)
     kill(linked.link._recordings._child)
     world = linked.until(

@@ -39,7 +39,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             assert linked.world.robots == ()
 
 
-def test_without_a_robot_nothing_is_done() -> None:
+def test_without_a_robot_requests_to_all_robots_are_refused() -> None:
     with Stage() as stage, Linked(stage.endpoint, who="teacher") as linked:
         linked.do(Govern(1, LeaseAction.FREEZE))
         linked.do(StopAll(2))

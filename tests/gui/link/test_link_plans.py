@@ -22,7 +22,7 @@ def steps(linked: Linked, twin: str = "hw") -> Steps:
 
 
 def leading(linked: Linked, row: int, yaw: float = 60.0, lead_s: float = 5.0) -> World:
-    """A motion whose simulation has begun and whose hardware waits."""
+    """Send a motion of both robots; return the world at the start of its lead, when the simulation moves."""
     linked.do(Send(row, look(yaw, 30), BOTH, lead_s))
     world = linked.until(
         lambda world: world.plan is not None and world.plan.phase is PlanPhase.LEADING, "the simulation leads"
@@ -32,7 +32,7 @@ def leading(linked: Linked, row: int, yaw: float = 60.0, lead_s: float = 5.0) ->
     return world
 
 
-def test_both_go_at_once_without_a_lead(linked: Linked) -> None:
+def test_both_robots_move_together_without_a_lead(linked: Linked) -> None:
     linked.do(Send(1, look(12), BOTH))
     accepted = linked.accepted(1)
     assert accepted.message.startswith("Possible")
@@ -102,7 +102,7 @@ def test_a_newer_motion_of_both_replaces_one_in_its_lead(linked: Linked) -> None
         linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
 
 
-def test_the_newest_of_many_motions_of_both_wins_and_each_row_ends_once(linked: Linked) -> None:
+def test_of_many_motions_of_both_the_newest_is_carried_out_and_each_row_ends_once(linked: Linked) -> None:
     for row in range(10):
         linked.do(Send(row, look(row, 60), BOTH))
     assert linked.end_of(9).accepted
@@ -120,7 +120,7 @@ def test_a_motion_of_the_simulation_replaces_one_in_its_lead(linked: Linked) -> 
     assert steps(linked) == before
 
 
-def test_a_refused_preview_is_data_and_keeps_the_waiting_motion(linked: Linked) -> None:
+def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Linked) -> None:
     leading(linked, 1, 30.0, 1.5)
     linked.do(Send(2, pose_query(0, 60, 0, relative=False, speed=1.0), BOTH))
     end = linked.end_of(2)

@@ -1,4 +1,4 @@
-"""The link of the window: choreographies, and a frozen hardware."""
+"""The link of the window: choreographies, and a frozen hardware node."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_file_that_takes_long_to_check_is_refused(linked: Linked, tmp_path: Pa
     assert "0.8 MB" in end.message
 
 
-def test_choreographies_and_paths_are_played_and_refused_by_line(linked: Linked, tmp_path: Path) -> None:
+def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, tmp_path: Path) -> None:
     path, wrong = tmp_path / "nod.csv", tmp_path / "wrong.csv"
     path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.5,6,0,0\n1,6,0,0\n", encoding="utf-8")
     wrong.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,80,0,30\n", encoding="utf-8")
@@ -78,7 +78,7 @@ def test_choreographies_and_paths_are_played_and_refused_by_line(linked: Linked,
 
 @pytest.fixture
 def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
-    """Suspend the hardware node."""
+    """A link to a simulation and to a hardware node that is suspended."""
     with Stage() as other:
         node: Process = other.process(
             "hw_node", "--name", "ice", "--connect", stage.endpoint, "--port", "virtual:"
@@ -94,7 +94,7 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
         node.send(signal.SIGCONT)
 
 
-def test_a_plan_that_waits_for_a_frozen_hardware_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
+def test_a_plan_that_waits_for_a_frozen_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
     frozen.do(Send(1, look(20, 30), BOTH, 1.0))
     frozen.do(Send(2, look(5, 60), ("sim",)))
     assert frozen.end_of(1, timeout_s=0.5).reason is Reason.REPLACED
