@@ -28,7 +28,7 @@ def stage() -> Iterator[Stage]:
 
 @pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots at home."""
+    """Both robots, enabled and calibrated."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
         made.stop()
         made.disable()

@@ -16,14 +16,14 @@ END = ":00000001FF"
 
 @pytest.fixture
 def flash(tmp_path: Path) -> Path:
-    """The flash memory of a board: firmware and boot loader."""
+    """Return a hex file with the flash memory of a board: firmware and boot loader."""
     whole = tmp_path / "flash.hex"
     lines = [line for line in HEX.read_text("ascii").splitlines() if line != END]
     whole.write_text("\n".join([*lines, LOADER.read_text("ascii")]), "ascii")
     return whole
 
 
-def test_a_board_with_its_boot_loader_is_found_and_after_a_reset_found_again(
+def test_a_board_with_a_boot_loader_is_found_at_the_start_and_after_a_reset(
     tmp_path: Path, flash: Path
 ) -> None:
     with Stage() as stage:
@@ -43,7 +43,7 @@ def test_a_board_with_its_boot_loader_is_found_and_after_a_reset_found_again(
         ready(robot).look(yaw=2, speed=60)
 
 
-def test_a_new_board_is_reported_as_one_to_flash(tmp_path: Path) -> None:
+def test_the_refusal_of_a_new_board_says_to_flash_it(tmp_path: Path) -> None:
     """A new board has only the boot loader."""
     with Stage() as stage:
         stage.mega(tmp_path / "board", "--firmware", str(LOADER))

@@ -34,7 +34,7 @@ with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.camera("left") as i
 
 
 class Eyes(Component):
-    """Two eyes on one thread, as of a renderer; counts its pictures, so that tests can see idle cameras."""
+    """Two eyes with one thread, like those of a renderer; counts its pictures, so that tests detect idle cameras."""
 
     def __init__(self, context: Context) -> None:
         self._wake = threading.Event()
@@ -104,7 +104,7 @@ def idle(eyes: Eyes) -> Callable[[], bool]:
 
 
 def test_pictures_are_taken_only_while_a_client_subscribes(eyes: Eyes, robot: Robot) -> None:
-    until(idle(eyes), "no subscriber is left from the test before")
+    until(idle(eyes), "no subscriber of the previous test is left")
     before = dict(eyes.taken)
     with robot.camera("left") as first, robot.camera("left") as second:
         first.next(5.0)
@@ -128,7 +128,7 @@ def test_an_image_has_its_header(eyes: Eyes, robot: Robot) -> None:
     assert (one.eye, one.width, one.height, one.source) == ("right", 640, 480, "test")
     assert two.seq == one.seq + 1
     assert one.t_mono_ns < two.t_mono_ns
-    assert 0 <= one.arrived_mono_ns - one.t_mono_ns < 5e9, "one computer, one clock"
+    assert 0 <= one.arrived_mono_ns - one.t_mono_ns < 5e9, "both times are by one clock"
     assert 0 <= one.arrived_wall_ns - one.t_wall_ns < 5e9
 
 
@@ -159,8 +159,8 @@ def test_a_frozen_subscriber_delays_no_other(eyes: Eyes, stage: Stage, robot: Ro
             reader.end(SIGKILL)  # the exit code of the frozen subscriber does not matter
 
 
-def test_status_shows_eyes_and_publishes_only_what_matters(eyes: Eyes, robot: Robot) -> None:
-    until(idle(eyes), "no subscriber is left from the test before")
+def test_the_status_shows_which_eye_streams_and_at_which_rate(eyes: Eyes, robot: Robot) -> None:
+    until(idle(eyes), "no subscriber of the previous test is left")
     left, right = robot.status().cameras
     assert (left.eye, right.eye) == ("left", "right")
     assert (left.connected, left.streaming, left.hz, left.trouble) == (True, False, 0.0, "")
@@ -205,7 +205,7 @@ def test_undecodable_pictures_are_skipped_and_reported_once(
     assert key in message
 
 
-def test_there_is_no_third_eye(robot: Robot) -> None:
+def test_an_unknown_eye_is_wrong_usage(robot: Robot) -> None:
     with pytest.raises(WrongUsage, match="choose 'left' or 'right'"):
         robot.camera("third")
 

@@ -1,4 +1,4 @@
-"""`beatrix graph`: what the router knows, as text, JSON and a drawing."""
+"""`beatrix graph`: the programs at the router, as text, JSON and a drawing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from beatrix_zenoh import bus as zbus
 NODES = {f"{NAME} (sim)", f"{NAME} (hw)"}
 
 
-def test_nodes_seats_and_what_they_subscribe_to_are_shown(shell: Shell, tmp_path: Path) -> None:
+def test_graph_shows_nodes_seats_and_their_subscriptions(shell: Shell, tmp_path: Path) -> None:
     with shell.robot("hw") as robot, robot.stream() as readings:
         readings.next()
         rows = {row["title"]: row for row in shell.json("graph", "--who", "teacher")["programs"]}
@@ -40,5 +40,5 @@ def test_nodes_seats_and_what_they_subscribe_to_are_shown(shell: Shell, tmp_path
         ("beatrix/bea/**", "beatrix/bea", True),
     ],
 )
-def test_key_expressions_match(expression: str, key: str, wanted: bool) -> None:
+def test_key_expressions_with_wildcards_intersect(expression: str, key: str, wanted: bool) -> None:
     assert zbus.intersects(expression, key) is wanted

@@ -1,4 +1,4 @@
-"""`beatrix lease`, `freeze`, `unfreeze` and `limit`, as real processes."""
+"""`beatrix lease`, `freeze`, `unfreeze` and `limit`, on robots in real processes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
         assert "Done for 1 of 2 robots, not for bea2 (hw)." in done.stderr
         hung.close()
-        stage.node("bea2")  # returns, free
+        stage.node("bea2")  # the node returns, not frozen
         assert len(waiting) == 1
         line = "Not frozen, although others are: bea2 (hw)."
         for command in (("top", "--once"), ("ls",)):

@@ -113,7 +113,7 @@ def test_move_takes_a_speed_for_each_arm(free: Shell) -> None:
         ("play", "no-such-file.csv"),
     ],
 )
-def test_contradictory_options_are_wrong_usage(words: tuple[str, ...]) -> None:
+def test_invalid_or_contradictory_options_are_wrong_usage(words: tuple[str, ...]) -> None:
     assert Shell(free_endpoint()).run(*words).returncode == 2
 
 

@@ -28,7 +28,7 @@ def endpoint() -> str:
 
 
 def alive(number: int) -> bool:
-    """Whether the process runs."""
+    """Return whether the process runs."""
     try:
         return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -36,7 +36,7 @@ def alive(number: int) -> bool:
 
 
 def children(process: Process) -> dict[str, int]:
-    """Verb and process id of the child processes."""
+    """Return the process number of each child by its verb."""
     found = {}
     for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
         for number in listing.read_text().split():
@@ -99,7 +99,7 @@ def test_up_does_not_start_the_router_of_another_computer(
     assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
 
-def test_only_an_address_of_this_computer_can_be_listened_at() -> None:
+def test_is_local_is_true_only_for_addresses_of_this_computer() -> None:
     code = "import sys; from beatrix_zenoh import bus; print([bus.is_local(host) for host in sys.argv[1:]])"
     hosts = ("127.0.0.1", "localhost", "0.0.0.0", "192.0.2.7")
     asked = Process("-c", code, *(f"tcp/{host}:7447" for host in hosts), traced=False)
@@ -107,7 +107,7 @@ def test_only_an_address_of_this_computer_can_be_listened_at() -> None:
     assert asked.lines == ["[True, True, True, False]"]
 
 
-def test_options_of_a_process_pass_through(endpoint: str) -> None:
+def test_the_command_line_passes_options_to_the_node(endpoint: str) -> None:
     robot = Process(*CLI, "hw", "--help")
     assert robot.wait() == 0
     assert any("--port" in line for line in robot.lines)
@@ -122,7 +122,7 @@ def test_virtual_without_its_colon_is_wrong_usage_before_the_router_is_needed() 
 
 
 @pytest.mark.parametrize(("port", "end"), [("virtual:", ""), ("{folder}/COM9", " (no board yet)")])
-def test_the_line_ready_says_whether_there_is_a_board(
+def test_the_ready_line_says_whether_there_is_a_board(
     endpoint: str, temporary: Path, port: str, end: str
 ) -> None:
     named = ("--name", "bea", "--port", port.format(folder=temporary))
@@ -134,7 +134,7 @@ def test_the_line_ready_says_whether_there_is_a_board(
             assert robot.end() == 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])  # SIGTERM: Process.end
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])  # Process.end of other tests sends SIGTERM
 def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
     started = children(up)
     assert set(started) == {"router", "sim", "hw"}
@@ -143,13 +143,13 @@ def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals,
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_no_child_survives_a_killed_up(up: Process) -> None:
+def test_all_children_end_when_up_is_killed(up: Process) -> None:
     started = children(up)
     up.end(signal.SIGKILL)
     until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
 
 
-def test_up_ends_all_processes_and_fails_when_one_dies(up: Process) -> None:
+def test_up_ends_all_processes_and_fails_when_one_ends(up: Process) -> None:
     started = children(up)
     os.kill(started["sim"], signal.SIGKILL)
     assert up.wait() == 1

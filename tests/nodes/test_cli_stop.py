@@ -1,4 +1,4 @@
-"""`beatrix stop` and the verbs that send commands, as real processes."""
+"""`beatrix stop` and the verbs that send commands, on robots in real processes."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_stop_with_only_invalid_names_is_wrong_usage(shell: Shell) -> None:
     assert (done.returncode, done.stdout, "'Bea 2' is not a robot name" in done.stderr) == (2, "", True)
 
 
-def test_with_both_robots_the_refusing_one_is_named(shell: Shell) -> None:
+def test_a_command_to_both_robots_names_the_robot_that_refuses(shell: Shell) -> None:
     shell.good("disable", "--on", "hw")
     done = shell.run("calibrate", "--on", "both")
     shell.good("enable", "--on", "hw")

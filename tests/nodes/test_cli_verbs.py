@@ -249,7 +249,7 @@ def test_home_turns_all_arms_to_zero(shell: Shell) -> None:
     assert [row["arms_deg"]["short"] for row in rows] == pytest.approx([0, 0], abs=0.5)
 
 
-def test_motors_are_switched_and_home_is_declared(shell: Shell) -> None:
+def test_disable_enable_and_calibrate_change_the_hardware(shell: Shell) -> None:
     assert "home is no longer known" in shell.good("disable", "--on", "hw")
     refused = shell.run("look", "--yaw", "5", "--on", "hw")
     assert (refused.returncode, "enable" in refused.stderr) == (1, True)
@@ -292,7 +292,7 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
         assert yaw_deg(robot) < 90
 
 
-def test_interrupted_look_with_json_is_a_document(free: Shell) -> None:
+def test_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
@@ -342,7 +342,7 @@ def test_no_router_is_exit_code_three() -> None:
     assert (done.returncode, "beatrix router" in done.stderr) == (3, True)
 
 
-def test_both_with_one_of_them_missing_moves_nothing(shell: Shell) -> None:
+def test_look_on_both_fails_if_one_of_the_robots_is_missing(shell: Shell) -> None:
     with another(shell, "bea2"):
         done = shell.run("look", "--name", "bea2", "--on", "both")
     assert (done.returncode, "bea2 (sim)" in done.stderr) == (5, True)
@@ -361,7 +361,7 @@ def test_a_frozen_robot_is_named_by_stop_with_its_exit_code(shell: Shell) -> Non
     assert (done.returncode, "bea3 (hw): did not answer" in done.stderr) == (10, True)
 
 
-def test_several_robots_and_no_name_are_listed(shell: Shell) -> None:
+def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell: Shell) -> None:
     with another(shell, "bea4"):
         done = shell.run("look", "--yaw", "5")
     assert (done.returncode, f"{NAME}, bea4" in done.stderr) == (1, True)
@@ -375,7 +375,7 @@ def test_name_comes_from_beatrix_toml(shell: Shell, tmp_path: Path) -> None:
     assert flag.returncode == 0
 
 
-def test_a_one_shot_verb_imports_nothing_slow(shell: Shell) -> None:
+def test_look_imports_no_slow_package(shell: Shell) -> None:
     slow = ("rich", "numpy", "matplotlib", "mujoco", "wasmtime")
     code = f"""
 import sys

@@ -118,7 +118,7 @@ def test_cancel_stops_the_robot(robot: Robot) -> None:
 
 
 def test_the_session_that_sent_stop_may_move_at_once(robot: Robot) -> None:
-    """STOP is sent as publication and as query: the robot knows the session of both."""
+    """STOP is sent as a publication and as a query; the robot identifies the session of both."""
     for yaw in (5, -5, 5):
         robot.look(yaw=yaw, speed=20, wait=False)
         robot.stop()
@@ -135,7 +135,7 @@ def test_each_arm_turns_with_its_own_speed(robot: Robot) -> None:
     assert caught.value.reason is Reason.SPEED_LIMIT
 
 
-def test_a_query_lives_no_longer_than_its_motion_can_last(
+def test_the_timeout_of_a_query_follows_from_the_longest_possible_motion(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: dict[str, float] = {}
@@ -176,7 +176,7 @@ def test_queries_free_their_memory(stage: Stage) -> None:
     deadline = time.monotonic() + 3.5  # time-out and 2 s: from then on as many queries are freed as are sent
     while time.monotonic() < deadline:
         ask(200)
-    assert any(ask(1500) < 600 for _ in range(2)), "0.8 kB each were 1200 kB"
+    assert any(ask(1500) < 600 for _ in range(2)), "if none were freed, 1500 queries would need 1200 kB"
 
 
 # -- getting ready ------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ def test_an_invalid_time_out_is_refused(robot: Robot, timeout_s: float) -> None:
         robot.command(Command.STOP, timeout_s=timeout_s)
 
 
-def test_a_closed_robot_raises_shutdown(stage: Stage) -> None:
+def test_a_closed_robot_raises_wrong_usage_and_its_streams_end(stage: Stage) -> None:
     robot = stage.robot("bea", "hw")
     stream, status, events = robot.stream(), robot.status_stream(), robot.events()
     robot.client.close()
@@ -292,7 +292,7 @@ def test_a_closed_stream_receives_nothing(robot: Robot) -> None:
     assert counted.next(PATIENCE_S).robot == "bea"
 
 
-def test_status_comes_on_change(robot: Robot) -> None:
+def test_a_stream_receives_a_change_of_the_status(robot: Robot) -> None:
     with robot.status_stream() as stream:
         robot.disable()
         until(lambda: not stream.next(PATIENCE_S).enabled, "the motors are off")

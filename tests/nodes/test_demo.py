@@ -37,7 +37,7 @@ def test_demo_makes_one_movement_on_both_robots(tmp_path: Path) -> None:
         cwd=ROOT,
     )
     if "too busy for a result" in done.stdout and (share := stolen_share(before)) > NOT_OURS:
-        pytest.skip(f"the host gave {share:.0%} of this computer's time to others, and the demo said so")
+        pytest.skip(f"the host gave {share:.0%} of this computer's time to others, and the demo reported it")
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads(done.stdout)
     assert report["result"] is True

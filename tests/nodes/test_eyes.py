@@ -95,7 +95,7 @@ def test_each_eye_is_published_with_the_state_it_was_drawn_from(robot: Robot) ->
         other = right.next(FIRST_S)
         assert one.source == other.source == (OPENGL or "rays")
         assert one.t_mono_ns < two.t_mono_ns
-        assert 0 < one.arrived_mono_ns - one.t_mono_ns < 5e9, "one computer, one clock"
+        assert 0 < one.arrived_mono_ns - one.t_mono_ns < 5e9, "both times are by one clock"
         assert simplejpeg.decode_jpeg(one.jpeg).shape == (HEIGHT, WIDTH, 3)
         assert person(fresh(left))[0] > person(fresh(right))[0] + 10, "parallax"
     until(lambda: not any(eye.streaming for eye in robot.status().cameras), "no subscriber is left")
@@ -176,7 +176,7 @@ def test_motions_and_real_time_are_kept_while_the_eyes_draw(robot: Robot) -> Non
     assert plant.real_time_factor > 0.5, "1.000 on an idle machine: see tools/bench_eyes.py"
 
 
-def test_a_crash_of_the_renderer_costs_pictures_only(stage: Stage) -> None:
+def test_a_crash_of_the_renderer_affects_only_the_pictures(stage: Stage) -> None:
     sim = stage.simulation("hurt", "--ready")
     robot = stage.robot("hurt", "sim")
     with robot.camera("left") as images:
@@ -185,11 +185,11 @@ def test_a_crash_of_the_renderer_costs_pictures_only(stage: Stage) -> None:
         (renderer,) = renderers(sim.pid)
         os.kill(renderer, signal.SIGKILL)
         fresh(images)
-        assert images.next(FIRST_S).source == source, "the same rate as before"
+        assert images.next(FIRST_S).source == source, "the pictures are drawn as before"
         assert motion.result(10.0).result
         assert robot.positions().head.yaw == pytest.approx(40, abs=0.5)
         (renderer,) = renderers(sim.pid)
-        os.kill(renderer, signal.SIGSTOP)  # hangs
+        os.kill(renderer, signal.SIGSTOP)  # the renderer hangs
         robot.look(yaw=30)
     robot.client.close()
     assert sim.end() == 0
@@ -198,7 +198,7 @@ def test_a_crash_of_the_renderer_costs_pictures_only(stage: Stage) -> None:
 def test_without_opengl_the_eyes_use_ray_casting(stage: Stage, without_opengl: Path) -> None:
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("PYTHONPATH", str(without_opengl))
-        environment.setenv("MUJOCO_GL", "egl")  # with it `import mujoco` itself fails
+        environment.setenv("MUJOCO_GL", "egl")  # makes `import mujoco` itself fail
         sim = stage.simulation("coarse", "--ready", "--target", "sway")
     robot = stage.robot("coarse", "sim")
     with robot.camera("left") as images:
@@ -296,7 +296,7 @@ def test_a_rate_out_of_range_is_wrong_usage(stage: Stage) -> None:
     assert any("30" in line for line in process.lines)
 
 
-def test_a_window_without_a_display_is_one_sentence_and_exit_code_1(stage: Stage) -> None:
+def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:
     with pytest.MonkeyPatch.context() as environment:
         environment.delenv("DISPLAY", raising=False)
         environment.delenv("WAYLAND_DISPLAY", raising=False)

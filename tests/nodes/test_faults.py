@@ -64,7 +64,7 @@ def test_one_of_several_nodes_started_together_under_a_name_serves(stage: Stage)
         assert {end.reason for end in ends if isinstance(end, Refused)} == {Reason.NAME_TAKEN}
 
 
-def test_silent_connections_do_not_keep_clients_out(stage: Stage) -> None:
+def test_silent_connections_do_not_block_clients(stage: Stage) -> None:
     _, host, port = zbus.parse_endpoint(stage.endpoint)
     silent = [socket.create_connection((host, port), 5) for _ in range(150)]
     try:
@@ -113,7 +113,7 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
         motion.wait()
     assert lost.value.reason is Reason.NODE_LOST
     stage.hardware("bea")
-    assert not robot.status().calibrated, "a new board does not know home"
+    assert not robot.status().calibrated, "the home of a restarted board is not known"
     ready(robot).look(yaw=2, speed=60)
 
 
@@ -175,7 +175,7 @@ motion.wait()
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_client_process_killed_or_frozen_in_mid_move_stops_the_robot(
+def test_the_robot_stops_if_its_client_is_killed_or_frozen_during_a_motion(
     stage: Stage, tmp_path: Path, number: signal.Signals
 ) -> None:
     (tmp_path / "goner.py").write_text(CLIENT)
@@ -191,7 +191,7 @@ def test_client_process_killed_or_frozen_in_mid_move_stops_the_robot(
     goner.end(signal.SIGKILL)
 
 
-def test_board_pulled_out_in_mid_move_and_found_again(stage: Stage, tmp_path: Path) -> None:
+def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
         stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))
@@ -215,7 +215,7 @@ def test_board_pulled_out_in_mid_move_and_found_again(stage: Stage, tmp_path: Pa
         ready(robot).look(yaw=2, speed=60)
 
 
-def test_board_reset_in_mid_move_ends_the_motion_and_forgets_home(stage: Stage) -> None:
+def test_a_reset_of_the_board_ends_the_motion_and_clears_the_calibration(stage: Stage) -> None:
     node = stage.node("bea")
     body = node.hardware
     assert isinstance(body, VirtualHardware)
@@ -315,7 +315,7 @@ def test_a_node_without_a_board_reports_it(stage: Stage, tmp_path: Path) -> None
     assert (status.fault, "plug the board in" in status.warnings[0]) == (Fault.BOARD_LOST, True)
 
 
-def test_firmware_of_another_contract_is_not_moved_but_stops(
+def test_a_board_of_another_contract_is_not_moved_but_accepts_stop(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(serial, "CONTRACT", 0xBAD)
@@ -331,7 +331,7 @@ def test_firmware_of_another_contract_is_not_moved_but_stops(
         assert "its state is unknown" in stop().message
 
 
-def test_board_without_a_node_stops_by_itself(stage: Stage, tmp_path: Path) -> None:
+def test_the_board_stops_the_arms_when_its_node_is_lost(stage: Stage, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
         process = stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))

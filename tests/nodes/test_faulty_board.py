@@ -24,8 +24,8 @@ MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 class FaultyPort:
     """The port of a faulty board.
 
-    `drops_moves`: it acknowledges MOVE and does not make it. `no_acks`: it makes MOVE and does not acknowledge it.
-    `always_moving`: its telemetry always reports MOVING.
+    `drops_moves`: it acknowledges MOVE and does not carry it out. `no_acks`: it carries out MOVE and does not
+    acknowledge it. `always_moving`: its telemetry always reports MOVING.
     """
 
     name = "faulty:"

@@ -83,7 +83,7 @@ def test_the_motion_of_a_client_without_a_token_continues_after_its_end(stage: S
     robot.stop()
 
 
-def test_the_robot_stops_such_a_motion_when_the_router_is_lost(tmp_path: Path) -> None:
+def test_the_motion_of_a_client_without_a_token_ends_when_the_router_is_lost(tmp_path: Path) -> None:
     program = tmp_path / "begin.py"
     program.write_text(BEGIN)
     with Stage() as stage:

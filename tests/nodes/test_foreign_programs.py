@@ -32,7 +32,7 @@ def robot(stage: Stage) -> Iterator[Robot]:
     """The robot, ready, without a holder."""
     robot = stage.robot("bea", "hw")
     robot.stop()
-    robot.disable()  # makes `ready` calibrate the robot in the position where the test before has left it
+    robot.disable()  # makes `ready` calibrate the robot in the position where the previous test has left it
     yield ready(robot)
     robot.stop()
     robot.client.close()
@@ -49,7 +49,7 @@ def foreign(stage: Stage) -> Iterator[zenoh.Session]:
 
 
 def answer_all(session: zenoh.Session, key: str, reply_key: str, payload: bytes) -> zenoh.Queryable[None]:
-    """A complete queryable, as `z_storage --complete` declares it; `reply_key` empty: on the key of the query."""
+    """Declare a complete queryable, like `z_storage --complete`; an empty `reply_key` is the key of the query."""
 
     def answer(query: zenoh.Query) -> None:
         with query:
@@ -86,7 +86,7 @@ def test_a_foreign_queryable_on_all_keys_blocks_no_query_to_the_robot(
         queryable.undeclare()
 
 
-def test_the_command_line_reaches_robots_past_a_foreign_queryable(stage: Stage, robot: Robot) -> None:
+def test_a_foreign_queryable_does_not_disturb_the_command_line(stage: Stage, robot: Robot) -> None:
     shell = Shell(stage.endpoint)
     with foreign(stage) as session:
         queryable = answer_all(session, "beatrix/**", "", b"hello")

@@ -18,7 +18,7 @@ SHORT_RIGHT = "short\nccw\n"
 RIGHT = SHORT_RIGHT + "middle\ncounter\nlong\nanticlockwise\n"
 AZIMUTH = "90\n"
 BACK_AT = 0.1
-"""deg: a microstep is 0.086"""
+"""Tolerance (deg); a microstep is 0.086 deg."""
 
 
 @pytest.fixture(autouse=True)
@@ -100,7 +100,7 @@ def test_three_jogs_find_wrong_plugs(stage: Stage, answers: str, advice: list[st
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_the_azimuth_is_asked_at_home(stage: Stage) -> None:
+def test_the_robot_is_at_home_for_the_question_about_the_azimuth(stage: Stage) -> None:
     stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     robot.look(yaw=10, speed=60)
@@ -108,7 +108,7 @@ def test_the_azimuth_is_asked_at_home(stage: Stage) -> None:
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_an_invalid_azimuth_is_asked_again(stage: Stage) -> None:
+def test_the_question_is_repeated_after_an_invalid_azimuth(stage: Stage) -> None:
     stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, RIGHT + "1000\nnan\nleft\n" + AZIMUTH)
@@ -130,7 +130,7 @@ def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage, tmp_
     assert "[geometry]\narm0_azimuth = 90.0" in elsewhere.stdout
 
 
-def test_motors_that_are_off_are_switched_on_for_the_board(stage: Stage) -> None:
+def test_the_refusal_with_motors_off_names_enable_for_the_hardware(stage: Stage) -> None:
     """Without --on the verbs would choose a simulation of that name."""
     stage.node("bea")
     done = jog(stage, "")
@@ -163,7 +163,7 @@ def test_input_that_ends_is_wrong_usage(stage: Stage, answers: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_input_that_ends_is_a_document_with_json(stage: Stage) -> None:
+def test_input_that_ends_prints_a_document_with_json(stage: Stage) -> None:
     stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, "", "--json")
@@ -172,7 +172,9 @@ def test_input_that_ends_is_a_document_with_json(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize("more", [(), ("--json",)])
-def test_interrupted_at_a_question_it_ends_as_all_verbs_do(stage: Stage, more: tuple[str, ...]) -> None:
+def test_ctrl_c_at_a_question_stops_the_robot_and_ends_the_program(
+    stage: Stage, more: tuple[str, ...]
+) -> None:
     stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     pipe = subprocess.PIPE

@@ -31,7 +31,7 @@ def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: P
                 assert program.read(len(due)) == due
 
 
-def test_opening_the_port_forgets_zero_and_motors(place: Place) -> None:
+def test_opening_the_port_clears_the_zero_of_the_previous_program(place: Place) -> None:
     with place.program() as program:
         program.begin()
         assert program.say("@MOVRX 20 200") == ["ACK\n", "ACK\n"]
@@ -48,7 +48,7 @@ def test_opening_the_port_forgets_zero_and_motors(place: Place) -> None:
 
 
 @pytest.mark.bodies("hw")
-def test_line_ends_and_invalid_lines(place: Place) -> None:
+def test_all_line_ends_are_accepted_and_invalid_lines_refused(place: Place) -> None:
     with place.program() as program:
         program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n  \r @COMSTATUS\r")
         assert program.read(6) == ["ACK\n"] * 6, "leading blanks are ignored"
@@ -80,7 +80,7 @@ def test_an_old_program_is_refused_during_a_lease_and_then_takes_it(place: Place
 
 
 @pytest.mark.bodies("hw")
-def test_an_old_program_does_not_switch_a_robot_that_another_seat_drives(place: Place) -> None:
+def test_an_old_program_cannot_switch_off_a_robot_that_another_seat_drives(place: Place) -> None:
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=3, speed=2, wait=False)
@@ -110,7 +110,7 @@ def test_a_robot_file_with_other_limits_is_refused_with_legacy(tmp_path: Path) -
 
 
 @pytest.mark.bodies("hw")
-def test_the_next_program_gets_no_answers_of_the_program_before(place: Place) -> None:
+def test_the_next_program_gets_no_answers_of_the_previous_program(place: Place) -> None:
     until(lambda: place.robot.status().holder == "", "free", 5.0)
     with contextlib.closing(Program(place.path).port) as port:
         port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r")

@@ -29,7 +29,7 @@ def motors_on_again(place: Place) -> Iterator[None]:
 
 
 def outcome(place: Place, since: int, action: str, phase: Phase | None = None) -> Event:
-    """The first event of an action after number `since`."""
+    """Wait for the first event of an action with a number above `since`, and return it."""
 
     def found() -> list[Event]:
         return [
@@ -41,7 +41,7 @@ def outcome(place: Place, since: int, action: str, phase: Phase | None = None) -
 
 
 def wait_calibrations(place: Place, count: int) -> None:
-    """Wait until the home was set this many times."""
+    """Wait until the status reports this number of calibrations."""
     wait_status(place.robot, lambda status: status.calibrations == count, f"calibrations are {count}")
 
 
@@ -97,7 +97,7 @@ def test_a_motion_that_is_stopped_or_not_accepted_is_in_the_event_log(place: Pla
 # -- the program closes its port ------------------------------------------------------------------
 
 
-def test_waiting_motors_off_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
+def test_a_waiting_enmotors_off_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
     until(lambda: place.robot.status().holder == "", "free", 5.0)
     with motors_on_again(place):
         with contextlib.closing(Program(place.path).port) as port:
@@ -111,7 +111,7 @@ def test_waiting_motors_off_is_carried_out_after_the_program_has_closed_its_port
         )
 
 
-def test_waiting_motors_off_is_carried_out_before_the_next_program_begins(place: Place) -> None:
+def test_a_waiting_enmotors_off_is_carried_out_before_the_next_program_begins(place: Place) -> None:
     until(lambda: place.robot.status().holder == "", "free", 5.0)
     with motors_on_again(place):
         since = place.newest_event()
@@ -173,7 +173,7 @@ def test_a_program_does_not_set_the_home_of_a_robot_that_another_seat_holds(plac
 
 
 def test_lines_sent_together_set_home_like_single_lines(place: Place) -> None:
-    """@CALNOW must not overtake the telemetry that shows what @ENMOTORS did."""
+    """@CALNOW must not overtake the telemetry that shows the effect of @ENMOTORS."""
     with place.program() as program:
         for _ in range(5):
             calibrations = place.robot.status().calibrations
@@ -225,7 +225,7 @@ def test_a_refused_line_is_explained_by_its_reason(
         wait_status(place.robot, lambda status: word in " ".join(status.warnings), "the warning")
 
 
-def test_a_motion_before_calnow_is_explained_by_that(place: Place) -> None:
+def test_the_refusal_of_a_motion_before_calnow_names_calnow(place: Place) -> None:
     with place.program() as program:
         since = place.newest_event()
         assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]

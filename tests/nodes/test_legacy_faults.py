@@ -106,7 +106,7 @@ def test_the_emergency_latch_is_the_only_reason_in_the_warning(place: Place) -> 
 
 
 def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -> None:
-    """Each motion restarts the pause (last test on `place`, because the pause of its seat has just begun)."""
+    """Each motion restarts the pause of the seat, so this must be the last test on `place`."""
     with place.program() as program:
         program.begin()
         program.port.write_timeout = 0.2
@@ -170,7 +170,7 @@ def test_an_answer_that_lost_lines_on_the_serial_link_has_its_full_length(
     program.port.close()
 
 
-def test_a_lost_board_is_answered_nack_and_its_return_forgets_the_zero(tmp_path: Path) -> None:
+def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(tmp_path: Path) -> None:
     with Stage() as stage, PtyBoard(tmp_path / "board") as board:
         sessions = Sessions(lambda: zbus.connect(stage.endpoint))
         terminal = Terminal(tmp_path / "COM4")

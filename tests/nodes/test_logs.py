@@ -24,7 +24,7 @@ def stage() -> Iterator[Stage]:
         yield made
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="pipes have no size of their own elsewhere")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux can set the size of a pipe")
 def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, SMALLEST_PIPE)
@@ -63,7 +63,7 @@ def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
         os.close(reader)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="/dev/full is Linux's")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /dev/full")
 def test_a_full_disk_is_reported_once_and_the_node_ends_cleanly(stage: Stage) -> None:
     node = stage.process(
         "hw_node",

@@ -19,10 +19,10 @@ from beatrix_zenoh.errors import BeatrixError
 from hw_node.port import SerialPort
 
 BEHIND_MS = 5.0
-"""Largest median delay behind real time on a busy machine; it is 0.1 on an idle one."""
+"""Largest median delay (ms) behind real time on a busy machine; on an idle machine it is 0.1 ms."""
 
 PATIENCE_S = 2.0
-"""Time limit of answers, long enough for a shared machine that pauses for a tenth of a second."""
+"""Time limit (s) of answers, long enough for a shared machine that pauses for a tenth of a second."""
 
 
 def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
@@ -143,7 +143,7 @@ def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) 
         stage.hardware("bea", str(tmp_path / "board"))
         again = stage.robot("bea", "hw")
         assert again.status().calibrated, "the board has kept its home"
-        again.look(yaw=40)  # with the same text as the first
+        again.look(yaw=40)  # the same request as that of the first node
         assert abs(again.positions().head.yaw - 40) < 0.2
         assert again.stop().result
 
@@ -179,7 +179,7 @@ def test_a_noisy_serial_link_delays_requests_and_causes_no_wrong_replies(mega_ro
     assert robot.positions().commanded == (0, 0, 0)
 
 
-def test_two_callers_at_once_get_their_own_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_simultaneous_callers_get_their_own_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.board.board.REPLY_S", PATIENCE_S)
     with Stage() as stage:
         stage.mega(tmp_path / "board")

@@ -50,7 +50,7 @@ def test_the_outside_view_shows_the_head(robot: Robot) -> None:
         robot.look(roll=20, speed=60)
         tilted = fresh(images)
     iris = irises(home)
-    assert abs(iris[0][1] - iris[1][1]) < 15, "both eyes of the face, level"
+    assert abs(iris[0][1] - iris[1][1]) < 15, "both irises have the same height"
     assert 60 < iris[1][0] - iris[0][0] < 160, "the face is large in the picture"
     iris = irises(tilted)
     assert iris[1][1] - iris[0][1] < -20, "the robot's right ear is down, that is at the left of the picture"

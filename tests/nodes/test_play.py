@@ -68,7 +68,7 @@ def test_in_lockstep_both_wait_for_the_slower_one(twin: Twin, begun: list[Begun]
     assert titles == ["f"] * 3
 
 
-def test_with_a_lead_the_hardware_begins_each_pose_that_much_later(twin: Twin, begun: list[Begun]) -> None:
+def test_with_a_lead_the_hardware_begins_each_pose_later_by_the_lead(twin: Twin, begun: list[Begun]) -> None:
     play(twin, POSES, lead_s=1.2)
     assert [one.twin for one in begun] == ["sim", "sim", "hw", "sim", "hw", "hw"]
     of_sim, of_hw = ([one.at_s for one in begun if one.twin == twin] for twin in ("sim", "hw"))
@@ -76,7 +76,9 @@ def test_with_a_lead_the_hardware_begins_each_pose_that_much_later(twin: Twin, b
     assert lags == pytest.approx([1.2] * 3, abs=0.2)
 
 
-def test_stop_at_one_robot_ends_it_on_both(stage: Stage, twin: Twin, begun: list[Begun]) -> None:
+def test_stop_at_one_robot_ends_the_choreography_on_both(
+    stage: Stage, twin: Twin, begun: list[Begun]
+) -> None:
     other = stage.robot("bea", "hw", "ben")
     long = Choreography([("f", Pose(0.0, 90, 0, 0, 20)), ("f", Pose(6.0, 0, 0, 0, 20))])
     with ThreadPoolExecutor(1) as pool:

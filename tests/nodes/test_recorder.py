@@ -40,7 +40,7 @@ class Lesson:
 
 
 def recorder(stage: Stage, path: Path, *options: str) -> Process:
-    """`beatrix record`, after it has begun."""
+    """Start `beatrix record` and wait until it is ready."""
     words = ("record", str(path), "--connect", stage.endpoint, *options)
     process = stage.process("beatrix_zenoh.cli", *words)
     process.expect("ready")
@@ -97,7 +97,7 @@ def test_both_robots_are_on_one_time_line(lesson: Lesson) -> None:
     for samples in lesson.recorded.robots.values():
         assert np.all(np.diff(samples.time_ns) >= 0)
         assert np.median(np.abs(samples.time_ns - samples.robot_ns)) < NEAR_NS, (
-            "a busy computer measures some offsets worse"
+            "a busy computer measures some offsets less exactly"
         )
 
 
@@ -109,7 +109,7 @@ def test_only_the_simulation_measures_its_head(lesson: Lesson) -> None:
 
 
 def along(samples: Samples, times: Nanoseconds) -> Floats:
-    """Arms and head at these times, linearly between samples."""
+    """Return the angles (deg) of arms and head at these times, shape (n, 6), interpolated linearly."""
     angles = np.hstack((samples.arms, samples.head))
     origin = samples.time_ns[0]
     return np.column_stack(
@@ -126,7 +126,7 @@ def test_the_difference_matches_the_samples(lesson: Lesson) -> None:
     assert np.max(np.abs(angles)) > 1.0  # the hardware began later and was stopped
 
 
-def test_requests_refusals_and_stops_are_text(lesson: Lesson) -> None:
+def test_requests_refusals_and_stops_are_recorded_as_text(lesson: Lesson) -> None:
     sim, hw = (lesson.recorded.events[place].texts for place in (SIM, HW))
     assert any("ana motion pose accepted" in text for text in sim)
     assert any("refused OUT_OF_REACH: The head would tilt 60.0°" in text for text in sim)
@@ -134,7 +134,7 @@ def test_requests_refusals_and_stops_are_text(lesson: Lesson) -> None:
     assert any("ended STOPPED" in text for text in hw)
 
 
-def test_states_are_bars(lesson: Lesson) -> None:
+def test_states_of_both_robots_are_recorded(lesson: Lesson) -> None:
     sim, hw = (lesson.recorded.states[place].texts for place in (SIM, HW))
     assert "moving" in sim
     assert "stopped" not in sim
@@ -242,7 +242,7 @@ def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     assert read(second).states[SIM].texts  # and each file has the state
 
 
-def test_a_robot_may_come_and_go(stage: Stage, tmp_path: Path) -> None:
+def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "guest.rrd"
     process = recorder(stage, path, "--name", "guest", "--cameras", "0")
     for _ in range(2):

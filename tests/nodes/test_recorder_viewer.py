@@ -1,4 +1,4 @@
-"""The live output with real viewers that start, freeze and end; rows never wait for them."""
+"""The live output with real viewers that start, freeze and end; it never waits for them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PICTURE = os.urandom(50_000)
 
 
 class Feed:
-    """An output that gets rows as from the recorder, with a clock as fast as possible."""
+    """An output with rows like those of the recorder, and a clock that each call of `feed` advances."""
 
     def __init__(self, port: int) -> None:
         self.messages: list[str] = []
@@ -69,7 +69,7 @@ def server(port: int, *words: str) -> Iterator[Viewer]:
 
 
 def resident_mb() -> float:
-    """Memory of this process, MB."""
+    """Memory of this process (MB)."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
@@ -100,7 +100,7 @@ def test_a_viewer_that_starts_later_gets_all_later_rows(tmp_path: Path) -> None:
 
 
 def samples_in(path: Path) -> int:
-    """Positions in a file that is being written."""
+    """Return the number of positions in a file that is being written; 0 if it cannot be read yet."""
     try:
         return len(read(path).robots[SIM].time_ns)
     except Refused:

@@ -36,7 +36,7 @@ RMS_DEG = 1.0
 
 
 def following(text: str) -> Following:
-    """The targets for a motion file."""
+    """Return the targets that follow the path of a motion file."""
     return follow(path_of(motion_file.parse(text, "nod.csv"), Neck()), ROBOT)
 
 
@@ -48,11 +48,11 @@ def steps(robot: Robot) -> Steps:
 def recorded_during(
     stage: Stage, seconds: float, do: Callable[[], object]
 ) -> tuple[LiveRecording, LiveRecording]:
-    """Recordings of both robots during a call."""
+    """Record both robots for `seconds` during a call; return the recordings of simulation and hardware."""
     robots = [stage.robot("bea", twin, "eve") for twin in ("sim", "hw")]
     with ThreadPoolExecutor(1) as pool:
         recording = pool.submit(record_robots, robots, seconds)
-        until(recording.running, "it listens")
+        until(recording.running, "the recording has begun")
         do()
         sim, hw = recording.result(seconds + 20)
     return sim, hw
@@ -115,7 +115,7 @@ def test_a_recording_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> No
     assert max(axis.rms_after for axis in off_path(sim, played).axes[:3]) < RMS_DEG
 
 
-def test_the_robots_first_move_to_the_begin_of_the_path(twin: Twin) -> None:
+def test_the_robot_first_moves_to_the_start_of_the_path(twin: Twin) -> None:
     passed: list[float] = []
     replay(twin.hw, following("t_s,yaw_deg,pitch_deg,roll_deg\n5,10,0,0\n5.5,12,0,0\n"), passed.append)
     assert twin.hw.positions().commanded == pytest.approx((12,) * 3, abs=0.1)
@@ -136,7 +136,7 @@ def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
 SLOW = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n20,60,0,0\n"
 
 
-def test_stop_by_another_seat_ends_it_on_both(stage: Stage, twin: Twin) -> None:
+def test_stop_by_another_seat_ends_the_replay_on_both(stage: Stage, twin: Twin) -> None:
     other = stage.robot("bea", "sim", "ben")
     with ThreadPoolExecutor(1) as pool:
         played = pool.submit(replay, twin, following(SLOW))

@@ -36,7 +36,7 @@ def stage() -> Iterator[Stage]:
 
 
 def refused(robot: Robot) -> bool:
-    """Send a motion; a late notice that this client was lost may end it."""
+    """Send a motion; return whether it fails. A late notice that this client was lost may end it."""
     try:
         robot.look(yaw=1, speed=60)
     except (Refused, NoAnswer, Interrupted):
@@ -61,7 +61,7 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
         router = zbus.open_router(endpoint)
         until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
         assert robot.status().calibrated, "the robot kept its state"
-        until(lambda: not refused(robot), "the seat is known again", 5.0)
+        until(lambda: not refused(robot), "the seat is connected again", 5.0)
     finally:
         client.close()
         node.close()
@@ -86,7 +86,7 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
         again.expect("ready")
         until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
         node.expect(f"The router at {endpoint} is connected again.")
-        until(lambda: not refused(robot), "the seat is known again", 5.0)
+        until(lambda: not refused(robot), "the seat is connected again", 5.0)
 
 
 def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
@@ -119,7 +119,7 @@ def test_a_frozen_router_counts_as_lost(stage: Stage) -> None:
             until(lambda: not node.context.snapshot.status().moving, "stopped after the lease of 2 s", 10.0)
             assert 0 < node.context.controller.arms()[0] < math.radians(100), "not at its goal"
             router.send(signal.SIGCONT)
-            until(lambda: not refused(robot), "all are back", 10.0)
+            until(lambda: not refused(robot), "all sessions are connected again", 10.0)
     finally:
         node.close()
 
@@ -147,7 +147,7 @@ def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -
                 began = time.monotonic()
                 done = shell.run(verb)
                 assert (done.returncode, bool(re.search(sentence, done.stderr))) == (3, True), done.stderr
-                assert time.monotonic() - began < 6.0, "10 s before"
+                assert time.monotonic() - began < 6.0, "an earlier version took 10 s"
     finally:
         router.send(signal.SIGCONT)
         node.close()
@@ -203,7 +203,7 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(
 
 
 @pytest.mark.parametrize("traffic", ["control", "motion", "queries"])
-def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, traffic: str) -> None:
+def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Stage, traffic: str) -> None:
     node = stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     stream = robot.stream()
@@ -216,7 +216,7 @@ def test_a_session_that_the_router_has_forgotten_is_renewed(stage: Stage, traffi
             declared.undeclare()  # type: ignore[attr-defined]  # as after a reconnection that lost them
     until(
         lambda: any("has connected again" in warning for warning in node.context.diagnostics.warnings()),
-        "noticed",
+        "the node warns of the loss",
         10.0,
     )
     until(lambda: bool(forgotten.is_closed()), "the router has no declarations of the session")

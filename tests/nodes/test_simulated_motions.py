@@ -26,7 +26,7 @@ def test_a_refused_pose_moves_nothing() -> None:
     assert bench.firmware.pulses() == (0, 0, 0)
 
 
-def test_jumps_past_the_node_never_leave_the_home_assembly() -> None:
+def test_jumps_without_the_checks_of_the_node_never_leave_the_home_assembly() -> None:
     """Commands sent directly to the firmware, at full speed, from one extreme to the other."""
     bench = bench_poses.Bench()
     for number, target in enumerate(

@@ -32,7 +32,7 @@ LOCAL, CONTROL = 3, 6
 
 
 class Listener:
-    """Records the calls of its methods; `opened` and `received` wait for a permit of `free`."""
+    """Records the calls of its methods; `opened` and `received` wait for the semaphore `free`."""
 
     def __init__(self, terminal: Terminal) -> None:
         self.events: list[str] = []
@@ -54,14 +54,14 @@ class Listener:
         self.events.append("closed")
 
     def expect(self, *events: str) -> None:
-        """Wait until exactly these events have come since the last call."""
+        """Wait until exactly these events have arrived since the last call."""
         until(lambda: len(self.events) >= len(events), f"events {events}, not {self.events[:9]}")
         assert self.events == list(events)
         self.events.clear()
 
 
 class Program:
-    """Opens the terminal without changing its settings, as pyserial would."""
+    """Opens the terminal without changing its settings, unlike pyserial."""
 
     def __init__(self, path: Path) -> None:
         self.at = os.open(path, os.O_RDWR | os.O_NOCTTY)

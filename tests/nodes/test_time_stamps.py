@@ -20,7 +20,7 @@ CLOCK_SD_S = 0.001
 
 
 def recorded(robot: Robot, *yaws: float) -> list[Positions]:
-    """Recording of a robot that looks to both sides."""
+    """Return the positions that a robot publishes while its head turns to these yaws (deg), and move it home."""
     with robot.positions_stream() as stream:
         stream.next(5.0)
         for yaw in yaws:
@@ -36,14 +36,16 @@ def test_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, twin: str) 
     turn = recorded(ready(stage.robot("bea", twin)), 90)
     steady = [
         at for at in turn if 25 < np.degrees(at.commanded.x) < 65
-    ]  # before and behind it the arms accelerate
+    ]  # outside these angles the arms accelerate
     assert len(steady) > 15
     times = np.array([at.t_mono_ns / 1e9 for at in steady])
     angles = np.degrees([at.commanded.x for at in steady])
     rate, offset = np.polyfit(times - times[0], angles, 1)
     assert rate == pytest.approx(SPEED_DEG_S, rel=0.01)
     errors_s = (angles - offset) / rate - (times - times[0])
-    assert statistics.stdev(errors_s.tolist()) < CLOCK_SD_S, "0.3 ms of it are whole microsteps"
+    assert statistics.stdev(errors_s.tolist()) < CLOCK_SD_S, (
+        "rounding to whole microsteps causes 0.3 ms of it"
+    )
 
 
 def test_head_measured_matches_the_physics(stage: Stage) -> None:

@@ -1,4 +1,4 @@
-"""Both robots of one name: previewed, then the simulation first, then the hardware."""
+"""Motions of both robots of one name: a preview, then the simulation, then the hardware."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from beatrix_zenoh.client.robot import stop_together
 
 @pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots at home."""
+    """Both robots, enabled and calibrated, without a latch."""
     with Twin("bea", connect=stage.endpoint, who="ana") as made:
         made.stop()
         made.sim.reset()
@@ -97,7 +97,7 @@ def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
         plan.commit()
 
 
-def test_a_relative_plan_needs_robots_at_one_position_an_absolute_one_does_not(twin: Twin) -> None:
+def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> None:
     twin.hw.look(yaw=20, speed=60)
     with pytest.raises(Refused, match=r"20\.\d° apart"):
         twin.preview(yaw=5, relative=True)
@@ -127,7 +127,7 @@ def test_an_impossible_plan_is_refused_before_a_robot_moves(twin: Twin) -> None:
     assert refusal.value.reason is Reason.ARM_GAP
 
 
-def test_arms_can_be_previewed_too(twin: Twin) -> None:
+def test_a_motion_of_the_arms_can_be_previewed_too(twin: Twin) -> None:
     plan = twin.preview_arms(10, 10, 10, speed=60)
     assert plan.path.head[-1] == pytest.approx((10, 0, 0), abs=0.3)
     plan.commit()
@@ -160,7 +160,9 @@ def test_the_verdict_of_a_preview_mentions_hardware_that_may_not_move(twin: Twin
     assert "But the hardware may not move now: The motors are off" in twin.preview(yaw=10).verdict
 
 
-def test_neither_robot_is_switched_while_another_seat_drives_one_of_them(stage: Stage, twin: Twin) -> None:
+def test_neither_robot_is_enabled_or_calibrated_while_another_seat_drives_one_of_them(
+    stage: Stage, twin: Twin
+) -> None:
     teacher = stage.robot("bea", "hw", "teacher")
     teacher.look(yaw=2, speed=60)
     calibrations = twin.sim.status().calibrations
@@ -193,7 +195,7 @@ def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     assert commanded(twin.sim)[0] < 30
 
 
-def test_stopping_one_stops_the_other(stage: Stage, twin: Twin) -> None:
+def test_stop_at_one_robot_stops_the_other(stage: Stage, twin: Twin) -> None:
     other = stage.robot("bea", "hw", "ben")
     plan = twin.preview(yaw=90)
     ended: list[Interrupted] = []
@@ -243,7 +245,7 @@ def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
         assert other.positions().commanded.short < 60
 
 
-def test_commit_waits_for_slower_hardware_and_reports_it(twin: Twin) -> None:
+def test_the_preview_reports_hardware_far_away_and_commit_waits_for_it(twin: Twin) -> None:
     twin.hw.look(yaw=150, speed=60)
     plan = twin.preview_arms(0, 0, 0)
     assert "The hardware stands 150.0° away" in plan.verdict
@@ -270,7 +272,7 @@ def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage,
     until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
 
 
-def test_a_preview_without_motors_is_refused_like_the_motion(twin: Twin) -> None:
+def test_a_preview_with_motors_off_is_refused_like_the_motion(twin: Twin) -> None:
     twin.sim.disable()
     with pytest.raises(Refused, match="enable"):
         twin.preview(yaw=5)

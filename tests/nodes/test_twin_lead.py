@@ -1,4 +1,4 @@
-"""The lead of the simulation: motions that reach the hardware later, and cancellations before."""
+"""The lead of the simulation: motions that are sent to the hardware later, or cancelled before that."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def steps(robot: Robot) -> Steps:
 
 
 def number_of_a_motion(twin: Twin) -> int:
-    """Number of the hardware's last motion: a node starts with a random number and counts up."""
+    """Make a motion; return its number at the hardware, because a node starts with a random number and counts up."""
     twin.look(yaw=1, speed=60)
     return twin.hw.status().motion
 
@@ -148,7 +148,7 @@ def test_the_hardware_follows_after_the_lead_and_the_lag_is_measured(
     assert text.endswith(" s after the simulation; lead 1.000 s.")
 
 
-def test_a_plan_committed_within_the_lead_replaces_the_one_before(twin: Twin) -> None:
+def test_a_plan_committed_within_the_lead_replaces_the_previous_one(twin: Twin) -> None:
     number = number_of_a_motion(twin)
     first = twin.preview(yaw=60, speed=30).commit(lead_s=5, wait=False)
     moves(twin.sim)
@@ -162,7 +162,7 @@ def test_a_plan_committed_within_the_lead_replaces_the_one_before(twin: Twin) ->
 
 
 @pytest.mark.parametrize("side", ["sim", "hw"])
-def test_stop_at_either_robot_within_the_lead_ends_it(stage: Stage, twin: Twin, side: str) -> None:
+def test_stop_at_either_robot_within_the_lead_ends_the_motion(stage: Stage, twin: Twin, side: str) -> None:
     before = steps(twin.hw)
     other = stage.robot("bea", side, "ben")
     motion = twin.preview(yaw=90).commit(lead_s=5, wait=False)
@@ -206,7 +206,7 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
 
 
-def test_send_now_makes_the_checks_of_the_end_of_the_lead(twin: Twin) -> None:
+def test_send_now_checks_the_robots_as_at_the_end_of_the_lead(twin: Twin) -> None:
     number = number_of_a_motion(twin)
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
     disable(twin.hw)
@@ -216,7 +216,7 @@ def test_send_now_makes_the_checks_of_the_end_of_the_lead(twin: Twin) -> None:
     assert twin.hw.status().motion == number
 
 
-def test_send_now_returns_false_before_the_begin_and_after_a_cancel(twin: Twin) -> None:
+def test_send_now_returns_false_before_the_start_and_after_a_cancel(twin: Twin) -> None:
     assert not TwinMotion(twin.sim, twin.hw, pose_query(1, 0, 0, relative=False, speed=None), 2.0).send_now()
     before = steps(twin.hw)
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
@@ -306,7 +306,7 @@ def test_a_preview_and_a_commit_send_three_queries(twin: Twin, monkeypatch: pyte
     )
 
 
-def test_targets_at_20_hz_reach_both_and_the_last_one_wins(twin: Twin) -> None:
+def test_targets_at_20_hz_are_sent_to_both_robots_and_the_last_is_reached(twin: Twin) -> None:
     pause = threading.Event()
     motions = []
     for index in range(60):
@@ -321,7 +321,7 @@ def test_targets_at_20_hz_reach_both_and_the_last_one_wins(twin: Twin) -> None:
     assert reasons == {Reason.REPLACED}
 
 
-def test_arms_follow_too_and_positions_are_those_of_both(twin: Twin) -> None:
+def test_move_turns_the_arms_of_both_robots(twin: Twin) -> None:
     assert not twin.move(5, 5, 5, speed=60, wait=False).done()
     twin.move(10, 5, 0, speed=(60, 30, 10))
     assert (
@@ -329,7 +329,7 @@ def test_arms_follow_too_and_positions_are_those_of_both(twin: Twin) -> None:
     )
 
 
-def test_a_target_that_one_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:
+def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:
     twin.look(yaw=60, wait=False)
     stage.robot("bea", "hw", "ben").stop()
     with pytest.raises((Refused, Interrupted)):

@@ -1,4 +1,4 @@
-"""USB cameras of a hardware node: real library, structures and calls; the test gives the kernel's answers."""
+"""USB cameras of a hardware node: real library, structures and calls; the test replies instead of the kernel."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from beatrix_zenoh.client import Subscription
 from beatrix_zenoh.client.camera import CameraImage
 from hw_node.cameras import jpeg
 
-pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="V4L2 is Linux's")
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has V4L2")
 
 PICTURE: bytes = simplejpeg.encode_jpeg(
     np.random.default_rng(1).integers(0, 8, (480, 640, 3), np.uint8), quality=40
@@ -78,7 +78,7 @@ def streams(camera: FakeCamera, images: Subscription[CameraImage], picture: byte
     return found[-1]
 
 
-def test_pictures_pass_through_untouched_with_the_time_of_their_exposure(
+def test_pictures_are_published_unchanged_with_the_time_of_their_exposure(
     left: FakeCamera, robot: Robot
 ) -> None:
     with robot.camera("left") as images:
@@ -104,7 +104,7 @@ def test_missing_huffman_tables_are_added(left: FakeCamera, robot: Robot) -> Non
     assert np.array_equal(pixels, wanted)
 
 
-def test_a_damaged_picture_is_left_out(left: FakeCamera, robot: Robot) -> None:
+def test_a_damaged_picture_is_not_published(left: FakeCamera, robot: Robot) -> None:
     with robot.camera("left") as images:
         before = streams(left, images)
         left.send(PICTURE[:1000], damaged=True)
@@ -162,7 +162,7 @@ def test_a_bus_without_bandwidth_gets_half_the_rate(left: FakeCamera, robot: Rob
     assert "15 pictures a second" in event.message
 
 
-def test_two_cameras_deliver_side_by_side(
+def test_two_cameras_stream_at_the_same_time(
     cameras: dict[str, FakeCamera], left: FakeCamera, robot: Robot
 ) -> None:
     with robot.camera("left") as lefts, robot.camera("right") as rights:

@@ -58,7 +58,7 @@ def driver(browser: WebClient, robot: Robot) -> Iterator[WebSocket]:
 
 
 def resting(state: dict[str, Any]) -> bool:
-    """Whether a state shows that no motion is running."""
+    """Return whether a state shows that no motion is running."""
     return not state["robot"]["status"]["moving"]
 
 
@@ -81,7 +81,7 @@ def hold_button(
 
 
 def jog(page: WebSocket, part: str, moved: float) -> None:
-    """Hold a button until its angle has changed by `moved` deg."""
+    """Hold the + button of an axis until its absolute angle is above `moved` (deg)."""
     index = ("yaw", "pitch", "roll").index(part)
     hold_button(
         page,
@@ -111,7 +111,7 @@ def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, r
     assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
 
 
-def test_a_jog_ends_at_the_limit_with_a_sentence(driver: WebSocket, robot: Robot) -> None:
+def test_a_jog_ends_at_the_limit_with_a_refusal(driver: WebSocket, robot: Robot) -> None:
     refused = hold_button(driver, "pitch", lambda message: message.get("control") == "pitch", "a refusal")
     assert "at most 35.0° is allowed" in refused["text"]
     driver.state(resting, "at rest")
@@ -211,7 +211,7 @@ def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, st
     other.close()
 
 
-def test_a_robot_that_is_not_there_is_refused(browser: WebClient) -> None:
+def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
     page = browser.connect()
     page.send("watch", robot="bea9", twin="sim")
     assert "There is no robot bea9" in page.outcome("robot")["text"]
@@ -300,4 +300,4 @@ def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Ro
     assert socket.read() is not None
     until(streaming, "the cameras work")
     socket.close()
-    until(lambda: not streaming(), "the cameras rest")
+    until(lambda: not streaming(), "the cameras stop")

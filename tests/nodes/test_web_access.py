@@ -70,7 +70,7 @@ def test_web_sockets_of_foreign_pages_are_refused(
     assert (code, sentence.endswith(".")) == (403, True)
 
 
-def test_a_rebound_name_gets_no_page(browser: WebClient) -> None:
+def test_a_request_with_a_rebound_host_name_gets_no_page(browser: WebClient) -> None:
     response = browser.fetch("/", Host=f"evil.example:{browser.port}")
     assert response.code == 403
     assert "Open the address that `beatrix web` has printed" in response.body.decode()
@@ -144,7 +144,7 @@ def test_too_many_connections_of_an_address_are_refused_with_a_reason(
         reply = made[ADDRESS_MAX].recv(4096).decode()
         assert reply.startswith("HTTP/1.1 503 ")
         assert reply.endswith(ADDRESS_FULL)
-        assert made[-1].recv(1) == b""  # closed, as many wait for their reply to be read
+        assert made[-1].recv(1) == b""  # closed without a reply, because many replies are unread
         for one in made:
             one.close()
         with WebClient(port) as browser:
@@ -165,7 +165,7 @@ def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]
         yield made
 
 
-def test_the_page_is_behind_the_pin(locked: WebClient) -> None:
+def test_the_page_needs_the_pin(locked: WebClient) -> None:
     assert 'name="pin"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
     wrong = locked.log_in("000000")
@@ -209,7 +209,7 @@ def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
         (("--connect", "tcp/127.0.0.1:{port}", "--port", "{free}"), 3, "router"),
     ],
 )
-def test_the_error_of_the_verb_names_why_it_cannot_serve(
+def test_the_error_of_the_verb_names_the_cause(
     stage: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
 ) -> None:
     given = [word.format(port=port, free=free_port()) for word in words]

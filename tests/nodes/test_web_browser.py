@@ -29,7 +29,7 @@ def robot(stage: Stage) -> Robot:
 
 @pytest.fixture
 def serving_page(monkeypatch: pytest.MonkeyPatch) -> Iterator[contextlib.ExitStack]:
-    """Ends the server of the page."""
+    """A stack that ends the server of the page when it closes."""
     monkeypatch.setattr(server, "ALL", server.LOOPBACK)  # tests stay on loopback
     with contextlib.ExitStack() as ending:
         yield ending
@@ -37,7 +37,7 @@ def serving_page(monkeypatch: pytest.MonkeyPatch) -> Iterator[contextlib.ExitSta
 
 @pytest.fixture
 def browser(stage: Stage, serving_page: contextlib.ExitStack, tmp_path: Path) -> Iterator[Browser]:
-    """A browser with the page, after the PIN, on a telephone's screen."""
+    """A browser that has opened the page with the PIN, with the screen size of a telephone."""
     port = serving_page.enter_context(serving(stage.endpoint, pin=PIN))
     with Browser(tmp_path, (360, 640)) as made:
         made.open(f"http://127.0.0.1:{port}/")
@@ -52,7 +52,7 @@ def far(robot: Robot, angle: float) -> bool:
     return robot.positions().head.yaw > angle
 
 
-def test_a_pupil_drives_from_a_browser(
+def test_a_student_drives_from_a_browser(
     browser: Browser, robot: Robot, serving_page: contextlib.ExitStack
 ) -> None:
     browser.click("#yaw-plus")
@@ -66,7 +66,7 @@ def test_a_pupil_drives_from_a_browser(
     browser.press("#yaw-plus")
     until(lambda: far(robot, 3.0), "a held button moves the head")
     browser.release("#yaw-plus")
-    browser.wait(lambda: browser.text("#state") == "Ready", "let go")
+    browser.wait(lambda: browser.text("#state") == "Ready", "the robot rests")
     yaw = robot.positions().head.yaw
     browser.wait(lambda: browser.text("#value-yaw") == f"{yaw:.1f}°", "the angle is shown")
 
@@ -85,7 +85,7 @@ def test_a_pupil_drives_from_a_browser(
     stop = "(({bottom, width, height}) => [bottom, width, height])(document.querySelector('#stop').getBoundingClientRect())"
     for width, height in ((360, 640), (1366, 768)):
         browser.resize(width, height)
-        assert browser.run("document.documentElement.scrollWidth <= innerWidth"), "nothing is cut"
+        assert browser.run("document.documentElement.scrollWidth <= innerWidth"), "nothing is cut off"
         box = browser.run(stop)
         assert box[0] == height
         assert box[1] >= width - 20
