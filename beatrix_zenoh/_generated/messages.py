@@ -72,7 +72,7 @@ class Reason(StrEnum):
     NO_SUCH_ROBOT = "NO_SUCH_ROBOT"
     """No robot of this name is on line, but others are."""
     NODE_LOST = "NODE_LOST"
-    """The robot was on line and is not any more: its node has crashed, ended, frozen or lost its router."""
+    """The robot is no longer on line: its node has crashed, ended or frozen, or has lost its router."""
     NODE_FROZEN = "NODE_FROZEN"
     """The robot is on line, but its node neither answers nor publishes."""
     TIMED_OUT = "TIMED_OUT"
@@ -115,7 +115,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
     Reason.NO_ANSWER: "No answer: the robot is not on line.",
     Reason.NO_SUCH_ROBOT: "No robot of this name is on line, but others are.",
-    Reason.NODE_LOST: "The robot was on line and is not any more: its node has crashed, ended, frozen or lost its router.",
+    Reason.NODE_LOST: "The robot is no longer on line: its node has crashed, ended or frozen, or has lost its router.",
     Reason.NODE_FROZEN: "The robot is on line, but its node neither answers nor publishes.",
     Reason.TIMED_OUT: "The robot is on line, but did not answer in time.",
     Reason.ACCESS_DENIED: "The router's access rules refuse this request from this account.",

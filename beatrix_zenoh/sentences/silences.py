@@ -43,8 +43,8 @@ ENGLISH: Final[Mapping[Key, str]] = {
         "themselves. Look at the output of the node, then start it again."
     ),
     (Reason.NODE_LOST, None, "back"): (
-        "{field} lost this request and is on line again: its node was frozen or was restarted, or had lost the router. "
-        "Its arms have stopped by themselves. Look at the output of the node, then try again."
+        "{field} was lost during this request and is on line again: its node was frozen or restarted, or had lost the "
+        "router. Its arms have stopped by themselves. Look at the output of the node, then try again."
     ),
     (Reason.NODE_FROZEN, None, ""): (
         "The robot is on line, but its node is frozen. End the node and start it again."
@@ -109,7 +109,7 @@ GERMAN: Final[Mapping[Key, str]] = {
         "verloren. Seine Arme halten von selbst an. Sieh dir die Ausgabe des Knotens an, dann starte ihn wieder."
     ),
     (Reason.NODE_LOST, None, "back"): (
-        "{field} hat diese Anfrage verloren und ist wieder da: Sein Knoten war eingefroren oder wurde neu gestartet, oder "
+        "{field} war während dieser Anfrage weg und ist wieder da: Sein Knoten war eingefroren oder wurde neu gestartet, oder "
         "er hatte den Router verloren. Seine Arme haben von selbst angehalten. Sieh dir die Ausgabe des Knotens an, dann "
         "versuche es wieder."
     ),

@@ -245,7 +245,7 @@ def test_a_robot_that_lost_the_request_and_is_on_line_again_is_not_called_new(le
         bus.serve(keys.command("bea2", HW, "*"), lose)
         bus.declare_token(keys.alive("bea2", HW))
         settled(bus)
-        with pytest.raises(NoAnswer, match="lost this request and is on line again") as caught:
+        with pytest.raises(NoAnswer, match="was lost during this request and is on line again") as caught:
             enable(Case(lesson.router.account("ana"), "bea2"), PATIENCE_S)
         for timer in received:
             timer.join()

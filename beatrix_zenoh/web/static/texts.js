@@ -76,7 +76,7 @@ export const TEXTS = {
   "eye.1": "right eye",
   "eyes.off": "Tick the box to switch the cameras on.",
   "eyes.none": "This robot has no cameras.",
-  "eyes.waiting": "The page waits for pictures.",
+  "eyes.waiting": "The page is waiting for pictures.",
 
   "stop": "STOP",
   "stop.keys": "Space, Esc",
