@@ -113,7 +113,7 @@ def parse(text: str, called: str) -> Account:
         raise _wrong(called, _cause(table, str(error))) from error
     names.check_name(account.name, "account")
     if not (account.password or (account.authority and account.certificate and account.key)):
-        raise _wrong(called, "it holds neither a password nor a certificate")
+        raise _wrong(called, "it contains neither a password nor authority, certificate and key")
     return account
 
 

@@ -25,7 +25,7 @@ class StepperDrive:
 
     def __init__(self, drive: Drive = ROBOT.drive) -> None:
         self._gear = Gear(drive)
-        # An angle of the arms, not of the motors: the gear contains the sign of a motor's direction.
+        # The electrical cycle as an angle of an arm (rad). It is positive, because Gear applies the direction of a motor.
         self._cycle = math.tau / (drive.full_steps * drive.gear_ring / drive.gear_pinion / CYCLE_FULL_STEPS)
         self._signs = drive.sign
         self._pulses: Counts = (0, 0, 0)

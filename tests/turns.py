@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 class Turns:
-    """Lets tests run side by side, and a test that needs the computer alone run by itself.
+    """Lets tests run in parallel, and a test that needs exclusive use of the computer run by itself.
 
     Such a test waits for the running tests, and later tests wait for it. The system frees the locks of a process that
     is killed, and pytest-timeout ends one that hangs.
@@ -24,7 +24,7 @@ class Turns:
         """Wait for the turn of a test, and keep it until the block ends."""
         with self._running.open("w") as running:
             with self._next.open("w") as begins:
-                # Without this lock, other tests would always begin before a test that needs the computer alone.
+                # Without this lock, new tests could delay a test that needs exclusive use indefinitely.
                 fcntl.flock(begins, fcntl.LOCK_EX)
                 fcntl.flock(running, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
             yield

@@ -65,9 +65,9 @@ def played(twin: Twin) -> tuple[list[Positions], list[Positions]]:
 
 
 def begins(positions: Sequence[Positions], brackets: Sequence[tuple[float, float]]) -> list[float]:
-    """Return the start of each motion (s), from the law of an arm that starts at rest: distance = a/2 t^2.
+    """Return the start time of each motion (s), computed from distance = a/2 t^2 for an arm that starts at rest.
 
-    The arm with the longest distance accelerates at the limit; each sample of its first degrees gives the start.
+    The arm that moves furthest accelerates at the limit. The result is the mean over its samples within EARLY_DEG.
     """
     recorded = recording(positions)
     assert recorded.commanded is not None

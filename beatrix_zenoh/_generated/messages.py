@@ -372,11 +372,11 @@ class Detail(Struct, frozen=True, kw_only=True):
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
     field: str = ""
-    """the wrong field or word of the request; speed_limit: the limit is the teacher's"""
+    """the wrong field or word of the request; the value speed_limit means that the teacher set the limit"""
     known: list[str] = []
     """values that are allowed instead"""
     holder: str = ""
-    """seat that holds the robot; of ACCESS_DENIED the account that is refused"""
+    """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not on line, the account that may not start it"""
     wait_s: Float32 | None = None
     """time after which the same request may succeed [s]"""
     needs: list[str] = []

@@ -125,7 +125,7 @@ def bind(port: int, address: str) -> socket.socket:
 
 
 def application(context: Context) -> web.Application:
-    """Return the application with all addresses of the server."""
+    """Return the Tornado application with all routes of the server."""
     shared = {"context": context}
     return web.Application(
         [

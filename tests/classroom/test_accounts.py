@@ -263,7 +263,7 @@ def test_join_reads_an_account_from_standard_input(
         ),
         (
             'class = "8b"\nname = "ana"\nrole = "student"\nconnect = "tcp/h:1"\n',
-            "it holds neither a password",
+            "it contains neither a password",
         ),
     ],
 )

@@ -59,7 +59,7 @@ class ReceiveBuffer {
   // Bytes lost or discarded since start, at most 255.
   uint8_t bytes_lost() const { return at_most_255(uint16_t(overruns_ + discarded_)); }
 
-  // Return whether stop frames have acted and wait for their turn.
+  // Return whether any stop frame was executed early, and the bytes before it have not been read yet.
   bool has_stops() const { return stop_count_ != 0; }
   bool has_emergency() const;
   // Return whether the main loop has read all bytes up to the end of the first stop frame, or has discarded the frame.
