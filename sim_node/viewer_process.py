@@ -76,5 +76,5 @@ def main(words: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    # Skip the exit of the interpreter: the threads of the window would crash in it.
+    # Skip the shutdown of the interpreter, during which the threads of the viewer would crash.
     os._exit(main(sys.argv[1:]))

@@ -101,7 +101,7 @@ class Publication:
         )
         on_subscribed = self._on_subscribed
         if on_subscribed is not None:
-            # The listener ends with the publisher. Zenoh does not call it for a new session without subscribers.
+            # The listener ends with the publisher. For a new session, Zenoh does not call it if the key has no subscribers.
             changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: on_subscribed(), indirect=False)
             self._publisher.declare_matching_listener(changed)
             on_subscribed()

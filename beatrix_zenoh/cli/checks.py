@@ -46,7 +46,7 @@ class Finding(NamedTuple):
         return "todo" if self.todo else "advice" if self.advice else "ok"
 
     def as_row(self) -> dict[str, str]:
-        """The finding as JSON."""
+        """Return the fields of the finding, for JSON output."""
         return {**self._asdict(), "state": self.state}
 
 

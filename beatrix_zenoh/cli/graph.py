@@ -46,7 +46,7 @@ def graph(
 
 
 def as_row(program: Program) -> dict[str, object]:
-    """A program as JSON."""
+    """Return the fields of a program, for JSON output."""
     return {
         "title": program.title,
         "serves": sorted(program.serves),

@@ -77,7 +77,10 @@ def fingerprint(robot: RobotData) -> str:
 
 
 def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str, object]]:
-    """Yield table, field and value of each entry; raises Refused for unknown or fixed fields and for wrong types."""
+    """Yield the table, field and value of each entry.
+
+    Raises Refused for unknown tables, for unknown or fixed fields, and for values of the wrong type.
+    """
     for table, values in given.items():
         if table not in known or not isinstance(values, dict):
             raise Refused(

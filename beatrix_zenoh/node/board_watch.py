@@ -21,7 +21,7 @@ BOARD_READY_S = 1.7
 
 
 class Observer(NamedTuple):
-    """The callbacks of a part of the node that follows the board; `observe` runs on the controller's thread."""
+    """Callbacks for changes of the board's state, and their priority; `observe` runs on the controller's thread."""
 
     observe: Callable[[], None]
     overdue: Callable[[], bool]

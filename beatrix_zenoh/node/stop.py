@@ -201,7 +201,7 @@ class Rest:
     def wait(self, handles: list[RequestHandle]) -> None:
         """Reply to these clients when the arms rest."""
         if not self._moving:
-            # Queries without events repeat presses whose puts have just been handled: the outcome is the same.
+            # A query without events belongs to a press whose put was handled just before: it gets the outcome of that put.
             same_press = all(handle.events is None for handle in handles)
             self._end(handles, self._how if same_press else AT_REST)
             return

@@ -149,7 +149,7 @@ class Hub:
     # -- driving -------------------------------------------------------------------------------------
 
     def drive(self, page: Page, name: str) -> None:
-        """Take the robot of a page, or wait for it, under a seat of this name."""
+        """Start a driver that takes the robot of a page or waits for it; its seat is that of the account, or has `name`."""
         if page.driver is not None or page.place is None:
             return
         account = self.settings.account

@@ -61,7 +61,7 @@ ENGLISH: Final[dict[str, str]] = {
     "plan.send_now": "Send now",
     "plan.send_now_tip": "Send the motion to the hardware without waiting any longer.",
     "plan.change": "Change",
-    "plan.change_tip": "Keep the hardware where it is, and set the target on the pad again.",
+    "plan.change_tip": "Keep the hardware where it is, and show the target on the pad again, so that you can change it.",
     "plan.abort": "Abort",
     "plan.abort_tip": "End the motion. The hardware stays where it is, or stops if it moves already.",
     # -- commands

@@ -122,7 +122,7 @@ def hello(avr: Avr) -> HelloReply | None:
     return HelloReply.unpack(frames[0].payload) if frames else None
 
 
-def test_a_new_board_is_flashed_verified_and_answers() -> None:
+def test_a_new_board_answers_after_flashing_and_verification() -> None:
     progress: list[tuple[str, int, int]] = []
     with board() as avr:
         put(BenchWire(avr), show_progress=lambda *report: progress.append(report))

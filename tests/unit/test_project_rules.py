@@ -174,7 +174,7 @@ def test_generated_files_are_up_to_date() -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_versions_are_pinned_by_name_and_not_by_address() -> None:
+def test_the_constraints_contain_no_urls() -> None:
     text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
     assert "://" not in text
     assert " @ " not in text
