@@ -30,7 +30,7 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs that are connected to the router, and their keys."""
+    """Show the programs at the router, and their keys."""
     with Client(resolve(None, connect, who)) as client:
         programs, endpoint = network.read(client), client.bus.endpoint
     if svg is not None:

@@ -44,8 +44,9 @@ def lease(
     who: Who = None,
     on: On = None,
 ) -> None:
-    """Take a robot, so that only your seat and the teacher can move it, or give it back.
+    """Take a robot, or give it back.
 
+    Only the seat that has taken a robot and the teacher can move it.
     While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows the holder.
     """
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:

@@ -50,7 +50,10 @@ def top(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show robots and seats live, with head angles (degrees), rates and drivers. Ends with Ctrl-C."""
+    """Show robots and seats live: angles, rates and drivers.
+
+    The angles are those of the head (degrees). Ctrl-C ends the table.
+    """
     with Client(resolve(None, connect, who)) as client:
         monitor = Monitor(client)
         seats = Seats(client)

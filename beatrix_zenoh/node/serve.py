@@ -38,9 +38,8 @@ def serve(
 ) -> int:
     """Serve a robot until a signal arrives; return the exit code: 1 after an uncaught exception in a thread, else 0.
 
-    `ready` switches the motors on and calibrates at the start, which only a simulation may do. `legacy` is the path of
-    the terminal for programs of 2023. All log records are written to `log_file`. Prints `ready <key>` when the node
-    serves.
+    `ready` (simulation only) switches the motors on and calibrates. `legacy` is the path of the terminal for programs
+    of 2023. All log records are written to `log_file`. Prints `ready <key>` when the node serves.
 
     Raises:
         BeatrixError: the node cannot serve: its name is taken, the router was lost meanwhile, or an option is wrong.

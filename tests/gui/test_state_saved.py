@@ -60,7 +60,7 @@ def test_a_damaged_file_is_renamed_and_reported(tmp_path: Path, text: bytes) -> 
 def test_an_unreadable_file_is_reported(tmp_path: Path) -> None:
     found, sentence = saved.load(tmp_path)  # a folder
     assert found == Saved()
-    assert "could not be read" in sentence
+    assert "cannot be read" in sentence
 
 
 def test_a_language_of_another_version_is_the_default(tmp_path: Path) -> None:

@@ -96,7 +96,7 @@ def test_up_does_not_start_the_router_of_another_computer(
 ) -> None:
     monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # a query would leave this computer
     assert app.run(["up", "--connect", ELSEWHERE]) == 3
-    assert "start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
+    assert "Start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
 
 def test_is_local_is_true_only_for_addresses_of_this_computer() -> None:

@@ -113,7 +113,7 @@ def test_the_question_is_repeated_after_an_invalid_azimuth(stage: Stage) -> None
     ready(stage.robot("bea", "hw"))
     done = jog(stage, RIGHT + "1000\nnan\nleft\n" + AZIMUTH)
     assert done.returncode == 0
-    assert done.stderr.count("(the robot's own value is 90;") == 4
+    assert done.stderr.count("(the robot reports 90;") == 4
     assert done.stderr.count("Type a number from -360 to 360.") == 3
 
 

@@ -184,7 +184,7 @@ with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
 """
 
 
-@pytest.mark.parametrize(("yaw", "more_s"), [(100, 0.0), (5, MARGIN_S)], ids=["long", "overdue"])
+@pytest.mark.parametrize(("yaw", "more_s"), [(100, 0.0), (40, MARGIN_S + 3)], ids=["long", "overdue"])
 def test_the_error_of_a_suspended_program_does_not_name_the_router(
     stage: Stage, tmp_path: Path, yaw: int, more_s: float
 ) -> None:
