@@ -1,4 +1,4 @@
-"""Pictures of a robot's eyes, and of a simulation from outside, as JPEG with the moment of their exposure."""
+"""Pictures of a robot's eyes, and of a simulation from outside, as JPEG with the time of their exposure."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class CameraImage:
     eye: str
     """`left`, `right` or `outside`"""
     seq: int
-    """sequence number of this camera; a gap shows lost pictures"""
+    """number of the picture, counted for each camera; a gap shows lost pictures"""
     t_mono_ns: int
     """monotonic clock of the robot at the exposure (ns)"""
     t_wall_ns: int
@@ -63,6 +63,7 @@ def images(
 
     Raises:
         WrongUsage: BAD_VALUE: there is no such eye, or hardware has no outside view; SHUTDOWN: the client was closed.
+        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED.
     """
     if eye not in names.VIEWS:
         choice = "choose 'left' or 'right', or 'outside' for a simulation as seen from outside"
@@ -75,7 +76,7 @@ def images(
 
 
 def image(client: Client, sample: Sample) -> CameraImage | None:
-    """Read a publication; log a warning and return None if it is not a picture or its header is unreadable."""
+    """Convert a publication to a picture; log a warning and return None if it is not a JPEG with a valid header."""
     received, parts = sample.received, keys.parse(sample.received.key)
     answer = Reply(
         received.key, received.attachment or b"", codec.MSGPACK, error=False, sender=received.session

@@ -64,7 +64,7 @@ class Choreography(msgspec.Struct, frozen=True):
     """the line of each step in the file; empty: no file"""
 
     def at_speed(self, speed: float) -> Choreography:
-        """The same choreography with one speed (deg/s) for all steps; raises WrongUsage unless it is above 0."""
+        """Return this choreography with one speed (deg/s) for all steps; raises WrongUsage unless it is above 0."""
         speed = checked_speed(speed)
         return msgspec.structs.replace(
             self, steps=[(title, msgspec.structs.replace(pose, speed=speed)) for title, pose in self.steps]
@@ -78,7 +78,7 @@ class Choreography(msgspec.Struct, frozen=True):
 
 
 def shipped(name: str) -> Choreography:
-    """A choreography that comes with the package: `hello`."""
+    """Return a choreography that comes with the package, such as `hello`."""
     return choreography(motion_file.parse((SHIPPED / f"{name}.csv").read_text(encoding="utf-8"), name))
 
 
@@ -102,7 +102,7 @@ def load(name: Path | str) -> Choreography:
 
 
 def choreography(read: MotionFile) -> Choreography:
-    """The choreography in a motion file; raises WrongUsage (BAD_VALUE) if it is a path, or a speed is missing."""
+    """Return the choreography in a motion file; raises WrongUsage (BAD_VALUE) for a path or a missing speed."""
     if not read.with_speed:
         raise WrongUsage(
             Reason.BAD_VALUE,
@@ -123,7 +123,7 @@ def choreography(read: MotionFile) -> Choreography:
 
 
 def step(at: float, place: Place, speed: float) -> Step:
-    """The step at a time (s) to a place (deg) with a speed (deg/s)."""
+    """Return the step at a time (s) to a place (deg) with a speed (deg/s)."""
     if isinstance(place, HeadAngles):
         return Pose(at, *place, speed)
     return ArmPose(at, *place, speed)

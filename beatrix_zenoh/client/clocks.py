@@ -13,7 +13,7 @@ TRIES = 20
 
 
 class Offset(NamedTuple):
-    """Robot's clock minus this computer's (s), and the largest possible error (s), which is half the round trip."""
+    """A robot's clock minus this computer's (s), and the largest possible error (s), which is half the round trip."""
 
     offset: float
     bound: float
@@ -51,9 +51,9 @@ def clock_offset(
 def clock_offsets(
     client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
 ) -> Offsets:
-    """Measure the offsets with several round trips; the fastest has the smallest error (Cristian, 1989).
+    """Return the offsets of the fastest of several round trips, which has the smallest error (Cristian, 1989).
 
-    A round trip takes 0.4 ms on loopback.
+    One round trip takes 0.4 ms on loopback.
 
     Args:
         client: the session.

@@ -31,7 +31,7 @@ def govern(
 
 
 def _result(request: Request, deadline_s: float) -> LeaseReply | BeatrixError:
-    """Return the reply that arrives until `deadline_s` (monotonic clock, s), or the error."""
+    """Return the reply that arrives before `deadline_s` (monotonic clock, s), or the error."""
     try:
         reply = request.reply(LeaseReply, max(0.0, deadline_s - time.monotonic()))
     except TimeoutError:

@@ -20,6 +20,6 @@ def request_stop(
         query = CommandQuery(command=Command.EMERGENCY_STOP.value)
         key = keys.command(robot, twin, client.settings.who)
         return GroupRequest(client, key, query, CommandReply, STOP_S, PRIORITY)
-    # A foreign queryable may take the query, so STOP is also published. It is sent first: the replies then cover both.
+    # A foreign queryable may take the query, so STOP is also published, and before it: the replies then cover both.
     client.put_stop(robot, twin)
     return GroupRequest(client, keys.stop(robot, twin), None, CommandReply, STOP_S)

@@ -10,11 +10,11 @@ from beatrix_zenoh.client.subscription import Arrival
 MOVED_DEG = 0.5
 """Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
 SAME_CLOCK_NS = 50_000_000
-"""Largest difference (ns) of readings of the same clock; clocks of two computers differ by their times since boot."""
+"""Delays that differ by more than this (ns) come from two clocks; each counts from the boot of its computer."""
 
 
 class MotionBegin:
-    """The time at which one robot begins to move."""
+    """Finds the time at which one robot begins to move."""
 
     def __init__(self, robot: Robot, start: ArmAngles) -> None:
         """Subscribe to the robot's positions; `start` are its arm angles (deg) at rest."""
@@ -51,9 +51,9 @@ class MotionBegin:
 
 
 def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
-    """Return the time from the start of the simulation's motion to that of the hardware (s); None if one has not moved.
+    """Return the time (s) from the start of the simulation's motion to that of the hardware; None if one has not begun.
 
-    Its error is a few milliseconds on one computer; between two, it is the difference of their shortest delays.
+    Its error is a few milliseconds on one computer; between two, the difference of their shortest transmission times.
     """
     if sim.begin_ns is None or hw.begin_ns is None or sim.delay_ns is None or hw.delay_ns is None:
         return None

@@ -44,7 +44,7 @@ class Lease:
 
 
 def take(robot: Robot, wait_s: float) -> int:
-    """Take a robot and return the number of the lease; wait in the queue for up to `wait_s` (s), then raise Refused."""
+    """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
     reply = ask(robot, LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE)
     if reply.lease:
         return reply.lease
@@ -94,7 +94,7 @@ def unfreeze(robot: Robot) -> LeaseReply:
 
 
 def limit_speed(robot: Robot, speed: float | None) -> LeaseReply:
-    """Limit the speed of every arm to `speed` (deg/s), None ends the limit; raises Refused, and WrongUsage for 0."""
+    """Limit the speed of every arm to `speed` (deg/s; None ends the limit); raises Refused, or WrongUsage for 0."""
     return ask(robot, LeaseAction.LIMIT, 0.0 if speed is None else limit_of(speed))
 
 
@@ -103,7 +103,7 @@ def limit_of(speed: float) -> float:
     if number("speed", speed, "deg/s") <= 0:
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"A speed limit of {speed:g}°/s is not allowed: give more than 0. `beatrix freeze` stops all robots, "
+            f"A speed limit of {speed:g}°/s is not allowed: give more than 0. `beatrix freeze` stops all robots; "
             "`beatrix limit off` ends the limit.",
         )
     return math.radians(speed)

@@ -1,4 +1,4 @@
-"""Live state of all robots of a router: presence, status, positions, rates, ages, events."""
+"""Live state of all robots at a router: presence, status, positions, rates, ages, events."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Monitor:
             monitor.settle()  # until the first status of each robot has arrived
             print([state.robot for state in monitor.robots()])
 
-    Zenoh's thread only enqueues. Payloads are decoded when a state is read, and only the newest positions and status,
-    so that 30 robots with 50 positions a second cost little. Undecodable payloads are skipped and logged once. Only one
-    thread may read.
+    Zenoh's thread only stores payloads. They are decoded when a state is read, of positions and status only the
+    newest ones, so that 30 robots with 50 positions a second cost little. Undecodable payloads are skipped and logged
+    once. Only one thread may read.
     """
 
     def __init__(self, client: Client, robot: str = "*", twin: str = "*", *, events: int = 0) -> None:
@@ -40,7 +40,7 @@ class Monitor:
             client: the session.
             robot: name of one robot, or `*`.
             twin: `sim`, `hw` or `*`.
-            events: number of events kept for each robot, at most 200 earlier ones; 0: do not subscribe to events.
+            events: number of events to keep for each robot, including up to 200 earlier ones; 0: do not subscribe.
 
         Raises:
             WrongUsage: the client was closed.
@@ -52,7 +52,7 @@ class Monitor:
         self._records: dict[Place, Record] = {}
         self._puts: dict[str, Callable[[bytes], None]] = {}
         bus = client.bus
-        # This query must precede the subscription to tokens: just after that, Zenoh would answer with an empty list.
+        # This query must precede the subscription to tokens: just after it, Zenoh would return an empty list.
         for token in bus.tokens(keys.alive(robot, twin), ASK_S):
             self._on_token(token, alive=True)
         self._undeclare = [
@@ -70,7 +70,7 @@ class Monitor:
             self._undeclare.append(query.close)
         self._forget = client.at_close(self.close)
 
-    # -- Zenoh's thread: enqueue, nothing else ------------------------------------------------------
+    # -- Zenoh's thread: store, nothing else --------------------------------------------------------
 
     def _on_positions(self, received: Received) -> None:
         put = self._puts.get(received.key) or self._put_of(received.key)
@@ -100,7 +100,7 @@ class Monitor:
             self._changed()
 
     def _put_of(self, key: str) -> Callable[[bytes], None] | None:
-        """The function that stores publications of a key; None if it is not a robot's key."""
+        """Return the function that stores publications of a key; None if the monitor does not store them."""
         parts = keys.parse(key)
         record = None if parts is None or "*" in key else self._record((parts.robot, parts.twin))
         if record is None:
@@ -142,21 +142,21 @@ class Monitor:
         return not any(record.alive and record.status.empty for record in list(self._records.values()))
 
     def robots(self) -> list[RobotState]:
-        """States of all robots that have been on line since the monitor began, by name, the simulation first."""
+        """Return the states of all robots that have been on line since the monitor began, by name, simulation first."""
         places = sorted(self._records, key=lambda place: (place[0], place[1] != "sim"))
         return [self.robot(*place) for place in places]
 
     def present(self) -> list[Place]:
-        """Name and twin of all robots with a liveliness token, unordered; any thread may call it."""
+        """Return name and twin of all robots with a liveliness token, unordered; any thread may call this."""
         return [place for place, record in list(self._records.items()) if record.alive]
 
     def robot(self, name: str, twin: str) -> RobotState:
-        """State of one robot; ABSENT if nothing has arrived from it."""
+        """Return the state of one robot; its presence is ABSENT if nothing has arrived from it."""
         record = self._records.get((name, twin))
         return (Record(self._client, name, twin, 0) if record is None else record).state()
 
     def measure_clocks(self, name: str, twin: str) -> Offsets:
-        """Measure the offsets of a robot's clocks, also for its states; raises the errors of `clock_offsets`."""
+        """Measure the offsets of a robot's clocks and add them to its states; raises the errors of `clock_offsets`."""
         offsets = clock_offsets(self._client, name, twin)
         record = self._record((name, twin))
         if record is not None:

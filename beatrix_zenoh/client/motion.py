@@ -23,7 +23,7 @@ class Replies(Protocol):
     """The source of the final reply: a `Request`."""
 
     def reply(self, kind: type[MotionReply], timeout_s: float) -> MotionReply:
-        """The next reply; raises TimeoutError, or NoAnswer if there will be none."""
+        """Return the next reply; raises TimeoutError, or NoAnswer if there will be none."""
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` after every reply."""
@@ -81,11 +81,11 @@ class Motion:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
         Args:
-            timeout: longest wait (s); None: 3 s more than `duration`.
+            timeout: longest wait (s); None: until 3 s after the announced end.
 
         Raises:
             TimeoutError: the motion still runs after `timeout`.
-            Interrupted: the motion was stopped or replaced, or the robot was lost.
+            Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
             NoAnswer: the robot or the router was lost, or the robot did not report the end.
         """
         end = self._wait(timeout)
@@ -115,7 +115,7 @@ class Motion:
             raise KeyboardInterrupt(f"{self._robot}: {self._stop().message}") from interrupt
 
     def cancel(self) -> bool:
-        """Stop the robot and return when its arms rest; return False without STOP if the motion had ended.
+        """Stop the robot and return True when its arms rest; return False without STOP if the motion had ended.
 
         Raises the errors of `Robot.stop`.
         """
@@ -140,7 +140,7 @@ class Motion:
             self._dispatcher.call(self._read_now, self._lost_s)
 
     def _read_now(self) -> None:
-        """Read replies for the callbacks; if another thread is reading, it calls this afterwards."""
+        """Read replies for the callbacks; if another thread is reading, that thread arranges for this afterwards."""
         self._read_again = True
         self._read(0.0)
 
@@ -190,7 +190,7 @@ class Motion:
 
 
 def _error(end: MotionReply | BeatrixError) -> BeatrixError | None:
-    """The error of a final reply; None if the head arrived."""
+    """Return the error of a final reply; None if the head arrived."""
     if isinstance(end, BeatrixError):
         return end
     return None if end.result else Interrupted(end.reason, end.message, end.detail)

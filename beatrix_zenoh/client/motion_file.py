@@ -18,7 +18,7 @@ from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
 from beatrix_zenoh.errors import WrongUsage, quoted
 
 LONGEST_FILE: Final = 1 << 23
-"""Bytes: four hours at 20 points per second. Longer files are refused."""
+"""Largest size of a file (bytes): four hours at 20 points per second."""
 TIME, SPEED, FIGURE = "t_s", "speed_deg_s", "figure"
 HEAD: Final = ("yaw_deg", "pitch_deg", "roll_deg")
 ARMS: Final = ("short_deg", "middle_deg", "long_deg")
@@ -36,7 +36,7 @@ Place = HeadAngles | ArmAngles
 
 
 class Point(NamedTuple):
-    """One line: a time and a place."""
+    """One line of a motion file: a time and angles."""
 
     line: int
     """line number, from 1"""
@@ -45,7 +45,7 @@ class Point(NamedTuple):
     place: Place
     """angles (deg)"""
     speed: float | None = None
-    """deg/s; None: the speed of the pose before, or the file is a path, which has no speeds"""
+    """deg/s; None: the speed of the previous pose, or the file is a path, which has no speeds"""
     figure: str = ""
     """name of the gesture that begins here; empty: unchanged"""
 
@@ -62,11 +62,11 @@ class MotionFile:
 
 
 def read(path: Path) -> MotionFile:
-    """Read a file.
+    """Read a motion file.
 
     Raises:
         OSError: the file cannot be read.
-        WrongUsage: BAD_VALUE; the message names the wrong line.
+        WrongUsage: BAD_VALUE; the message names the cause and, if there is one, the wrong line.
     """
     content = files.content(
         path,
@@ -109,7 +109,7 @@ def parse(text: str, source: str) -> MotionFile:
 
 @contextmanager
 def refusing(source: str, line: int) -> Iterator[None]:
-    """Convert errors to WrongUsage that names file and line."""
+    """Convert ValueError and csv.Error to WrongUsage with a message that names file and line."""
     try:
         yield
     except (ValueError, csv.Error) as error:
@@ -128,12 +128,12 @@ def check_order(before: float, t: float) -> None:
 
 
 def cells(line: str, separator: str) -> list[str]:
-    """The cells of one line, stripped; raises csv.Error for an open quote."""
+    """Return the cells of one line, stripped; raises csv.Error for an open quote."""
     return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, strict=True))]
 
 
 def header(names: list[str]) -> list[str]:
-    """The names of the columns; raises ValueError for unknown, duplicate or missing columns."""
+    """Return the column names without empty ones at the end; raises ValueError for unknown, double or missing ones."""
     while names and not names[-1]:
         names.pop()
     for name in names:
@@ -150,7 +150,7 @@ def header(names: list[str]) -> list[str]:
 
 
 def point_of(line: int, names: Sequence[str], given: Sequence[str], *, comma: bool) -> Point:
-    """The point of one line; raises ValueError, which names the column."""
+    """Return the point of one line; raises ValueError with a message that names the wrong column."""
     if any(given[len(names) :]):
         raise ValueError(f"it has {len(given)} cells, but the file has {len(names)} columns")
     row = dict(zip(names, [*given, *[""] * len(names)], strict=False))
@@ -171,7 +171,7 @@ def point_of(line: int, names: Sequence[str], given: Sequence[str], *, comma: bo
 
 
 def number_of(name: str, text: str, *, comma: bool) -> float:
-    """A number, with `comma` also with a decimal comma; raises ValueError, which names the column."""
+    """Convert a cell to a number (`comma`: also with a decimal comma); raises ValueError that names the column."""
     if comma:
         text = text.replace(",", ".")
     if not NUMBER.fullmatch(text):
@@ -183,7 +183,7 @@ def number_of(name: str, text: str, *, comma: bool) -> float:
 
 
 def lines_of(places: Iterable[tuple[float, Place]], comments: Sequence[str] = ()) -> Iterable[str]:
-    """Yield the lines of a path, with line feeds: times in s, places in deg, all of the head or all of the arms."""
+    """Yield the lines of a path, with line feeds: times in s; places in deg, all of the head or all of the arms."""
     for comment in comments:
         yield f"# {comment}\n"
     first = True

@@ -123,5 +123,5 @@ def _merged(programs: list[Program]) -> list[Program]:
 
 
 def short(key: str) -> str:
-    """A key without `beatrix`, robot and twin: `state/positions`."""
+    """Return a key without `beatrix`, robot and twin: `state/positions`."""
     return "/".join(key.split("/")[3:]) or key

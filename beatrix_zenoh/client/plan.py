@@ -29,7 +29,7 @@ Start = tuple[PlanPosition, PlanPosition | None]
 
 
 class Plan:
-    """A previewed motion that has not been carried out yet."""
+    """A previewed motion, to be committed or aborted."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class Plan:
         self._twin, self._query = twin, query
         self._start, self._during = start, during
         self.duration = preview.duration
-        """Seconds until the arms rest."""
+        """Time (s) from the start of the motion until the arms rest."""
         self.verdict = preview.message
         """The result of the preview in a sentence, and whether it holds for the hardware."""
         if (elsewhere := distance(start)) > SAME_DEG:
@@ -63,15 +63,16 @@ class Plan:
     def commit(self, lead_s: float = 0.0, *, wait: bool = True) -> TwinMotion:
         """Carry the motion out: the simulation at once, the hardware `lead_s` (s) later.
 
-        Returns when both have arrived. With wait=False it returns when the simulation has accepted the motion; without
-        a lead, when both robots have.
+        Returns when both have arrived. With wait=False it returns when the simulation has accepted the motion or,
+        without a lead, when both robots have accepted it.
         During the lead, `abort`, STOP at either robot or Ctrl-C stops the simulation and leaves the hardware unmoved;
         another commit of this Twin replaces this one, and the hardware gets only the new motion. If one robot refuses
         or is stopped, the other is stopped too.
 
         Raises:
             WrongUsage: `lead_s` is not a number from 0 to a day.
-            Refused: one robot refused, may not move now, or has moved since the preview.
+            Refused: one robot refused, may not move now, or has moved since the preview; or the plan was committed or
+                aborted before.
             NoAnswer: one robot is not on line, or has lost its board.
             Interrupted: the motion of one robot was stopped, or this one was aborted or replaced.
         """
@@ -95,11 +96,11 @@ class Plan:
 
     @property
     def motion(self) -> TwinMotion | None:
-        """The motion that `commit` has begun; None before `commit`, or if it has failed."""
+        """The motion that `commit` has begun; None before `commit`, or if a check of `commit` has failed."""
         return self._motion
 
     def _check_both(self) -> None:
-        """Raise unless both may still move and have not moved since the preview."""
+        """Raise unless both robots may still move and the hardware has not moved since the preview."""
         self._twin.check_ready()
         self._check_unmoved(self._twin.hw)
 
@@ -117,7 +118,7 @@ class Plan:
         return now
 
     def _holds(self, robot: Robot, was: PlanPosition | None, now: PlanPosition) -> bool:
-        """Return whether a preview from `was` is valid: the robot rests there, or continues its motion of this Twin."""
+        """Return whether a preview from `was` is valid: the robot is still there, or continues the motion `during`."""
         if was is None or was.calibrations != now.calibrations:
             return False
         during = self._during
@@ -144,18 +145,18 @@ class Plan:
             raise Refused(Reason.BAD_VALUE, f"This plan was {self._settled} already: make a new preview.")
 
     def plot(self) -> Figure:
-        """A figure of the path; needs the extra `plot`."""
+        """Return a figure of the path; needs the extra `plot`."""
         from beatrix_zenoh.recording import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
 
         return plot.path_figure(self.path)
 
 
 def unlike(one: Info, other: Info) -> bool:
-    """Return whether two robots have different values; False if one has a version without fingerprint."""
+    """Return whether two robots have different robot values; False if one is too old to report a fingerprint."""
     return None not in (one.fingerprint, other.fingerprint) and one.fingerprint != other.fingerprint
 
 
 def distance(start: Start) -> float:
-    """Return the largest difference of an arm between the two robots (deg); 0 without hardware."""
+    """Return the largest difference (deg) between the same arms of both robots; 0 without hardware."""
     simulation, hardware = start
     return 0.0 if hardware is None else furthest(simulation.arms, hardware.arms)

@@ -40,11 +40,11 @@ def play(
     not wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins
     at its time, but not before both robots have reached the previous pose.
 
-    `check` is called 100 times a second, in lockstep only before each pose; if it raises, the play ends. If one robot
-    fails, both are stopped and the play ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
+    `check` is called 100 times a second, in lockstep only before each pose; if it raises, playing ends. If one robot
+    fails, both are stopped and playing ends. Ctrl-C stops both; the KeyboardInterrupt names their positions.
 
     Raises:
-        WrongUsage: `lead_s` is not a time, or is given with lockstep or for one robot.
+        WrongUsage: `lead_s` is not a valid time, or is given with lockstep or for one robot.
         Refused, Interrupted, NoAnswer: the error of the first motion that failed.
     """
     lead_s = wait_s("lead_s", lead_s)
@@ -83,7 +83,7 @@ class _WaitingPose(NamedTuple):
 
 
 class _Player:
-    """Plays poses on one robot: the waiting poses, and the running motion."""
+    """Plays poses on one robot, one after the other."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -100,7 +100,7 @@ class _Player:
         """Begin the next pose if its time has come, and return it.
 
         Raises:
-            Interrupted: STOP was pressed, even if no motion runs; or as `ended`.
+            Interrupted: STOP was pressed, even while no motion ran; or as `ended`.
             Refused, NoAnswer: as `Robot.begin`.
         """
         self.stops.check()
@@ -114,7 +114,7 @@ class _Player:
         return due
 
     def close(self) -> None:
-        """End the subscription."""
+        """End the subscription to STOP events."""
         self.stops.close()
 
 
@@ -130,7 +130,7 @@ class MovedRobot(Protocol):
 
 @contextmanager
 def stopping(parts: Sequence[MovedRobot]) -> Iterator[None]:
-    """Stop all moving robots if the block raises; close all at the end."""
+    """Stop all moving robots if the block raises; close all parts at the end."""
     try:
         yield
     except BaseException as error:
@@ -174,7 +174,7 @@ def _play_timed(
         _WaitingPose(begin_s + pose.at, pose.query(), title, pose) for title, pose in choreography.steps
     )
     preview: Future[Plan] | None = None
-    # A preview takes about 0.1 s, which must not delay the hardware.
+    # A preview takes about 0.1 s; a thread of its own makes it, so that it does not delay the hardware.
     with ThreadPoolExecutor(1, "beatrix-preview") as previews, stopping([sim, hw]):
         while coming or not (sim.free and hw.free):
             check()

@@ -41,7 +41,7 @@ def motion_query(
 
 
 def per_arm(speed: Speed) -> Sequence[float]:
-    """One speed per arm; raises WrongUsage unless `speed` is one number or three."""
+    """Return one speed per arm; raises WrongUsage unless `speed` is one number or three."""
     if not isinstance(speed, Sequence) or isinstance(speed, str):
         return (speed,) * 3
     if len(speed) != 3:
@@ -80,7 +80,7 @@ def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
 
 
 def seconds(what: str, value: float) -> float:
-    """A timeout in s; raises WrongUsage unless it is a number above 0 and at most a day."""
+    """Return a timeout in s; raises WrongUsage unless it is a number above 0 and at most a day."""
     if isinstance(value, Real) and not isinstance(value, bool) and 0 < float(value) <= DAY_S:
         return float(value)
     raise WrongUsage(
@@ -89,7 +89,7 @@ def seconds(what: str, value: float) -> float:
 
 
 def wait_s(what: str, value: float) -> float:
-    """A time to wait in s; raises WrongUsage unless it is a number from 0 to a day."""
+    """Return a time to wait in s; raises WrongUsage unless it is a number from 0 to a day."""
     if isinstance(value, Real) and not isinstance(value, bool) and 0 <= float(value) <= DAY_S:
         return float(value)
     raise WrongUsage(
@@ -98,7 +98,7 @@ def wait_s(what: str, value: float) -> float:
 
 
 def checked_factor(factor: float) -> float:
-    """A speed factor; raises WrongUsage (BAD_VALUE) unless it is from SLOWEST to FASTEST."""
+    """Return a speed factor; raises WrongUsage (BAD_VALUE) unless it is from SLOWEST to FASTEST."""
     if SLOWEST <= factor <= FASTEST:  # false for NaN
         return factor
     raise WrongUsage(

@@ -56,7 +56,7 @@ class Path:
 
 
 class Suggestion(NamedTuple):
-    """An accepted alternative to a refused motion (deg, deg/s); None: not part of the alternative."""
+    """An allowed alternative to a refused motion (deg, deg/s); None: not part of the alternative."""
 
     arms: ArmAngles | None
     """arguments for `Robot.move`"""
@@ -66,7 +66,7 @@ class Suggestion(NamedTuple):
 
 
 def suggestion(refusal: BeatrixError) -> Suggestion | None:
-    """The checked alternative in a refusal's `detail`, in degrees; None if the refusal has none."""
+    """Return the checked alternative in a refusal's `detail`, in degrees; None if the refusal has none."""
     other = None if refusal.detail is None else refusal.detail.alternative
     if other is None:
         return None

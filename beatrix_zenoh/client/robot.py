@@ -51,7 +51,7 @@ class Robot(RobotBase):
         name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then `user-host`. The first query or
             motion shows whether it is on line.
         twin: `sim` or `hw`.
-        connect: the router; default BEATRIX_CONNECT, beatrix.toml, the account's router, then tcp/127.0.0.1:7447.
+        connect: the router's endpoint; default BEATRIX_CONNECT, beatrix.toml, the account, then tcp/127.0.0.1:7447.
         who: your seat; default BEATRIX_WHO, beatrix.toml, the account's seat, then the user's name.
         timeout_s: longest wait for an answer (s).
         client: a session to share; the caller opens and closes it.
@@ -104,7 +104,7 @@ class Robot(RobotBase):
     def press_stop(self) -> Callable[[], CommandReply]:
         """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
         key = keys.stop(self.name, self.twin)
-        # A foreign queryable may take the query, so STOP is also published, and first: the reply then covers both.
+        # A foreign queryable may take the query, so STOP is also published, and before it: the reply then covers both.
         self.client.put_stop(self.name, self.twin)
         request = Request(self.client, self.place, key, None, self.timeout_s)
 
@@ -123,7 +123,7 @@ class Robot(RobotBase):
     def command(
         self, command: Command, *, value: bool = True, timeout_s: float | None = None
     ) -> CommandReply:
-        """Send any command; raises Refused with the robot's reason, NoAnswer after `timeout_s` (s)."""
+        """Send any command; raises Refused with the robot's reason, or NoAnswer after `timeout_s` (s)."""
         key = keys.command(self.name, self.twin, self.client.settings.who)
         query = CommandQuery(command=command.value, value=true_or_false("value", value))
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
@@ -132,7 +132,7 @@ class Robot(RobotBase):
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.
 
-        `wait_s` is the longest wait (s) in the queue while another seat holds the robot.
+        `wait_s` is the longest wait (s) for a robot that another seat holds.
 
         Raises:
             Refused: NOT_HOLDER if another seat holds the robot, or the robot's reason, such as FROZEN.
@@ -181,7 +181,7 @@ class Robot(RobotBase):
         Raises:
             Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
             NoAnswer: the robot or the router is not on line, or does not answer.
-            Interrupted: the motion was stopped or replaced, or the robot was lost.
+            Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
 
@@ -228,7 +228,7 @@ class Robot(RobotBase):
         return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
 
     def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
-        """Upper bound of a motion's duration (s): Zenoh keeps memory for a query until its timeout."""
+        """Return an upper bound of a motion's time (s), because Zenoh keeps memory for a query until its timeout."""
         if query.speed is None:
             if self._default_speed is None:
                 self._default_speed = max(self.info().limits.speed_default, SLOWEST_DEFAULT)

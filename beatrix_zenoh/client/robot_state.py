@@ -32,7 +32,7 @@ class Presence(StrEnum):
     ON_LINE = "on line"
     """The robot has a liveliness token, and positions arrive."""
     LOST = "lost"
-    """The robot has a token, but no positions have arrived for 0.5 s: the node or its connection is frozen."""
+    """The robot has a token, but no positions have arrived for 0.5 s: the node or its connection does not respond."""
     SILENT = "silent"
     """The robot has a token, but no positions have arrived yet."""
     ABSENT = "absent"
@@ -41,7 +41,7 @@ class Presence(StrEnum):
 
 @dataclass(frozen=True)
 class RobotState:
-    """State of one robot at one moment; ages in s, None: nothing has arrived yet."""
+    """State of one robot at one moment; ages in s (None: nothing has arrived yet)."""
 
     robot: str
     twin: str
@@ -127,8 +127,8 @@ class EventLog:
         while self._coming:
             event = self._client.read(Reply(self._key, self._coming.popleft(), "", error=False), Event)
             found += [] if event is None else [event]
-        # Events published during the query are in the robot's list and among those received; a restarted node counts
-        # from 0 again.
+        # Events published during the query arrive twice, and a restarted node counts from 0 again, so that time stamp
+        # and number together identify an event.
         self._read = list({(event.t_mono_ns, event.seq): event for event in found}.values())[-self._length :]
         return tuple(self._read)
 
@@ -145,7 +145,7 @@ class Record:
         self.offsets: Offsets | None = None
 
     def state(self) -> RobotState:
-        """The current state."""
+        """Return the current state."""
         now = time.monotonic()
         positions, positions_age_s = self.positions.read(now)
         status, status_age_s = self.status.read(now)

@@ -55,10 +55,10 @@ class Client:
 
     @property
     def media(self) -> Bus:
-        """A second session for pictures, which must not delay replies and positions; opened at its first use.
+        """A second session for pictures, so that they do not delay replies and positions; opened at its first use.
 
         Raises:
-            NoAnswer: NO_ROUTER.
+            NoAnswer: NO_ROUTER or ACCOUNT_REFUSED.
             WrongUsage: SHUTDOWN, the client was closed.
         """
         with self._lock:

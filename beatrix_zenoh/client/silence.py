@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client
 
 ROUTER_S = 1.0
-"""A router that needs longer (s) for a query of tokens counts as frozen."""
+"""A router that needs longer than this (s) for a query about tokens counts as unresponsive."""
 NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
 """Zenoh restores a lost connection within this time (s) if the router answers."""
 POLL_S = 0.02
 ABSENT_S = 1.5
-"""A query that reaches no node ends sooner (s). If it ends later without a reply, a node received it and then ended."""
+"""A query that reaches no node ends within this time (s). If one ends later without a reply, its node has ended."""
 POSITIONS_S = 1.0
-"""A node that publishes no positions for this long (s) is frozen; it publishes them every 20 ms."""
+"""A node that publishes no positions for this long (s) counts as NODE_FROZEN; it publishes them every 20 ms."""
 CLOCK_S = 1.0
 """Time limit (s) of the query for the clock, which every account may send."""
 
@@ -70,7 +70,7 @@ class Unanswered:
     # -- the router ---------------------------------------------------------------------------------
 
     def _disconnected(self, limit_s: float | None, *, heard: bool) -> NoAnswer | None:
-        """Return the error if the connection or the router is lost or frozen; arguments as for `explain`."""
+        """Return the error of a closed or lost connection, or of a lost or unresponsive router; otherwise None."""
         bus = self.client.bus
         if bus.closed:
             return NoAnswer(
@@ -156,7 +156,7 @@ class Unanswered:
 
 
 def without_rights(client: Client) -> NoAnswer | None:
-    """Return the error if the router has accepted the account but drops its messages; None if not, or if unknown."""
+    """Return the error if the router has accepted the account but drops its messages; otherwise None."""
     account, token = client.settings.account, client.token
     if account is None or not token or client.bus.router_passes(token):
         return None

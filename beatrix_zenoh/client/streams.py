@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.robot_base import RobotBase
 
 SILENCE_S = 3.0
-"""A robot without publications for this long (s) is frozen or lost, because it publishes its status once a second."""
+"""A robot without publications for this long (s) hangs or is lost, because it publishes its status once a second."""
 
 T = TypeVar("T")
 
@@ -61,7 +61,7 @@ def follow_events(robots: Sequence[RobotBase], past: int) -> Iterator[tuple[Plac
     twin = first.twin if len(robots) == 1 else "*"
     with events(first.client, first.name, twin, timeout_s=SILENCE_S) as coming:
         before = [(robot.place, event) for robot in robots for event in robot.past_events()]
-        # An event during the query for past events arrives twice.
+        # An event that is published during the query for past events arrives twice; `known` drops the second.
         known = {(place, event.t_mono_ns, event.seq) for place, event in before}
         before.sort(key=lambda row: row[1].t_wall_ns)
         yield from before[max(0, len(before) - past) :]
@@ -71,7 +71,7 @@ def follow_events(robots: Sequence[RobotBase], past: int) -> Iterator[tuple[Plac
             except NoAnswer as error:
                 if error.reason is not Reason.TIMED_OUT:
                     raise
-                for robot in robots:  # a robot that still answers may have no events
+                for robot in robots:  # `status` raises NoAnswer if the robot is lost
                     robot.status()
                 continue
             place = arrival.robot, arrival.twin

@@ -46,7 +46,7 @@ class Sample(NamedTuple):
 
 
 Reader = Callable[[Client, Sample], T | None]
-"""Converts a sample to the value of a subscription; reports errors and returns None."""
+"""Converts a sample to the value of a subscription; for an invalid sample, logs the error and returns None."""
 
 
 def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
@@ -148,7 +148,7 @@ class Subscription(Generic[T]):
 
     @property
     def latest(self) -> T | None:
-        """The newest publication, read or not; None if none has arrived."""
+        """The newest publication, read or not; None if none has arrived or the newest is unreadable."""
         arrival = self.latest_arrival
         return None if arrival is None else arrival.value
 
@@ -171,7 +171,7 @@ class Subscription(Generic[T]):
         return self.next_arrival(timeout_s).value
 
     def next_arrival(self, timeout_s: float | None = None) -> Arrival[T]:
-        """Like `next`, with the time of its arrival."""
+        """Return the publication of `next` with the time of its arrival."""
         timeout_s = self._timeout_s if timeout_s is None else timeout_s
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
@@ -188,7 +188,7 @@ class Subscription(Generic[T]):
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]
 
     def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:
-        """Like `take`, with the times of their arrival."""
+        """Return the publications of `take` with the times of their arrival."""
         arrivals = []
         sample = self._inbox.next(timeout_s)
         while sample is not None:
@@ -198,7 +198,7 @@ class Subscription(Generic[T]):
         return arrivals
 
     def arrivals(self) -> Iterator[Arrival[T]]:
-        """Iterate over publications with the times of their arrival."""
+        """Yield publications with the times of their arrival; end when the subscription is closed."""
         while True:
             try:
                 yield self.next_arrival()
@@ -231,7 +231,7 @@ class Subscription(Generic[T]):
             return NoAnswer(Reason.TIMED_OUT, text)
         return NoAnswer(
             Reason.TIMED_OUT,
-            f"{name}: no message for {timeout_s:g} s. The robot is frozen, or no longer on line.",
+            f"{name}: no message for {timeout_s:g} s. The robot does not respond, or is no longer on line.",
         )
 
     def close(self) -> None:

@@ -75,7 +75,7 @@ class Twin:
         each((self.sim, self.hw), Robot.disable)
 
     def calibrate(self) -> None:
-        """Calibrate both robots where they are; neither if a robot is not reachable or another seat drives it."""
+        """Calibrate both robots where they are, or neither if a robot is not reachable or another seat drives it."""
         switch_both(self, Robot.calibrate)
 
     def stop(self) -> None:
@@ -99,6 +99,7 @@ class Twin:
 
         Raises:
             Refused: the motion would be refused; the error has the reason.
+            NoAnswer: the simulation is not on line, or does not answer.
         """
         return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
 

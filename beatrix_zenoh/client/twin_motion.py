@@ -135,8 +135,8 @@ class TwinMotion:
     def cancel(self) -> bool:
         """Stop both robots; during the lead, stop the simulation and leave the hardware unmoved.
 
-        Returns True when the arms rest, or False if the motion had ended before. In a signal handler that interrupts
-        the waiting thread it returns at once, and the motion ends after the handler.
+        Returns True when the arms rest (or after 10 s), or False if the motion had ended before. In a signal handler
+        that interrupts the waiting thread it returns at once, and the motion ends after the handler.
         """
         if self.done():
             return False
@@ -163,7 +163,7 @@ class TwinMotion:
     def send_now(self) -> bool:
         """End the lead now: the motion is sent to the hardware after the usual checks.
 
-        Returns at once; False if the simulation has not begun yet, or the motion was sent or cancelled already.
+        Returns at once: False if the simulation has not begun, or the motion was sent or cancelled before; else True.
         """
         if self._due_s is None or self._permit.locked() or self.done():
             return False
@@ -174,13 +174,13 @@ class TwinMotion:
     # -- used by Twin, Plan and window -----------------------------------------------------------
 
     def measure(self, sim: PlanPosition, hw: PlanPosition) -> None:
-        """Measure the lag of a motion that begins with both robots at rest at these positions."""
+        """Have the lag measured; the motion begins with both robots at rest at these positions."""
         self._begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
 
     def watch(
         self, check: Callable[[], None], check_present: Callable[[], None], sim_t: float, hw_t: float
     ) -> None:
-        """Check both robots until the motion is sent to the hardware; an exception of a check ends the motion.
+        """Have both robots checked until the motion is sent to the hardware; an exception of a check ends the motion.
 
         Args:
             check: called just before the motion is sent to the hardware.
@@ -192,7 +192,7 @@ class TwinMotion:
         self._stops = [StopEvents(self._sim, sim_t), StopEvents(self._hw, hw_t)]
 
     def hold(self) -> bool:
-        """Do not send the motion to the hardware; False if it was sent or cancelled already."""
+        """Keep other threads from sending the motion to the hardware; return False if it was sent or held before."""
         return self._permit.acquire(blocking=False)
 
     def end(self, why: BeatrixError) -> None:
@@ -201,12 +201,12 @@ class TwinMotion:
         self._wakeups.put(None)
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
-        """Send the motion to the simulation, call `begun`, and without lead send it to the hardware, too.
+        """Send the motion to the simulation, call `begun`, and without a lead send it to the hardware, too.
 
         Then wait until both have arrived, or continue in a thread.
 
         Raises:
-            BeatrixError: as `result`; without `wait` only the errors until then.
+            BeatrixError: as `result`; without `wait` only the errors before it returns.
         """
         self._thread = threading.get_ident()
         try:
@@ -384,7 +384,7 @@ def ended(robot: Robot, motion: Motion, timeout_s: float) -> bool:
 
 
 def runs(motion: Motion) -> bool:
-    """Return whether the robot may still move: the end of its motion was not reported, or it is lost."""
+    """Return whether the robot may still move: it has not reported the end of its motion, or the robot is lost."""
     try:
         return isinstance(motion.exception(0.0), NoAnswer)
     except TimeoutError:

@@ -108,7 +108,7 @@ class TwinState:
                 )
 
     def _published(self, robot: Robot) -> RobotState | None:
-        """Wait up to WAIT_S for a published state that is newer than the last reply to a request; otherwise None."""
+        """Return a published state that is newer than the last reply to a request; None if none comes within WAIT_S."""
         deadline_s = time.monotonic() + WAIT_S
         with self._lock:
             if self._monitor is None:

@@ -21,11 +21,11 @@ class Wakeup:
 
     def set(self) -> None:
         """Wake the waiting thread; if none waits, the next `wait_for` returns from its first wait at once."""
-        with contextlib.suppress(RuntimeError):  # set already
+        with contextlib.suppress(RuntimeError):  # it was set before
             self._set.release()
 
     def wait_for(self, condition: Callable[[], object], timeout_s: float | None) -> bool:
-        """Wait until `condition()`, checked at every `set`, is true; False after `timeout_s` (s), None: no limit."""
+        """Wait until `condition()`, checked at each `set`, is true; return False after `timeout_s` (s), if not None."""
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while not condition():
             left_s = -1.0 if deadline_s is None else deadline_s - time.monotonic()
