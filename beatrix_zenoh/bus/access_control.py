@@ -14,7 +14,7 @@ EVERYTHING = (
     keys.claim("*", "*", "*"),
     keys.seat("*", "*"),
 )
-"""All keys of BEATRIX; those of tokens are listed, because `**` matches no chunk that begins with @."""
+"""All keys of BEATRIX; those of tokens are listed separately, because `**` matches no chunk that begins with @."""
 ADMIN_SPACE = "@/**"
 """The router's own keys: its sessions and their declarations."""
 MESSAGES = {
@@ -35,7 +35,7 @@ LARGEST_REQUEST, LARGEST_MESSAGE = 64 * 1024, 1024 * 1024
 class Grant:
     """Keys of the messages that one account may send; it may receive all messages of BEATRIX.
 
-    A message with wildcards passes only if one of these key expressions includes all keys that it matches.
+    A message whose key has wildcards passes only if one of these key expressions includes all keys that it matches.
     """
 
     account: str
@@ -97,7 +97,7 @@ def _rule(name: str, kinds: tuple[str, ...], expressions: tuple[str, ...], *flow
 
 
 def downsampling(rates: Mapping[str, float]) -> list[dict[str, object]]:
-    """Return Zenoh's section `downsampling`: at most this many publications a second of each key to each session."""
+    """Return Zenoh's section `downsampling`: the largest rate (Hz) of each key's publications to each session."""
     # All keys that match one rule share its rate, so each key needs its own rule.
     rules = [{"key_expr": key, "freq": rate} for key, rate in rates.items()]
     return [{"id": "rates", "messages": ["put"], "flows": ["egress"], "rules": rules}] if rules else []

@@ -15,7 +15,7 @@ from beatrix_zenoh.files import private_file
 
 PROBE_S = 2.0
 _UNKNOWN = (
-    "it does not know this certificate, which is of another class or of an earlier `beatrix classroom init`"
+    "it does not know this certificate, which is from another class or an earlier `beatrix classroom init`"
 )
 _WRONG_ADDRESS = (
     "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
@@ -93,7 +93,8 @@ def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
     return NoAnswer(
         error.reason,
         f"No router of class {account.class_name} at {account.connect}. The teacher starts it with `beatrix router --class "
-        "class.toml`. If it runs, check that this computer is in the same network and no firewall blocks the port.",
+        "class.toml`. If it runs, check that this computer is in the same network and that no firewall blocks the "
+        "port.",
     )
 
 

@@ -20,7 +20,7 @@ def endpoints(text: str) -> list[str]:
 
 
 def probe(endpoint: str) -> None:
-    """Try to connect to one endpoint or one of several; unlike an error of Zenoh, the error explains the failure.
+    """Try to connect to one endpoint or one of several; unlike an error of Zenoh, the error says what to do.
 
     Raises:
         NoAnswer: NO_ROUTER, no endpoint accepts a connection.

@@ -25,7 +25,7 @@ TIMED_OUT = b"Timeout"
 
 
 def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
-    """Return the named priority; without a name that of the key's row in keys.toml, or `data` for other keys."""
+    """Return the named priority; without a name, that of the key's row in keys.toml, or `data` for other keys."""
     if priority is None:
         parts = keys.parse(selector.partition("?")[0])
         priority = "data" if parts is None else keys.KEYS[parts.row].priority
@@ -94,7 +94,7 @@ class Query:
                 return
             payload = bad.payload.to_bytes()
             if replier is None and payload == TIMED_OUT:
-                return  # created by Zenoh; the end of the replies follows
+                return  # Zenoh created it, not a robot; the end of the replies follows
             answer = Reply("", payload, str(bad.encoding), error=True, sender=sender)
         if self._late is None:
             self._inbox.put(answer)
@@ -121,11 +121,11 @@ class Query:
         except queue.Empty:
             raise TimeoutError from None
         if answer is None:
-            self._inbox.put(None)  # for the next call
+            self._inbox.put(None)  # the next call also returns None
         return answer
 
     def notify(self, notify: Callable[[], None]) -> None:
-        """Call `notify` on Zenoh's thread after each reply and at the end; also now, in this thread, if a reply waits.
+        """Call `notify` on Zenoh's thread after each reply and at the end; and now, in this thread, if one has come.
 
         `notify` must return at once, like every callback of Zenoh.
         """

@@ -34,7 +34,7 @@ SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
 LENGTH_MAX: Final = 4096
 """Longest payload (bytes) and longest parameters (characters); requests have about two hundred."""
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-"""Numbers as people write them, including `5.`, `.5` and `+0.5`. Matched in linear time."""
+"""Numbers as people write them, including `5.`, `.5` and `+0.5`; the match takes linear time."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def read_motion_or_pose(raw: RawQuery) -> MotionQuery | PoseQuery:
 
 
 def _check_length(raw: RawQuery) -> None:
-    """Raise Refused (BAD_VALUE) if decoding would take so long that it delays other requests."""
+    """Raise Refused (BAD_VALUE) for a request so long that decoding it would delay other requests."""
     length = max(len(raw.payload), len(raw.parameters))
     if length > LENGTH_MAX:
         raise Refused(Reason.BAD_VALUE, f"The request has {length} bytes; at most {LENGTH_MAX} are allowed.")
@@ -168,7 +168,7 @@ def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
     names = _names_of(len(values), kind)
     if names is None:
         raise Refused(
-            Reason.BAD_VALUE, f"{kind.__name__}: {len(values)} words are not a request. {usage(kind)}"
+            Reason.BAD_VALUE, f"{kind.__name__}: {len(values)} is the wrong number of words. {usage(kind)}"
         )
     fields = {"absolute": modes[0]} if modes else {}
     return fields | dict(zip(names, values, strict=True))

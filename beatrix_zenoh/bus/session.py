@@ -1,7 +1,7 @@
 """A session: queries, queryables, publications, subscriptions, liveliness tokens.
 
 Callbacks run on Zenoh's thread and must return at once; a slow callback would delay the whole session.
-Publications have congestion control DROP, so that a frozen subscriber does not delay the others.
+Publications have congestion control DROP, so that a subscriber that does not read does not delay the others.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from beatrix_zenoh.bus.transport import OPEN_MS, opened
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 HEALTH = "_health"
-"""Selector parameter of the session watchdog's queries; parameters that begin with _ are reserved for Zenoh."""
+"""Selector parameter of the session watchdog's queries; no request has a parameter that begins with _."""
 HEALTHY = b"served"
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
 
@@ -39,10 +39,10 @@ CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionCon
 
 
 class Incoming:
-    """A query to answer; call `finish` at the end, otherwise the client waits until its timeout."""
+    """A query to answer; call `finish` at the end, because otherwise the client waits until its timeout."""
 
     def __init__(self, query: zenoh.Query) -> None:
-        # Only the key is read here: in a flood of queries, newer ones replace most of them before they are decoded.
+        # Only the key is read here, because in a flood of queries newer ones replace most of them before decoding.
         self._query = query
         self.key = str(query.key_expr)
 
@@ -63,7 +63,7 @@ class Incoming:
         return "" if source is None else str(source.source_id.zid)
 
     def reply(self, key: str, payload: bytes, encoding: str) -> None:
-        """Send one reply on the robot's own key; no error if the client has gone."""
+        """Send one reply on `key`, the robot's own; raises no error if the client has gone."""
         with contextlib.suppress(zenoh.ZError):
             self._query.reply(key, payload, encoding=encoding)
 
@@ -101,7 +101,8 @@ class Publication:
         )
         on_subscribed = self._on_subscribed
         if on_subscribed is not None:
-            # The listener ends with the publisher. For a new session, Zenoh does not call it if the key has no subscribers.
+            # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
+            # `on_subscribed` here.
             changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: on_subscribed(), indirect=False)
             self._publisher.declare_matching_listener(changed)
             on_subscribed()
@@ -119,7 +120,7 @@ class Publication:
 
 
 class Bus:
-    """One Zenoh session: a client of an explicit router, no discovery, no shared memory."""
+    """One Zenoh session: a client of an explicit router, without discovery and shared memory."""
 
     def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
         self._open_session = open_session
@@ -133,7 +134,7 @@ class Bus:
         self.session_id = str(self._session.zid())
 
     def _declare(self, declaration: Callable[[zenoh.Session], object]) -> Callable[[], None]:
-        """Declare now and in every renewed session; return a function that undeclares."""
+        """Declare now and in every renewed session; return a function that ends the declaration."""
         with self._open() as session:
             self._declared.append(declaration(session))
         self._declarations.append(declaration)
@@ -186,7 +187,7 @@ class Bus:
         priority: str | None = None,
         timeout_s: float = QUERY_S,
     ) -> Query:
-        """Send a query; read its replies one by one and close it.
+        """Send a query and return it; the caller reads its replies one by one and closes it.
 
         `priority` defaults to that of the key. No reply arrives after `timeout_s`.
 
@@ -228,9 +229,9 @@ class Bus:
         return publication
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
-        """Pass publications to `handle`, and return a function that ends the subscription.
+        """Pass publications on `key` to `handle`, and return a function that ends the subscription.
 
-        `handle` runs on Zenoh's thread and must return at once. Raises as `query`.
+        `handle` runs on Zenoh's thread and must return at once. Raises the errors of `query`.
         """
 
         def receive(sample: zenoh.Sample) -> None:
@@ -249,7 +250,7 @@ class Bus:
         )
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
-        """Publish once, `priority` as in `query`; raises the errors of `query`."""
+        """Publish once, with a `priority` as in `query`; raises the errors of `query`."""
         with self._open() as session:
             session.put(
                 key,
@@ -263,7 +264,7 @@ class Bus:
     # -- liveliness tokens ----------------------------------------------------------------------
 
     def declare_token(self, key: str) -> None:
-        """Declare a liveliness token, which disappears when this session ends for any cause."""
+        """Declare a liveliness token, which disappears when this session ends for any reason."""
         self._tokens[key] = self._session.liveliness().declare_token(key)
 
     def undeclare_token(self, key: str) -> None:
@@ -277,7 +278,7 @@ class Bus:
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
     def router_answers(self, timeout_s: float) -> bool:
-        """Return whether the router answers a query about tokens in time; a frozen router does not."""
+        """Return whether the router answers a query about tokens within `timeout_s` (s)."""
         begin = time.monotonic()
         return (
             self.connected
@@ -289,7 +290,7 @@ class Bus:
         """Return whether the router has accepted a token of this session and reports tokens to this session.
 
         Zenoh returns a session's own token twice, from the session itself and from the router. In the first
-        milliseconds of a session the router may not return it yet, so this waits PASSES_S before it returns False.
+        milliseconds of a session the router may not return it yet, so this method tries for PASSES_S.
         """
         deadline_s = time.monotonic() + PASSES_S
         while len(self.tokens(token)) <= 1:
@@ -331,7 +332,7 @@ class Bus:
         return not self.closed and bool(self._session.info.routers_zid())
 
     def connection_error(self) -> NoAnswer | None:
-        """Try to open another session with the same account; return the error, None if the router accepts it."""
+        """Try to open another session with the same account; return the error, or None if the router accepts it."""
         try:
             self._open_session().close()
         except NoAnswer as error:
@@ -343,7 +344,7 @@ class Bus:
         return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
-        """Return name and twin of every node that serves or starts; one robot may have two nodes in joined networks."""
+        """Return name and twin of every node that serves or starts; in joined networks one robot may occur twice."""
         return _places(self.tokens(keys.claim(robot="*", twin="*", session="*")))
 
     def close(self) -> None:
@@ -363,19 +364,19 @@ class Bus:
 def frozen_router(endpoint: str) -> str:
     """Return the message about a router that accepts connections and does not answer."""
     return (
-        f"The router at {endpoint} does not answer: it is frozen or very busy. Robots stop by themselves within 3 s "
+        f"The router at {endpoint} does not answer: it hangs or is very busy. Robots stop by themselves within 3 s "
         "of losing their router."
     )
 
 
 def _places(tokens: list[str]) -> list[tuple[str, str]]:
-    """Return name and twin in the keys of tokens."""
+    """Return name and twin from the key of each token."""
     found = [keys.parse(token) for token in tokens]
     return [(parts.robot, parts.twin) for parts in found if parts is not None]
 
 
 def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:
-    """Open a session as client of the router at an endpoint such as `tcp/127.0.0.1:7447`, or at one of several.
+    """Open a session as a client of the router at an endpoint such as `tcp/127.0.0.1:7447`, or at one of several.
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
@@ -407,12 +408,12 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         try:
             return opened(settings, lambda: credentials.refusal(endpoint, account), Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
-            check_listening()  # a router that shuts down closes the connection: it is lost, and did not refuse
+            check_listening()  # a router that shuts down did not refuse the account: report it as lost
             if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
                 raise
             plain = account is not None and not account.password
             other = (
-                " Or it does not use certificates: it has no class, or a class with passwords."
+                " Or it does not use certificates: it serves no class, or a class with passwords."
                 if plain
                 else ""
             )

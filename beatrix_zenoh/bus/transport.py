@@ -13,7 +13,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
 
 LEASE_MS = 2000
-"""Time after which a frozen session or router counts as gone; the default of 10 s is too long for a moving robot."""
+"""Time after which an unresponsive session or router counts as lost; the default, 10 s, is too long for moving arms."""
 TCP = {"so_sndbuf": 32768, "so_rcvbuf": 32768}
 """Small socket buffers: data of a flooding client waits in that client, not for seconds in the kernel."""
 WAIT_DROP_US = 20_000
@@ -35,7 +35,7 @@ RUNTIME_FORM = re.compile(
 )
 """Values of ZENOH_RUNTIME that Zenoh can parse; other values end the calling thread with a Rust panic."""
 OPEN_MS = 2000
-"""Time after which a router that accepts a connection and does not answer counts as frozen; the default is 10 s."""
+"""Time after which a router that accepts a connection and does not answer counts as lost; the default is 10 s."""
 HALF_OPEN = 1000
 """Largest number of connections that have not sent anything yet; at the default of 100 a port scan locks out a
 class."""

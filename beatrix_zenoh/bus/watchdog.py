@@ -21,7 +21,7 @@ class SessionWatchdog:
     """A thread that replaces a session whose queryables the router has lost.
 
     If the router disconnects a session under a flood of messages, Zenoh 1.10 reconnects it without its declarations in
-    about one case of ten. The session is then open, but the router delivers no query to it. `renewed` is called with
+    about one case in ten. The session is then open, but the router delivers no query to it. `renewed` is called with
     the traffic class, on the watchdog's thread.
 
     If the router is back after a loss and refuses the account, `refused` is called once on the same thread, because
@@ -56,11 +56,11 @@ class SessionWatchdog:
         try:
             checked.renew()
         except NoAnswer:
-            return  # the router has just been lost
+            return  # the router has just been lost; the old session remains
         self._renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:
-        """Report a router that refuses the account; a router that has just started may refuse it once."""
+        """Report a router that refuses the account twice in a row; one that has just started may refuse it once."""
         if control.connected:
             self._refusals = 0
         elif self._refusals < FAILURES:
@@ -79,7 +79,7 @@ class SessionWatchdog:
 
 
 def reached(checked: Bus, through: Bus) -> bool:
-    """Return False if the router reports that no session serves the key of `checked`; True otherwise, or if unknown."""
+    """Return False if the router passes no query to `checked`; True if it does, or if this is unknown."""
     if not (through.connected and checked.connected):
         return True
     query = through.query(f"{checked.served}?{HEALTH}")

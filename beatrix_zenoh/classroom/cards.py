@@ -53,7 +53,7 @@ def _card(account: Account, teacher: str) -> str:
 
 
 def _code(text: str) -> str:
-    """A QR code as SVG; an account with certificates needs about 130 modules a side, which phones read at this size."""
+    """Return a QR code as SVG; with certificates it has about 130 modules a side, which phones can read on a card."""
     drawn = io.BytesIO()
     code = segno.make(text, error="l", micro=False)
     code.save(drawn, kind="svg", xmldecl=False, svgns=True, omitsize=True, border=2)

@@ -13,9 +13,9 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from beatrix_zenoh.bus.credentials import Identity
 
 BEGIN = dt.datetime(2020, 1, 1, tzinfo=dt.UTC)
-"""First day of all certificates, long ago, so that a computer whose clock has no battery accepts them, too."""
+"""Start of the validity of all certificates: long ago, so that a computer whose clock has no battery accepts them."""
 AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
-"""Validity of the authority (ten years), and of an account (a school year and its holidays)."""
+"""Validity of the authority's certificate (ten years) and of an account's (a school year and its holidays)."""
 RENEW_DAYS = 60
 """`init` replaces certificates that expire within this time."""
 LOOPBACK = ("127.0.0.1", "localhost")
@@ -38,7 +38,7 @@ class Authority:
 
     @classmethod
     def read(cls, text: str) -> Authority:
-        """Parse the text of an authority's file; raises ValueError."""
+        """Parse the text of an authority's file; raises ValueError if it is invalid."""
         key = serialization.load_pem_private_key(text.encode(), password=None)
         if not isinstance(key, ec.EllipticCurvePrivateKey):
             raise ValueError("it has no elliptic-curve key")  # noqa: TRY004  # the content of a file, not an argument
@@ -55,7 +55,7 @@ class Authority:
         return _text(self._certificate)
 
     def issue(self, name: str, addresses: tuple[str, ...] = (), *, days: int = ACCOUNT_DAYS) -> Identity:
-        """Issue a certificate for an account, or for a router at these addresses."""
+        """Issue a certificate, with a new key, for an account or for a router at these addresses."""
         key = ec.generate_private_key(ec.SECP256R1())
         usages = [ExtendedKeyUsageOID.CLIENT_AUTH, *([ExtendedKeyUsageOID.SERVER_AUTH] if addresses else [])]
         builder = _builder(_name(name), self._certificate.subject, key, days)
@@ -69,11 +69,11 @@ class Authority:
         return Identity(self.certificate, _text(signed), _key_text(key))
 
     def signed(self, certificate: str) -> bool:
-        """Return whether this authority signed the certificate (PEM) and it does not expire within RENEW_DAYS."""
+        """Return whether this authority has signed a certificate (PEM) that is valid for more than RENEW_DAYS."""
         try:
             read = x509.load_pem_x509_certificate(certificate.encode())
             read.verify_directly_issued_by(self._certificate)
-        except Exception:  # noqa: BLE001  # cryptography raises many errors for foreign certificates
+        except Exception:  # noqa: BLE001  # cryptography raises many kinds of errors for foreign certificates
             return False
         return read.not_valid_after_utc > _in_days(RENEW_DAYS)
 

@@ -79,7 +79,7 @@ class Classroom:
 
     @property
     def link(self) -> str:
-        """Endpoint at which the router waits for the second one; empty: there is none."""
+        """Endpoint at which the router accepts the second router; empty: there is no second router."""
         return f"tls/{self.addresses[0]}:{self.port + 1}" if self.standby else ""
 
     @property
@@ -103,7 +103,7 @@ def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     try:
         return msgspec.convert(table, _ClassFile)
     except msgspec.ValidationError as error:
-        raise wrong(path, f"a field is wrong: {error}. A class file holds for example {EXAMPLE}") from error
+        raise wrong(path, f"a field is wrong: {error}. Write, for example, {EXAMPLE}") from error
 
 
 def read(path: Path) -> Classroom:
@@ -116,7 +116,7 @@ def read(path: Path) -> Classroom:
         text = path.read_text(encoding="utf-8")
         file = _converted(path, tomllib.loads(text))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise wrong(path, f"cannot be read: {error}. A class file holds for example {EXAMPLE}") from error
+        raise wrong(path, f"cannot be read: {error}. Write, for example, {EXAMPLE}") from error
     count = file.seats if isinstance(file.seats, int) else len(file.seats)
     if not 1 <= count <= SEATS_MAX:
         raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
@@ -146,7 +146,8 @@ def read(path: Path) -> Classroom:
     )
     for endpoint in zbus.endpoints(f"{made.connect},{made.link or made.listen}"):
         zbus.parse_endpoint(endpoint)
-        if endpoint.startswith("tls/["):  # Zenoh 1.10 compares address and brackets with the certificate
+        # Zenoh 1.10 compares an IPv6 address with its brackets, but certificates contain it without them.
+        if endpoint.startswith("tls/["):
             raise wrong(path, f"{endpoint} cannot have a certificate: give an IPv4 address or a name instead")
     return made
 
@@ -166,12 +167,12 @@ def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
 
 
 def wrong(path: Path, text: str) -> WrongUsage:
-    """Return the error of a wrong class file."""
+    """Return the error for an invalid class file."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
 
 
 def _impossible(address: str) -> bool:
-    """Return whether a text that only an IP address can be, such as 192.168.300.20, is none."""
+    """Return whether a text has the form of an IP address but is not one, such as 192.168.300.20."""
     if not re.fullmatch(r"[0-9.]+|.*:.*", address):
         return False
     try:
@@ -182,5 +183,5 @@ def _impossible(address: str) -> bool:
 
 
 def _host(address: str) -> str:
-    """Return an address as part of an endpoint: an IPv6 address in brackets."""
+    """Return an address in the form for endpoints: an IPv6 address gets brackets."""
     return f"[{address}]" if ":" in address and not address.startswith("[") else address

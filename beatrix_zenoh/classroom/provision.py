@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import Refused, WrongUsage
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
 """Characters of passwords, without those that look alike."""
 GROUPS, GROUP = 4, 4
-"""Number of groups in a password, and characters in each: 79 bits, too many to guess it from a recorded login."""
+"""Number of groups in a password, and characters in each: 79 bits, too many to guess one from a recorded login."""
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
@@ -37,7 +37,7 @@ class Made:
 
 
 def folder_of(role: str) -> str:
-    """The folder of the account files of a role."""
+    """Return the name of the folder of the account files of a role."""
     return "robots" if role == "robot" else "seats"
 
 
@@ -73,7 +73,7 @@ class _Signer:
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
         try:
-            from beatrix_zenoh.classroom.certificates import Authority, expiry  # noqa: PLC0415  # in an extra
+            from beatrix_zenoh.classroom.certificates import Authority, expiry  # noqa: PLC0415  # needs an extra
         except ModuleNotFoundError as error:
             raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
         path = folder / "authority.pem"
@@ -88,7 +88,7 @@ class _Signer:
         self._expiry = expiry
 
     def certified(self, account: Account, old: Account | None) -> Account:
-        """Return the account with its old certificate if that is still valid, else with a new one."""
+        """Return the account with its old certificate, or with a new one if `Authority.signed` rejects it."""
         if old is not None and self.authority.signed(old.certificate):
             own = Identity(self.authority.certificate, old.certificate, old.key)
         else:

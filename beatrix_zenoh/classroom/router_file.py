@@ -1,4 +1,4 @@
-"""The file of a router, or second router, of a class, with all data that the router needs."""
+"""The file of the first or the second router of a class, with all data that this router needs."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from beatrix_zenoh.classroom.class_file import Classroom, read
 from beatrix_zenoh.errors import WrongUsage
 
 ROUTERS = {"router": "@router", "standby": "@standby"}
-"""Common names of the routers' certificates, which no seat can have."""
+"""Names in the accounts and certificates of the routers, by role; no seat can have them."""
 LONGEST = 256 * 1024
 """Largest size of a router file (bytes)."""
 
 
 class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """A router of a class."""
+    """The fields of a router file."""
 
     class_name: str = msgspec.field(name="class")
     role: Literal["router", "standby"]
@@ -39,16 +39,16 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_d
     passwords: dict[str, str] = {}
 
     def __repr__(self) -> str:
-        """Leave out the secrets."""
+        """Return role and class without the secrets."""
         return f"<{self.role} of class {self.class_name}>"
 
     def text(self) -> str:
-        """The content of the file."""
+        """Return the text of the file."""
         head = f"# BEATRIX {self.role} of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
         return head + files.toml_text(msgspec.to_builtins(self))
 
     def access(self) -> RouterAccess:
-        """Return the accounts and access rules."""
+        """Return the accounts and access rules for `open_router`."""
         first = self.link if self.role == "standby" else ""
         account = ROUTERS[self.role]
         return RouterAccess(

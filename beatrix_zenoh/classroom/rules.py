@@ -8,10 +8,10 @@ from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
 
 ANY = "*"
 STOPS = (keys.stop(ANY, ANY), keys.stop(ANY, ANY).replace(f"{ANY}/{ANY}", "**"))
-"""STOP of one robot and of all; no other key ends with this chunk."""
+"""Keys of STOP for one robot and for many; no other key ends with `stop`, so `**` permits nothing else."""
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
 READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
-"""Queries that change nothing."""
+"""Keys of queries that change nothing."""
 TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
 
 
@@ -25,7 +25,7 @@ def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
 
 
 def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
-    """Return the grant to read everything, stop every robot, serve the robot `name`, and query the keys `drives`."""
+    """Return the grant to read everything, stop every robot, serve and drive the robot `name`, and query `drives`."""
     own = f"{ROOT}/{name}/**"
     return Grant(
         name,
@@ -39,7 +39,7 @@ def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
 
 
 def student(seat: str, robots: tuple[str, ...]) -> Grant:
-    """Return the grant of a student: that of `account`, and to drive the robots of the class under this seat."""
+    """Return the grant of `account`, and to drive the robots of the class under this seat and change their scenes."""
     scenes = tuple(keys.target(robot) for robot in robots)
     return account(seat, (*(_commands(robot, seat) for robot in robots), *scenes))
 
@@ -50,19 +50,19 @@ def teacher() -> Grant:
 
 
 def _commands(robot: str, seat: str) -> str:
-    """Key expression of all requests of one seat to both robots of a name."""
+    """Return the key expression of all requests of one seat to both robots of a name."""
     return keys.command(robot, ANY, seat).rpartition("/")[0] + "/**"
 
 
 def _own_token(key: str, name: str) -> str:
-    """Key expression of the tokens of this seat if the key has a seat, else of this robot."""
+    """Return the key expression of the tokens of this seat if the key has a seat, else of this robot."""
     own = "who" if "{who}" in key else "robot"
     fields = dict.fromkeys(("robot", "twin", "who", "session", "token"), ANY)
     return key.format_map({**fields, own: name})
 
 
 def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
-    """Return the largest rate (Hz) at which a session receives each camera of each robot."""
+    """Return, for the key of each camera, the largest rate (Hz) at which a session receives its pictures."""
     return {
         keys.camera(robot, twin, view): pictures_hz
         for robot in (*robots, *seats, names.TEACHER)

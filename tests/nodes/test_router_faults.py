@@ -129,7 +129,7 @@ def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
-    sentence = r"does not answer: it is frozen or very busy\. Robots stop by themselves within 3 s"
+    sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
             robot.stop()
