@@ -6,7 +6,7 @@ with Robot("bea1", twin="sim") as robot:
     robot.look(yaw=20, pitch=-10)
 
 Each name is imported at its first use, so that a program loads only the modules that it needs. The command line, for
-example, must handle Ctrl-C before it loads the others.
+example, must handle Ctrl-C before it loads other modules.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ __all__ = [
     "suggestion",
 ]
 TYPE_CHECKING = False
-"""Type checkers treat this as True. To import `typing` would cost a third of the time that late imports save."""
+"""Type checkers treat this as True. Importing `typing` would cost a third of the time that late imports save."""
 if TYPE_CHECKING:
     from beatrix_zenoh.client.camera import CameraImage as CameraImage
     from beatrix_zenoh.client.monitor import Monitor as Monitor

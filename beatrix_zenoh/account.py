@@ -32,7 +32,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     """endpoints of the router and, if there is one, of the second router; separated by commas"""
     password: str = ""
     expires: dt.date | None = None
-    """last day of the certificate"""
+    """last day on which the certificate is valid; None: no certificate"""
     authority: str = ""
     """certificate (PEM) of the authority that has signed the certificate of the router"""
     certificate: str = ""
@@ -54,13 +54,14 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         return head + files.toml_text(fields)
 
     def check_seat(self, seat: str) -> str:
-        """Return the seat if this account may use it; raises WrongUsage (BAD_VALUE)."""
+        """Return the seat if this account may use it; otherwise raise WrongUsage (BAD_VALUE)."""
         if self.role == "teacher" or seat == self.name:
             return seat
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"The account of this computer is {self.name}, of class {self.class_name}, and the router refuses requests as "
-            f"{seat}. Leave out --who, BEATRIX_WHO and `who` in beatrix.toml, or join with the file of {seat}.",
+            f"The account of this computer is {self.name}, of class {self.class_name}, and the router refuses its "
+            f"requests under the seat {seat}. Leave out --who, BEATRIX_WHO and `who` in beatrix.toml, or join with the "
+            f"file of {seat}.",
         )
 
     def check_served(self, robot: str) -> None:
@@ -89,7 +90,7 @@ def joined() -> Path:
 
 
 def load(path: Path) -> Account:
-    """Read an account file; raises WrongUsage (BAD_VALUE)."""
+    """Read an account file; raises WrongUsage (BAD_VALUE) if it cannot be read or is invalid."""
     try:
         read = files.content(
             path, LONGEST, called=str(path), form="TOML, such as ana.toml", nothing="no account is that long"
@@ -137,5 +138,5 @@ def _wrong(called: str, text: str) -> WrongUsage:
     return WrongUsage(
         Reason.BAD_VALUE,
         f"{called} is not an account file: {text}. Use the file of your seat or robot, for example ana.toml, from the "
-        "folder seats or robots that `beatrix classroom init` makes, or the text of the code on the card.",
+        "folder seats or robots that `beatrix classroom init` makes, or the text of the QR code on the card.",
     )

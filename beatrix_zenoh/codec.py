@@ -16,39 +16,39 @@ from beatrix_zenoh.errors import QUOTED, Refused
 MSGPACK = "application/msgpack"
 JSON = "application/json"
 UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""Errors of decoders for bytes that are not a message; RecursionError for thousands of brackets."""
+"""Errors that decoders raise for bytes that are not a message; RecursionError: thousands of nested brackets."""
 LONGEST = 200
-"""Largest number of characters of a decoder's error that a refusal repeats; the error may quote the request."""
+"""Largest number of characters of a decoder's error that a refusal repeats, because the error may quote the request."""
 _AT: Final = re.compile(r" - at `\$\.?([^`]*)`\s*$")
 """The path of a field at the end of a decoder's error."""
 _FLOAT32: Final = re.compile(r"`float` [<>]= -?3\.4\d+e\+38")
-"""The bounds of a number in a decoder's error."""
+"""The bounds of single precision in a decoder's error."""
 _FIELD: Final = re.compile(r"(?:unknown|missing required) field `([^`]*)`")
 
 M = TypeVar("M", bound=msgspec.Struct)
 
 
 def fits(number: float) -> bool:
-    """Return whether a number is finite and within single precision."""
+    """Return whether a number is finite and within the range of single precision."""
     return abs(number) <= FLOAT32_MAX
 
 
 def encode(message: msgspec.Struct) -> bytes:
-    """Encode as msgpack, floats in single precision."""
+    """Encode a message as msgpack, with floats in single precision."""
     data: bytes = msgpack.packb(msgspec.to_builtins(message), use_single_float=True)
     return data
 
 
 def encode_json(message: msgspec.Struct) -> bytes:
-    """Encode as one line of UTF-8 JSON."""
+    """Encode a message as one line of UTF-8 JSON."""
     return msgspec.json.encode(message)
 
 
 def decode(data: bytes, kind: type[M]) -> M:
-    """Decode msgpack.
+    """Decode a message from msgpack.
 
     Raises:
-        Refused: BAD_VALUE, with the field and the allowed fields or values, also in its detail.
+        Refused: BAD_VALUE; message and detail contain the wrong field and, if there are any, the allowed values.
     """
     try:
         message = msgspec.msgpack.decode(data, type=kind)
@@ -60,7 +60,7 @@ def decode(data: bytes, kind: type[M]) -> M:
 
 
 def decode_json(data: bytes, kind: type[M]) -> M:
-    """Decode JSON text; raises the errors of `decode`."""
+    """Decode a message from JSON text; raises the errors of `decode`."""
     try:
         message = msgspec.json.decode(data, type=kind)
     except UNREADABLE as error:
@@ -79,7 +79,7 @@ def from_words(fields: dict[str, object], kind: type[M]) -> M:
 
 
 def number(data: bytes) -> float:
-    """Decode one finite number, as text or msgpack (the per-arm topics of 2023); raises the errors of `decode`."""
+    """Decode a finite number, sent as text or msgpack to a per-arm topic of 2023; raises the errors of `decode`."""
     try:
         value = float(data.decode())
     except (ValueError, UnicodeDecodeError):
@@ -95,7 +95,7 @@ def number(data: bytes) -> float:
 
 
 def field_names(data: bytes, *, json: bool) -> frozenset[str]:
-    """Return the top-level field names of an encoded map; empty if it is not a map."""
+    """Return the top-level field names of an encoded map; empty if the bytes are not a map."""
     try:
         value = msgspec.json.decode(data) if json else msgspec.msgpack.decode(data)
     except UNREADABLE:
@@ -104,7 +104,7 @@ def field_names(data: bytes, *, json: bool) -> frozenset[str]:
 
 
 def is_request(kind: type[msgspec.Struct]) -> bool:
-    """Return whether a message is a request, which may contain only known fields, and each of them once."""
+    """Return whether messages of `kind` are requests, which may contain only known fields, each of them once."""
     return kind.__struct_config__.forbid_unknown_fields
 
 
@@ -133,7 +133,7 @@ def _values(kind: object) -> list[str]:
 
 
 def outline(kind: type[msgspec.Struct]) -> str:
-    """List the fields of a message, optional ones in brackets: `position {x, y, z}, [speed …]`."""
+    """Return the fields of a message as text, optional ones in brackets: `position {x, y, z}, [speed …]`."""
     parts = []
     for field in msgspec.structs.fields(kind):
         inner = _struct_of(field.type)
@@ -163,7 +163,7 @@ def _check_names(value: object, kind: type[msgspec.Struct]) -> None:
 
 
 def _repeated(value: object, path: str) -> str | None:
-    """Return the path of the first repeated field, None if there is none."""
+    """Return the path of the first repeated field; None if no field is repeated."""
     if not isinstance(value, tuple):
         return None
     seen = set()

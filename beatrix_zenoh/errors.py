@@ -38,11 +38,11 @@ class WrongUsage(Refused):
 
 
 class Interrupted(BeatrixError):
-    """A motion that was accepted and did not reach its goal: stopped, replaced or lost."""
+    """A motion that was accepted and did not reach its goal, for example because of STOP or a newer motion."""
 
 
 class NoAnswer(BeatrixError):
-    """A request without an answer; `reason` is the cause, explained in docs/how-to/no-answer.md."""
+    """A request or connection without an answer; `reason` is the cause, explained in docs/how-to/no-answer.md."""
 
 
 @contextmanager

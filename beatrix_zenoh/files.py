@@ -1,6 +1,6 @@
 """Read and write files.
 
-The size of files to read is limited, because the user gives their paths. Only the owner may read private files.
+The size of files to read is limited, because a user may name a wrong file. Only the owner may read private files.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -
 
     Raises:
         OSError: the file cannot be read.
-        WrongUsage: BAD_VALUE, it is not a regular file (a device or a pipe), or it is longer.
+        WrongUsage: BAD_VALUE, it is not a regular file but, for example, a device, or it is longer than `longest`.
     """
     if path.exists() and not path.is_file():
         raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: choose a file in {form}.")
@@ -47,9 +47,9 @@ def unknown_fields(table: Mapping[str, object], kind: type[msgspec.Struct]) -> l
 
 
 def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder of user settings on this platform.
+    """Return the folder of a user's BEATRIX settings on a platform.
 
-    It is $XDG_CONFIG_HOME, %APPDATA% or ~/Library/Application Support.
+    It is `beatrix` in $XDG_CONFIG_HOME, %APPDATA% or ~/Library/Application Support.
     """
     if platform == "win32":
         home = environment.get("APPDATA") or str(Path.home() / "AppData/Roaming")
@@ -62,7 +62,7 @@ def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = o
 
 def write_private(path: Path, text: str) -> None:
     """Write a file of mode 0600 in one step: a reader gets all of the old content or all of the new."""
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")  # it gets mode 0600
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")  # mkstemp sets mode 0600
     try:
         with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor
             file.write(text)
@@ -74,7 +74,7 @@ def write_private(path: Path, text: str) -> None:
 
 @contextlib.contextmanager
 def private_file(text: str) -> Iterator[Path]:
-    """A temporary file of mode 0600 for libraries that read secrets from files only."""
+    """Yield the path of a temporary file of mode 0600, for libraries that read secrets from files only."""
     descriptor, name = tempfile.mkstemp(prefix="beatrix-")
     try:
         with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor

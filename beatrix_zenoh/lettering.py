@@ -34,7 +34,7 @@ _GLYPHS: Final = {
     "R": "1e 11 11 1e 14 12 11",
     "T": "1f 04 04 04 04 04 04",
 }
-"""The characters in use: one byte (hexadecimal) for each row from the top, whose bit 4 is the left column."""
+"""The available characters: one byte (hexadecimal) for each row from the top, whose bit 4 is the left column."""
 
 
 def points(letter: str) -> Sequence[Sequence[bool]]:

@@ -19,7 +19,7 @@ VIEWS = (*EYES, OUTSIDE)
 TEACHER = "teacher"
 """The seat that outranks all others."""
 OLD_PROGRAMS, ARM_TOPICS = "legacy", "arm-topics"
-"""Seats of programs of 2023 and of the per-arm topics, which have no seat of their own."""
+"""Seats for programs of 2023 and for the per-arm topics, because both send no seat."""
 
 
 def check_name(text: str, what: str = "robot") -> str:
@@ -38,7 +38,7 @@ def check_name(text: str, what: str = "robot") -> str:
 
 
 def check_seat(text: str) -> str:
-    """Return `text` if it is a valid seat of a client; raises the errors of `check_name`."""
+    """Return `text` if it is a valid seat of a client; raises WrongUsage (BAD_VALUE) for invalid or reserved names."""
     if text in (OLD_PROGRAMS, ARM_TOPICS):
         raise WrongUsage(
             Reason.BAD_VALUE, f"The seat {text!r} is reserved for programs without a seat: choose another."
@@ -52,7 +52,7 @@ def view_title(eye: str) -> str:
 
 
 def tidy(text: str, otherwise: str = "beatrix") -> str:
-    """Return a similar valid name; `otherwise` if the text contains no allowed character."""
+    """Return a valid name that is similar to `text`; `otherwise` if the text contains no allowed character."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or otherwise
 
 
@@ -65,5 +65,5 @@ def default_seat() -> str:
 
 
 def default_robot() -> str:
-    """Return the default name of a simulation: names of user and computer, so that it differs between computers."""
+    """Return the default name of a robot: names of user and computer, so that it differs between computers."""
     return tidy(f"{default_seat()}-{socket.gethostname().partition('.')[0]}")

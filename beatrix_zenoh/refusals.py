@@ -30,7 +30,7 @@ def emergency_latched() -> Refused:
 
 
 def driven_by(holder: str, wait_s: float | None = None) -> Refused:
-    """Return a NOT_HOLDER refusal: a motion of another seat holds the robot, for `wait_s` (s) more or while it runs."""
+    """Return a NOT_HOLDER refusal: another seat holds the robot for `wait_s` (s) more; None: while its motion runs."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, wait_s=wait_s))
 
 
@@ -40,7 +40,7 @@ def taken_by(holder: str) -> Refused:
 
 
 def lease_ended(number: int, holder: str) -> Refused:
-    """Return a NOT_HOLDER refusal: the lease of a request has ended; `holder` has the robot now (empty: no seat)."""
+    """Return a NOT_HOLDER refusal: the lease of a request has ended; `holder` is the present holder (empty: none)."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
 
 
@@ -65,7 +65,7 @@ def stopped_pause(seat: str, wait_s: float) -> Refused:
 
 
 def coming_to_rest() -> Refused:
-    """Return a STOPPED refusal: the arms still decelerate after STOP."""
+    """Return a STOPPED refusal: the arms are still decelerating after STOP."""
     return Refused(Reason.STOPPED)
 
 
@@ -95,7 +95,7 @@ def unknown_command(number: int) -> Refused:
 
 
 def home_known(arms: Iterable[float], limit: float) -> Refused:
-    """Return a HOME_KNOWN refusal: home is known, and an arm (rad from home) is further away than `limit` (rad)."""
+    """Return a HOME_KNOWN refusal: home is known, and an arm (rad from home) is more than `limit` (rad) away."""
     name, angle = _furthest(arms)
     detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
     return Refused(Reason.HOME_KNOWN, detail=detail)
@@ -107,7 +107,7 @@ def not_at_rest() -> Refused:
 
 
 def motion_too_long(duration_s: float, high_s: float) -> Refused:
-    """Return a TIMED_OUT refusal: a motion takes `duration_s` (s), and a preview at most `high_s` (s)."""
+    """Return a TIMED_OUT refusal: a motion takes `duration_s` (s), but a preview may take at most `high_s` (s)."""
     return Refused(
         Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=duration_s, high=high_s, unit="s")
     )
@@ -133,12 +133,12 @@ def counted_too_far(arms: Iterable[float], high: float) -> Refused:
 
 
 def too_far_to_send(arms: Iterable[float], high: float) -> Refused:
-    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the most in a frame."""
+    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the limit of a frame."""
     return _travel(arms, high, at_goal=True)
 
 
 def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
-    """Return a YAW_LIMIT refusal: the goal of an arm (rad) exceeds `high` (rad), the most within the yaw limit."""
+    """Return a YAW_LIMIT refusal: the goal of an arm (rad) exceeds `high` (rad), the largest within the yaw limit."""
     name, angle = _furthest(arms)
     return Refused(
         Reason.YAW_LIMIT,
@@ -184,7 +184,7 @@ def _finite(number: float) -> float | None:
 
 
 def check_ready(*, emergency: bool, enabled: bool, calibrated: bool) -> None:
-    """Check that a robot is ready to move; the node and clients that check before sending use the same order.
+    """Check that a robot is ready to move; nodes, and clients that check before sending, use this function.
 
     Raises:
         Refused: EMERGENCY, NOT_ENABLED or NOT_CALIBRATED, in this order.

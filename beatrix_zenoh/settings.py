@@ -21,7 +21,7 @@ FIELDS = ("robot", "connect", "who", "account", *CAMERAS.values())
 
 @dataclass(frozen=True)
 class Settings:
-    """Robot name, router endpoint and seat; cameras of a robot."""
+    """Robot name, router endpoint, seat, cameras of a robot, and account."""
 
     robot: str
     connect: str
@@ -50,7 +50,7 @@ def resolve(robot: str | None = None, connect: str | None = None, who: str | Non
 def resolve_valid(
     robot: str | None = None, connect: str | None = None, who: str | None = None
 ) -> tuple[Settings, list[WrongUsage]]:
-    """Like `resolve`, but use defaults for invalid settings and return their errors: no setting may prevent STOP."""
+    """Return the settings, with defaults for invalid ones, and the errors, because no error may prevent STOP."""
     given = {"robot": robot, "connect": connect, "who": who}
     environment = {field: os.environ.get(f"BEATRIX_{field.upper()}") for field in FIELDS}
     errors: list[WrongUsage] = []
@@ -88,7 +88,7 @@ def resolve_valid(
 
 
 def _account(environment: str | None, stored: str | None, endpoint: str | None) -> Account | None:
-    """Return the account in the named file, else the one that `beatrix join` has stored.
+    """Return the account in the file that a setting names, else the one that `beatrix join` has stored.
 
     An account that `beatrix join` has stored is not used for another router. An empty BEATRIX_ACCOUNT means no account.
     """
@@ -98,7 +98,7 @@ def _account(environment: str | None, stored: str | None, endpoint: str | None) 
         return account.load(Path(stored))
     path = account.joined()
     joined = account.load(path) if path.is_file() else None
-    # Another router, for example that of `beatrix demo`, does not belong to the class.
+    # The account is of no use at another router, for example that of `beatrix demo`, and must not be shown to it.
     ours = joined is not None and endpoint in {None, joined.connect, *joined.connect.split(",")}
     return joined if ours else None
 

@@ -12,7 +12,8 @@ SIGNALS = [
 ]
 """Signals that request a shutdown: Ctrl-C, kill, a closed terminal window, Ctrl-Break on Windows."""
 POLL_S = 0.5
-"""Longest single wait (s): Windows delivers Ctrl-C, and Linux a signal to another thread, only between two waits."""
+"""Longest single wait (s): Python handles Ctrl-C on Windows, and on Linux a signal that another thread received, only
+between two waits."""
 
 
 class Shutdown:
@@ -47,7 +48,7 @@ class Shutdown:
         return True
 
     def wait(self, meanwhile: Callable[[], None] = lambda: None) -> None:
-        """Return when a shutdown is requested; `meanwhile` is called twice a second."""
+        """Wait until a shutdown is requested, and call `meanwhile` twice a second until then."""
         while not self.requested(POLL_S):
             meanwhile()
 
