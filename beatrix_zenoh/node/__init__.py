@@ -1,4 +1,4 @@
-"""The node: it serves one robot at the router."""
+"""The node, which serves one robot to the clients of a router."""
 
 from __future__ import annotations
 

@@ -1,12 +1,13 @@
 """Access rules of one robot: lease, pause after STOP, emergency latch. No I/O; callers pass the time.
 
-`Access.authorize` decides about every request of every client on every port, in this order:
+`Access.authorize` decides about every request to act on the robot, from clients and old programs, in this order:
 
 1. STOP, EMERGENCY_STOP and RESET are allowed for every client.
-2. Requests of a session that has ended are refused.
+2. Requests of a session that has ended are refused. Only the teacher may freeze the robot and limit its speed.
 3. Under the emergency latch motions, ENABLE and CALIBRATE are refused.
-4. While the teacher has frozen the robot, the same requests and DISABLE are refused for all other seats.
-5. While a seat holds the robot, requests of all other seats except the teacher are refused.
+4. While the robot is frozen, motions, ENABLE, DISABLE and CALIBRATE of all seats except the teacher are refused.
+5. A request with the number of an ended lease is refused. While a seat holds the robot, requests of all other seats
+   except the teacher are refused.
 6. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
 """
 
@@ -24,11 +25,11 @@ from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.lease import QUIET_S, Caller, Lease
 
 QUIET_OLD_PROGRAM_S = 5.0
-"""Used instead of QUIET_S for programs of 2023, which cannot read the reason of a refusal."""
+"""Used instead of QUIET_S for programs of 2023; longer, because they cannot read the reason of a refusal."""
 ENDED_SESSIONS = 256
-"""Number of ended sessions to remember, because their last requests may still arrive."""
+"""Number of ended sessions that `Access` remembers, because their last requests may still arrive."""
 TEXT_SESSION = "text-port"
-"""Session of programs of 2023, which have no Zenoh session."""
+"""Used as the session of programs of 2023, which have no Zenoh session."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -51,9 +52,9 @@ class Action(Enum):
 
 ALWAYS = (Action.STOP, Action.EMERGENCY_STOP, Action.RESET)
 MOVING = (Action.MOVE, Action.ENABLE, Action.CALIBRATE)
-"""Refused under the emergency latch."""
+"""Actions that are refused under the emergency latch."""
 FROZEN = (*MOVING, Action.DISABLE)
-"""Refused while the robot is frozen: without motor power the head may sink."""
+"""Actions that are refused while the robot is frozen; DISABLE too, because without motor power the head may sink."""
 
 
 @dataclass
@@ -61,17 +62,17 @@ class _Pause:
     """The pause of a stopped seat."""
 
     requested_s: float
-    """time of STOP, or of the last motion request of the seat after it"""
+    """time of STOP, or of the last motion request of the seat since then"""
     session: str
     """session whose motion was stopped"""
     stopped_by: str
-    """session that pressed STOP"""
+    """session that sent STOP"""
 
 
 class Pauses:
-    """Pauses of stopped seats, which may move again after QUIET_S without a motion request.
+    """Pauses of stopped seats.
 
-    For programs of 2023 QUIET_OLD_PROGRAM_S applies instead.
+    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S.
     """
 
     def __init__(self) -> None:
@@ -80,7 +81,7 @@ class Pauses:
     def begin(self, mover: Caller | None, stopped_by: str, now_s: float) -> None:
         """Begin the pause of `mover` (None: no seat drove), stopped by the session `stopped_by` (empty: unknown).
 
-        A second STOP never shortens a pause.
+        A second STOP never shortens a pause; each pause records its last STOP by a session other than the stopped one.
         """
         if mover is not None:
             pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover.session, stopped_by))
@@ -90,9 +91,9 @@ class Pauses:
                 pause.stopped_by = stopped_by
 
     def restart(self, caller: Caller, now_s: float) -> float:
-        """Restart the pause of a seat that requests a motion; return its length (s), 0 if the session need not pause.
+        """If this session must pause, restart the pause of its seat and return the length (s); otherwise return 0.
 
-        The session that pressed STOP need not pause. Its seat keeps the pause, because another session of the seat may
+        The session that sent STOP need not pause. Its seat keeps the pause, because another session of the seat may
         still send the stream of motions that was stopped.
         """
         pause = self._pauses.get(caller.seat)
@@ -122,7 +123,7 @@ def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate
 
 
 class Access:
-    """Access state of one robot; thread-safe, but use `lease` with `lock` held. All times are monotonic (s)."""
+    """Access state of one robot; thread-safe, but hold `lock` while using `lease`. All times are monotonic (s)."""
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
@@ -138,10 +139,10 @@ class Access:
     def authorize(
         self, action: Action, caller: Caller, now_s: float, *, resting: bool = True, lease: int = 0
     ) -> None:
-        """Raise Refused unless the caller may carry out the action now.
+        """Raise Refused unless the caller may request the action now.
 
         `resting`: whether the arms rest; `lease`: number of the lease in the request, 0 if none. A motion request
-        during a pause restarts the pause, also if it is refused for another reason.
+        during a pause restarts the pause, even if the request is refused for another reason.
 
         Raises:
             Refused: CLIENT_LOST, TEACHER_ONLY, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
@@ -162,7 +163,7 @@ class Access:
         self.lease.check(caller, lease, now_s)
         if action is not Action.MOVE:
             return
-        # The firmware delays a motion of a program of 2023 until the STOP of that program has ended.
+        # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.
         if not self._resting and not self._stopped_by == caller.session == TEXT_SESSION:
             if not (self._stop_sent and resting):
                 raise refusals.coming_to_rest()
@@ -192,7 +193,7 @@ class Access:
 
     @_locked
     def rested(self, now_s: float) -> None:
-        """Record the end of the holder's motion, from which its lease expires."""
+        """Record the end of the holder's motion; the lease by this motion ends LINGER_S later."""
         self.lease.motion.rested(now_s)
 
     @_locked
@@ -214,7 +215,7 @@ class Access:
     def stop_pressed(self, session: str, now_s: float, *, emergency: bool = False) -> None:
         """Record a STOP or EMERGENCY_STOP of a session (empty: unknown).
 
-        No motion begins until `stop_sent` was called and the arms rest.
+        Motions are refused until `stop_sent` was called and the arms rest; EMERGENCY_STOP also sets the latch.
         The seat whose motion is running, or ended less than QUIET_S ago, must pause.
         """
         self._stopped_by = session
@@ -225,7 +226,7 @@ class Access:
 
     @_locked
     def stop_sent(self, now_s: float) -> None:
-        """Record that the board has acknowledged STOP, or does not answer.
+        """Record that the board has acknowledged STOP, has refused it or has not answered.
 
         Also pause the seat of a motion that overtook STOP; under the latch, end the lease by motion.
         """
@@ -241,7 +242,7 @@ class Access:
 
     @_locked
     def latch(self, now_s: float) -> None:
-        """Set the latch, because the board reports EMERGENCY_STOP, for example one that an earlier node sent."""
+        """Set the latch: the board reports EMERGENCY_STOP, perhaps of an earlier node, or has not carried out RESET."""
         if self._latched_s is None:
             self._latched_s = now_s
 
@@ -260,7 +261,8 @@ class Access:
     def session_changed(self, caller: Caller, *, alive: bool) -> bool:
         """Record that a client's session has begun, returned or ended; return whether a running motion lost its client.
 
-        The end of a session counts for this seat only: in a class the router lets no other seat declare its token.
+        The end counts only for this seat with this session. In a class the router lets each client declare tokens of
+        its own seat only, so no client can end the session of another seat.
         """
         if alive or not caller.session:
             self._ended.pop(caller, None)

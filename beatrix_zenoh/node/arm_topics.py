@@ -22,7 +22,7 @@ CALLER: Final = Caller(ARM_TOPICS, "")
 
 
 class ArmTopics(Component):
-    """Subscribes to the targets of the three arms."""
+    """Subscribes to the target angles of the three arms and begins motions to them."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -31,7 +31,7 @@ class ArmTopics(Component):
         sessions.subscribe(keys.arm_target(self._context.name, self._context.twin, "*"), self._target)
 
     def _target(self, target: Received) -> None:
-        """Queue the motion to a received target, on Zenoh's thread."""
+        """Queue the motion to a received target angle, on Zenoh's thread."""
         key, payload = target.key, target.payload
         parts = keys.parse(key)
         arm = "" if parts is None else parts.arm
@@ -39,7 +39,7 @@ class ArmTopics(Component):
         self._context.queue.post_latest(f"arm/{arm}", task)
 
     def _run(self, key: str, arm: str, payload: bytes) -> None:
-        """Decode a target and start its motion, on the controller's thread."""
+        """Decode a target angle and begin the motion to it, on the controller's thread."""
         handle = RequestHandle(CALLER, f"{arm} target", self._context.events, send=self._warn)
         try:
             check_own_key(key, keys.arm_target(self._context.name, self._context.twin, arm))
@@ -55,7 +55,7 @@ class ArmTopics(Component):
             self._context.diagnostics.warn(f"{ARM_TOPICS}: {reply.message}", reply.reason)
 
     def _move(self, arm: int, angle: float, handle: RequestHandle) -> None:
-        """Turn one arm to an angle (rad); the other arms keep their targets if this seat's motion is running."""
+        """Turn one arm to an angle (rad); the others keep the targets of a running motion of this seat, or stay."""
         controller = self._context.controller
         running = controller.running
         own = running is not None and running.caller == CALLER

@@ -1,4 +1,4 @@
-"""The board of the node: callbacks, status fields, and observers of its changes."""
+"""The board of a node: its callbacks and status fields, and the observers of changes of the board."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.request_queue import RequestQueue
 
 BOARD_READY_S = 1.7
-"""Time within which a board that was reset by opening its port sends telemetry."""
+"""Time (s) within which a board that was reset by opening its port sends telemetry."""
 
 
 class Observer(NamedTuple):
@@ -27,12 +27,12 @@ class Observer(NamedTuple):
     overdue: Callable[[], bool]
     """whether to call `observe` although nothing has changed; called on the board's thread"""
     urgent: bool = True
-    """True: call `observe` at each change of the board's state, before all waiting requests; False: call it only if
-    `overdue` or if the board was connected or lost, after the waiting requests"""
+    """whether to call `observe` at each change of the board's state, before all waiting requests; otherwise it is
+    called after them, and only if `overdue` returns True or the board was connected or lost"""
 
 
 class BoardWatch(Component):
-    """Owns the board. Its callbacks run on the board's thread and only queue calls."""
+    """Owns the board. The callbacks of the board run on its thread and only queue calls for the controller's thread."""
 
     def __init__(self, hardware: HardwareInterface, access: Access, queue: RequestQueue) -> None:
         self._hardware, self._access, self._queue = hardware, access, queue
@@ -46,7 +46,7 @@ class BoardWatch(Component):
         self._observers.append(observer)
 
     def on_text(self, handle: Callable[[int, Text | TextWarning], None]) -> None:
-        """Pass lines of the text port to `handle`, on the board's thread; call this before `start`."""
+        """Pass lines and warnings of the text port to `handle`, on the board's thread; call this before `start`."""
         self._on_text = handle
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002

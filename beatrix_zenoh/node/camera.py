@@ -1,4 +1,4 @@
-"""Publish the pictures of a camera while a client subscribes, and report the camera in the status.
+"""Publish the pictures of a camera while a client subscribes, and report its state in the status.
 
 A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a `CameraPublisher`
 for each camera:
@@ -83,7 +83,7 @@ class CameraPublisher:
 
     @property
     def subscribed(self) -> bool:
-        """Whether a client subscribes; only then take pictures."""
+        """Whether a client subscribes; take pictures only while this is True."""
         return self._publication is not None and self._publication.subscribed
 
     def publish(self, frame: Frame) -> None:
@@ -111,9 +111,9 @@ class CameraPublisher:
         self._publication.put(frame.jpeg, codec.encode(header))
 
     def report(self, trouble: str) -> None:
-        """Set the fault of the camera: a sentence with cause and what to do, or empty if it works.
+        """Set the fault of the camera, and record a change as an event.
 
-        A change is recorded as an event.
+        `trouble`: a sentence with the cause and what to do; empty if the camera works.
         """
         with self._lock:
             before = self._status.trouble
@@ -136,7 +136,7 @@ class CameraPublisher:
         return msgspec.structs.replace(camera, streaming=streaming, hz=rate)
 
     def contribute(self, status: StatusFields) -> None:
-        """Add the state of this camera, and its fault as a warning."""
+        """Add the state of this camera to a status, and its fault as a warning."""
         camera = self.status()
         status.cameras.append(camera)
         if camera.trouble:

@@ -22,7 +22,7 @@ HOME: Final = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
 
 
 class CommandHandler(Component):
-    """Answers command queries, on the controller's thread."""
+    """Answers command queries; the controller's thread carries out all but STOP and EMERGENCY_STOP."""
 
     def __init__(self, context: Context, stop: StopHandler) -> None:
         self._context, self._stop = context, stop
@@ -44,7 +44,7 @@ class CommandHandler(Component):
         handle = request_handle(incoming, self._key, "", self._context.events, EventKind.COMMAND)
         try:
             query = query_forms.read(incoming.raw, CommandQuery)
-            if query.command in FRAMES:  # STOP is open to every seat and allows wildcards
+            if query.command in FRAMES:  # before any check: STOP is open to every seat and allows wildcards
                 self._press(incoming, Command(query.command))
                 return
             names.check_seat(handle.caller.seat)
@@ -85,7 +85,7 @@ class CommandHandler(Component):
     def _carry_out(
         self, command: Command, query: CommandQuery, handle: RequestHandle, received_s: float
     ) -> str:
-        """Carry out a command and return the new state as a sentence; raises BeatrixError."""
+        """Carry out ENABLE, CALIBRATE or RESET and return the new state as a sentence; raises BeatrixError."""
         access, now_s = self._context.access, time.monotonic()
         if command is Command.ENABLE:
             access.authorize(Action.ENABLE if query.value else Action.DISABLE, handle.caller, now_s)

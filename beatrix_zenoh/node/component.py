@@ -30,7 +30,7 @@ class StatusFields:
 
 
 class Component(Protocol):
-    """A part of a node; it implements the methods that it needs. Its constructor starts no thread and does not wait.
+    """A part of a node; overrides the methods that it needs. Its constructor starts no thread and does not wait.
 
     A node starts its components in the order of its list and closes them in reverse order. A new component needs a
     file, a line in `node.components`, and rows in schemas for its publications and queries.
@@ -41,11 +41,11 @@ class Component(Protocol):
         return
 
     def contribute(self, status: StatusFields) -> None:  # noqa: ARG002
-        """Add fields and warnings to a status; called on several threads, so it must be quick and must not wait."""
+        """Add fields and warnings to a status; several threads call it, so it must be thread-safe and must not wait."""
         return
 
     def close(self) -> None:
-        """End threads and reply to every open request, also after a `start` that failed.
+        """End threads and reply to every open request; called even if `start` has failed.
 
         The node undeclares the keys later.
         """

@@ -1,4 +1,4 @@
-"""The motion controller: begins, follows and ends the running motion."""
+"""The motion controller, which begins, follows and ends motions."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from beatrix_zenoh.node.readiness import ready_telemetry
 NUMBERS = 65535
 """The highest number of a motion."""
 LATE_S = 2.0
-"""Time after the planned end at which a motion without an outcome counts as not carried out."""
+"""Time (s) after the planned end at which a motion without an outcome counts as not carried out."""
 CLOSE_S = 0.8
-"""Time for which a closing node waits for the arms to rest."""
+"""Longest time (s) for which a closing node waits for the arms to rest."""
 
 Ended = Callable[[int, Reason, str, float], None]
 """Callback at the end of a motion: its number, reason, sentence, and time taken (s)."""
@@ -32,7 +32,7 @@ Ended = Callable[[int, Reason, str, float], None]
 
 @dataclass(frozen=True)
 class Running:
-    """The motion that the firmware is carrying out."""
+    """A motion of a query that the firmware is carrying out."""
 
     number: int
     caller: Caller
@@ -46,20 +46,20 @@ class Running:
 
 
 class MotionController:
-    """State of the motion; all methods except `arms` and `overdue` run on the controller's thread."""
+    """Controls the motions of one robot; all methods except `arms` and `overdue` run on the controller's thread."""
 
     def __init__(self, board: Board, planner: Planner, access: Access, diagnostics: Diagnostics) -> None:
         self._board, self._planner = board, planner
         self._access, self._diagnostics = access, diagnostics
         self._running: Running | None = None
-        self._number = secrets.randbelow(NUMBERS)  # differs from the last number of an earlier node
+        self._number = secrets.randbelow(NUMBERS)  # random, to differ from that of an earlier node
         self._stop_cause = replies.StopCause.STOP
         self._lost = True
         self.text_moves = False
         """Whether a motion of the text port is running or about to begin."""
 
     def arms(self) -> Arms:
-        """Return the firmware's set points (rad)."""
+        """Return the firmware's set points (rad); zeros before the first telemetry."""
         telemetry = self._board.telemetry
         return (0.0, 0.0, 0.0) if telemetry is None else self._planner.gear.to_rad(telemetry.position)
 
@@ -85,11 +85,13 @@ class MotionController:
         ended: Ended,
         accepted: Callable[[int, Goal], None] = lambda *_: None,
     ) -> None:
-        """Check a motion and send it to the board; `accepted` is called before the replaced motion ends.
+        """Check a motion and send it to the board; then call `accepted`, and at the end of the motion `ended`.
+
+        `accepted` is called before the `ended` of a motion that this one replaces.
 
         Raises:
-            BeatrixError: the motion was refused. A running motion continues, unless the board did not answer: then
-                the node sends STOP.
+            BeatrixError: the motion was refused, and a running motion continues; or the board did not answer, and the
+                node has sent STOP.
         """
         now_s = time.monotonic()
         resting = not self.moving and self._running is None
@@ -113,18 +115,18 @@ class MotionController:
     def _send(self, goal: Goal) -> tuple[int, int]:
         """Send a goal to the board; return the number of the motion and the boot number of the board."""
         telemetry = self._board.telemetry
-        # Use a new number even after a failure: the board may have received that motion, and ignores a repeated number.
+        # Use a new number even after a failure: a board that received the failed motion ignores a repeated number.
         self._number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
         try:
             self._board.move(goal.frame(self._number))
         except NoAnswer:
-            # The board may have received the motion, although the client gets a refusal.
+            # The client gets a refusal, but the board may have received the motion: stop it.
             self.stop(replies.StopCause.STOP)
             raise
         return self._number, 0 if telemetry is None else telemetry.boot
 
     def stop(self, cause: replies.StopCause) -> None:
-        """Send STOP; a board that does not answer stops the arms by itself, because it misses the heartbeat."""
+        """Send STOP for this cause; if that fails, only warn: a board without heartbeats stops the arms by itself."""
         self._stop_cause = cause
         try:
             self._board.request(FrameType.STOP)
@@ -143,7 +145,7 @@ class MotionController:
         return running is not None and time.monotonic() > running.overdue_s
 
     def observe(self) -> None:
-        """Handle a change of the board: a restart, the latch, an unknown motion after a loss, the end of the motion."""
+        """Handle a change of the board: a restart, the latch, an unknown motion, the end of the running motion."""
         telemetry, lost = self._board.telemetry, not self._board.connected
         if telemetry is None:
             return

@@ -1,4 +1,4 @@
-"""Warnings for the user in the status: those of the last seconds, and a restart of the board."""
+"""Warnings for the user in the status: those of the last seconds, and one after a restart of the board."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Diagnostics:
         self._restarted = False
 
     def warn(self, text: str, reason: Reason = Reason.OK) -> None:
-        """Show a sentence for SHOWN_S; a repeated sentence is shown once, for SHOWN_S from now."""
+        """Record a sentence as an event and show it for SHOWN_S; a repetition replaces the earlier warning."""
         others = [warning for warning in self._warnings if warning[1] != text]
         self._warnings = deque([*others, (self._monotonic_s(), text)], maxlen=LENGTH)
         self._events.add(EventKind.WARNING, reason=reason, message=text)
 
     def follow_boot(self, boot: int, *, calibrated: bool) -> None:
-        """Compare the boot number with the last one; after a restart record an event and warn until `calibrated`."""
+        """Compare the boot number with the last one; after a restart record an event and warn until calibration."""
         restarted = bool(self._boot and boot != self._boot) and not calibrated
         if restarted:
             self._events.add(EventKind.BOARD, message=RESTARTED)

@@ -1,4 +1,4 @@
-"""The event log of the robot: stores the newest events, counts equal events of a flood, serves the publisher."""
+"""The event log of the robot: the newest events, for queries and the publisher; equal events of a flood are counted."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from beatrix_zenoh._generated.messages import Detail, Event, EventKind, Events, 
 from beatrix_zenoh.node.lease import NO_CALLER, Caller
 
 KEPT: Final = 200
-"""Largest number of events that a query returns."""
+"""Number of newest events that the log keeps, for queries and for the publisher."""
 BURST: Final = 10
 """Equal events per second that are published one by one; further ones are counted and published as one."""
 WINDOW_S: Final = 1.0
@@ -32,7 +32,7 @@ log = logging.getLogger("beatrix_zenoh.node.events")
 
 @dataclass
 class _Window:
-    """Equal events of the last second."""
+    """Events of the last second with equal kind, action, caller, phase and reason."""
 
     began_s: float
     passed: int = 0

@@ -19,7 +19,7 @@ PREVIEW_MAX_S = 60.0
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles (rad) and speeds (rad/s) of the arms at one time, and the firmware's step counters."""
+    """Angles (rad) and velocities (rad/s) of the arms at one time, and the firmware's step counters."""
 
     t_mono_ns: int
     """monotonic clock of this computer at that time"""
@@ -35,7 +35,7 @@ class Preview:
     """Result of a motion on a copy of the robot.
 
     `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
-    `gap_min` (rad) are the largest tilt and the smallest gap on the way.
+    `gap_min` (rad) are the largest tilt and the smallest gap during the motion.
     """
 
     duration_s: float
@@ -57,7 +57,7 @@ class HardwareInterface(Protocol):
         """Open the port of the board; raises OSError or BeatrixError if that is not possible now."""
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:
-        """Return the pose of the arms: measured if possible, else counted by the firmware at `t_mono_ns`."""
+        """Return the pose of the arms: measured if possible, else from the telemetry, which is of `t_mono_ns`."""
 
     def straighten(self) -> None:
         """Set a simulated head upright before calibration; on hardware a person does this."""
@@ -69,7 +69,7 @@ class HardwareInterface(Protocol):
         """Return the state of the simulated physics; None for hardware."""
 
     def fault(self) -> Fault:
-        """Return the fault of the robot apart from its board."""
+        """Return the fault of the robot other than a fault of its board."""
 
     def close(self) -> None:
-        """Stop the physics."""
+        """Stop the simulated physics or the virtual board, if there is one."""

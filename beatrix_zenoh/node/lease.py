@@ -18,8 +18,8 @@ from beatrix_zenoh.names import TEACHER
 LINGER_S = 2.0
 """Time for which a seat holds the robot after its motion."""
 QUIET_S = 3.0
-"""Time without motion requests after which a stopped seat may move again, longer than a program pauses between
-motions."""
+"""Time without motion requests after which a stopped seat may move again. It is longer than a program usually pauses
+between motions."""
 IDLE_S = 60.0
 """Time after which a taken robot with an idle holder goes to a waiting seat."""
 WAITING_MAX = 64
@@ -70,12 +70,12 @@ class MotionLease:
             self._rested_s = now_s
 
     def release(self, now_s: float) -> None:
-        """Free the robot at once; `driver` still returns the seat that moved it."""
+        """Free the robot at once; `driver` still returns the caller that moved it."""
         self.rested(now_s)
         self._released = True
 
     def runs(self, caller: Caller) -> bool:
-        """Return whether a motion of this session is running."""
+        """Return whether a motion of this caller is running; False if its session is unknown."""
         return bool(caller.session) and self._mover == caller and self._rested_s is None
 
     def moves(self, seat: str) -> bool:
@@ -100,7 +100,7 @@ class Lease:
         self._waiting: dict[str, Caller] = {}
 
     def holder(self, now_s: float) -> str:
-        """Return the seat that holds the robot; empty if it is free."""
+        """Grant a free robot to the first waiting seat; return the seat that holds the robot, empty if none does."""
         self._hand_over(now_s)
         return self._taker.seat or self.motion.holder(now_s)
 
@@ -114,10 +114,10 @@ class Lease:
         return list(self._waiting)
 
     def check(self, caller: Caller, number: int, now_s: float) -> None:
-        """Check that no other seat holds the robot, and that the lease a request names (0: none) has not ended.
+        """Check that no other seat holds the robot, and that the lease `number` of a request (0: none) has not ended.
 
-        The teacher is accepted also while another seat holds the robot. A request of the seat that has taken the robot
-        restarts IDLE_S.
+        The teacher is accepted even while another seat holds the robot. A request of the seat that has taken the robot
+        restarts its idle time.
 
         Raises:
             Refused: NOT_HOLDER.
@@ -135,7 +135,7 @@ class Lease:
     def take(self, caller: Caller, now_s: float) -> int:
         """Grant the robot to a caller that has passed `check`; return the number of its lease.
 
-        A session that takes again keeps its lease; another session of the same seat gets a new one.
+        A session that takes the robot again keeps its lease; another session of the same seat gets a new one.
         """
         if caller != self._taker:
             self._grant(caller, now_s)
@@ -153,7 +153,7 @@ class Lease:
         self._waiting[caller.seat] = caller
 
     def give_back(self, seat: str) -> bool:
-        """End the lease and the waiting of a seat; the teacher ends any lease. Return whether anything has ended."""
+        """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
         waited = self._waiting.pop(seat, None) is not None
         held = bool(self._taker.seat) and seat in (self._taker.seat, TEACHER)
         if held:
@@ -161,14 +161,14 @@ class Lease:
         return held or waited
 
     def session_ended(self, caller: Caller) -> None:
-        """End the lease and the waiting of a session that has ended."""
+        """End the lease of a session that has ended, and its place in the queue."""
         if self._taker == caller:
             self._taker = NO_CALLER
         if self._waiting.get(caller.seat) == caller:
             del self._waiting[caller.seat]
 
     def _hand_over(self, now_s: float) -> None:
-        """Grant a free robot, or one with an idle holder, to the first waiting seat."""
+        """Grant a free robot, or one with an idle holder, to the first waiting seat, if there is one."""
         if not self._waiting:
             return
         idle = now_s - self._used_s >= IDLE_S and not self.motion.moves(self._taker.seat)

@@ -23,19 +23,19 @@ GOVERNS: Final = (LeaseAction.FREEZE, LeaseAction.UNFREEZE, LeaseAction.LIMIT)
 
 
 class Standing(NamedTuple):
-    """The holder of the robot and the waiting seats."""
+    """The holder of the robot, the waiting seats, and whether the robot is frozen."""
 
     holder: str
     """seat; empty: the robot is free"""
     lease: int
-    """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
+    """number of the lease that the holder has taken; 0: the robot is free, or a seat holds it only by its motion"""
     waiting: tuple[str, ...]
     """seats, the next first"""
     frozen: bool
 
 
 def standing(access: Access, now_s: float) -> Standing:
-    """Return the holder of the robot and the waiting seats."""
+    """Return the holder of the robot, the waiting seats, and whether the robot is frozen."""
     with access.lock:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
         return Standing(holder, number, tuple(access.lease.waiting()), access.frozen)
@@ -59,7 +59,7 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) ->
 
 
 def give_back(access: Access, caller: Caller) -> bool:
-    """End the lease and the waiting of the caller's seat; return whether anything has ended."""
+    """Return the result of `Lease.give_back` for the caller's seat, called with the lock held."""
     with access.lock:
         return access.lease.give_back(caller.seat)
 
@@ -126,7 +126,7 @@ class LeaseHandler(Component):
         handle.end(self._reply(Reason.OK, text, handle.caller))
 
     def _take(self, caller: Caller, *, wait: bool) -> str:
-        """Let the caller take the robot or wait for it.
+        """Let the caller take the robot or wait for it; return the new state as a sentence.
 
         If the teacher takes the robot, stop a motion of another seat or of an old program.
         """

@@ -1,4 +1,4 @@
-"""Switching motors, calibration and reset: request the change from the board and wait until its telemetry shows it."""
+"""Switch the motors, calibrate and reset: request the change from the board and wait until its telemetry shows it."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from beatrix_zenoh.node.planner import degrees
 TELEMETRY_S = 1.0
 """Longest wait until telemetry shows an acknowledged change; usually 10 ms, longer on a busy computer."""
 HOME_SHIFT_MAX = math.radians(15.0)
-"""Angle (rad) by which CALIBRATE may shift a known home: limits, which protect the cables, count from home."""
+"""Largest angle (rad) by which CALIBRATE may shift a known home, and with it the limits that protect the cables."""
 
 
 def switch_motors(board: Board, *, on: bool) -> str:
-    """Switch the motors and return the new state as a sentence.
+    """Switch the motors on or off and return the new state as a sentence.
 
     Raises:
-        Refused, NoAnswer: as `Board.request`.
+        Refused, NoAnswer: as `Board.request` and `wait_until_shown`.
     """
     board.enable(on=on)
     wait_until_shown(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
@@ -39,7 +39,7 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
     """Declare the present position home and return the new state as a sentence; `arms`: angles from the old home (rad).
 
     Raises:
-        Refused, NoAnswer: as `Board.request`, NOT_AT_REST, NOT_ENABLED, HOME_KNOWN.
+        Refused, NoAnswer: as `Board.request` and `wait_until_shown`; NOT_AT_REST, NOT_ENABLED, HOME_KNOWN.
     """
     board.check_connected()
     state = board.state
@@ -51,7 +51,7 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
         raise refusals.home_known(arms, HOME_SHIFT_MAX)
     hardware.straighten()
     board.request(FrameType.CALIBRATE)
-    # If home was known before, only the new position shows the change.
+    # If home was known before, CALIBRATED is already set, and only the position 0 shows the change.
     wait_until_shown(
         board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
     )
@@ -73,14 +73,14 @@ def reset(board: Board) -> str:
     if not board.state & State.EMERGENCY:
         return "EMERGENCY_STOP is not latched."
     board.request(FrameType.RESET)
-    # Telemetry from before the request, which shows the latch, may still arrive.
+    # Not `wait_until_shown`, which fails under the latch: telemetry from before RESET may still arrive and show it.
     if not board.wait_for(lambda telemetry: not telemetry.state & State.EMERGENCY, TELEMETRY_S):
         raise refusals.emergency_latched()
     return "EMERGENCY_STOP is reset, and the motors are off. Set the head upright, enable, calibrate."
 
 
 def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
-    """Wait until telemetry after this call shows an acknowledged change, so that the next request sees the new state.
+    """Wait until later telemetry shows an acknowledged change (`holds`), so that the next request sees the new state.
 
     Raises:
         NoAnswer: BOARD_LOST, the telemetry does not show the change.

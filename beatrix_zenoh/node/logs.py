@@ -40,14 +40,14 @@ class Writer:
                 print_raw(record.getMessage())
 
     def close(self) -> None:
-        """Write the waiting records, for a second at most."""
+        """Write the waiting records, for CLOSE_S at most; if the queue is full, return at once."""
         try:
             self._records.put_nowait(None)
         except queue.Full:
             return
         self._thread.join(CLOSE_S)
         if self._file is not None and not self._thread.is_alive():
-            with contextlib.suppress(OSError):  # the disk is full, which was reported
+            with contextlib.suppress(OSError):  # for example a full disk, which LogFile has reported
                 self._file.close()
 
 
@@ -82,7 +82,7 @@ def print_raw(text: str) -> None:
 
 @contextmanager
 def log_to(path: Path | None) -> Iterator[None]:
-    """Write the records of our loggers to stderr and to `path`; None: no file.
+    """Until the context ends, write warnings of our loggers to stderr and all their records to `path`; None: no file.
 
     Raises:
         WrongUsage: BAD_VALUE, the file cannot be written.

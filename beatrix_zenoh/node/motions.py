@@ -37,7 +37,10 @@ class MotionHandler(Component):
             sessions.serve(key, lambda incoming, action=action: self._query(incoming, action))  # type: ignore[misc]
 
     def _query(self, incoming: Incoming, action: str) -> None:
-        """Queue the query, on Zenoh's thread. It is decoded later, because in a flood of queries most are replaced."""
+        """Queue the query, on Zenoh's thread.
+
+        `_run` decodes it later, because in a flood most queries are replaced before they run.
+        """
         key, _ = self._kinds[action]
 
         def decline(error: BeatrixError) -> None:
@@ -65,7 +68,7 @@ class MotionHandler(Component):
 
 
 def begin(controller: MotionController, query: MotionQuery | PoseQuery, handle: RequestHandle) -> None:
-    """Begin a motion; reply accepted now and done when it ends. Raises BeatrixError if it is refused."""
+    """Begin a motion; reply ACCEPTED now and DONE at its end. Raises BeatrixError if the motion is refused."""
 
     def accepted(number: int, goal: Goal) -> None:
         text = f"Accepted: {goal.duration:.1f} s."

@@ -108,7 +108,7 @@ class Node:
         return keys.alive(self.context.name, self.context.twin)
 
     def start(self) -> Node:
-        """Claim the name and start the components.
+        """Claim the name and start the components; return this node.
 
         Raises:
             Refused: NAME_TAKEN, before any component starts.
@@ -131,7 +131,7 @@ class Node:
         board.request(FrameType.CALIBRATE)
 
     def close(self) -> None:
-        """Stop the motion, reply to open requests, publish the last status, close sessions and board."""
+        """Stop the motion, reply to open requests, publish the last status, close sessions, board and hardware."""
         with ExitStack() as later:  # runs its callbacks in reverse order
             later.callback(self.hardware.close)
             later.callback(self.context.board_watch.board.close)
@@ -146,7 +146,7 @@ def build_context(sessions: Sessions, name: str, hardware: HardwareInterface, ro
     diagnostics = Diagnostics(events)
     board_watch = BoardWatch(hardware, access, queue)
     controller = MotionController(board_watch.board, planner, access, diagnostics)
-    # The first observer, because the others, for example STOP, depend on the state of the motion.
+    # Add the controller first: the other observers, for example that of STOP, read the state of the motion from it.
     board_watch.observe(Observer(controller.observe, controller.overdue))
     return Context(
         name=name,

@@ -1,4 +1,4 @@
-"""The seat in the key of a query. A query with wildcards may match several robots and moves none of them."""
+"""The key of a query and the seat in it. A query with wildcards may match several robots, so it moves none of them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CACHED_KEYS = 256
 
 @lru_cache(maxsize=CACHED_KEYS)
 def seat_of(key: str, served: str) -> str:
-    """Return the seat in a query's key: the chunk that is `*` in the served key; empty if it is a wildcard."""
+    """Return the seat in a query's key: the chunk at the place of `*` in the served key; empty for a wildcard."""
     chunks, pattern = key.split("/"), served.split("/")
     if len(chunks) != len(pattern) or "*" not in pattern:
         return ""
@@ -23,7 +23,7 @@ def seat_of(key: str, served: str) -> str:
 
 @lru_cache(maxsize=CACHED_KEYS)
 def own_key(served: str, seat: str) -> str:
-    """Return the served key with this seat."""
+    """Return the served key with the seat in place of `*`; ANONYMOUS for an empty seat."""
     return served.replace("/*/", f"/{seat or ANONYMOUS}/")
 
 

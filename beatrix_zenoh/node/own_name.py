@@ -1,4 +1,4 @@
-"""Claim of a robot's name: if several nodes start at the same time under one name, only one of them serves."""
+"""Claim of a robot's name: if several nodes start at the same time under one name, at most one of them serves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.errors import Refused
 
 WAIT_S = 3.0
-"""Time for another claimant to withdraw or to serve; a node starts in less than two seconds."""
+"""Longest time (s) to wait until another claimant withdraws or serves; a node starts in less than two seconds."""
 POLL_S = 0.02
 
 

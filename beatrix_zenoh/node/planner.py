@@ -47,7 +47,7 @@ class Goal:
         return self.trajectory.duration
 
     def frame(self, motion: int) -> Move | MoveStraight:
-        """Return the frame that begins this goal as the motion with number `motion`."""
+        """Return the frame that begins the motion to this goal, with the number `motion`."""
         if self.straight:
             return MoveStraight(motion, self.steps, self.quarters[0])
         return Move(motion, self.steps, self.quarters)
@@ -87,7 +87,7 @@ class Planner:
         self.speed_limit = speed
 
     def exceeds_limit(self, goal: Goal) -> bool:
-        """Return whether a motion, which may have begun before the teacher's limit, is faster than that limit."""
+        """Return whether a motion, which may have begun before the teacher set the limit, exceeds it."""
         fastest = max(self.gear.quarters_to_speed(goal.quarters))
         return 0 < self.speed_limit < fastest * 0.999
 
@@ -108,7 +108,7 @@ class Planner:
         start = self.gear.to_rad(telemetry.position)
         velocity = self.gear.to_rad(telemetry.velocity)
         quarters = self.gear.speed_to_quarters(speed)
-        sent = self.gear.quarters_to_speed(quarters)  # rounding changes the path of slow arms
+        sent = self.gear.quarters_to_speed(quarters)  # check these: rounding changes paths of slow arms
         straight = isinstance(query, PoseQuery)
         if isinstance(query, PoseQuery):
             target = self.limits.arms_for(self._pose_of(query, start), start, velocity, sent)
@@ -129,7 +129,10 @@ class Planner:
     def _with_speed(
         self, refusal: Refused, query: MotionQuery | PoseQuery, telemetry: Telemetry, speed: Arms
     ) -> Refused:
-        """Return the refusal of a speed with the nearest allowed speed, if the motion would be accepted with it."""
+        """Complete and return the refusal of a speed.
+
+        Name the teacher's limit if it is exceeded, and the nearest allowed speed if the motion is accepted with it.
+        """
         if refusal.reason is not Reason.SPEED_LIMIT or refusal.detail is None:
             return refusal
         if self.speed_limit and max(speed) > self.speed_limit:

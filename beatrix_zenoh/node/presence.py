@@ -59,7 +59,7 @@ class Presence(Component):
         self._context.queue.post_event(self._context.controller.client_lost)
 
     def _renewed(self, traffic: str) -> None:
-        """Stop motions, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""
+        """Queue a stop, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""
 
         def end() -> None:
             text = f"The router had forgotten the {traffic} session; the node has connected again."

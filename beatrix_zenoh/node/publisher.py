@@ -1,4 +1,4 @@
-"""The publisher's thread: positions at 50 Hz, status on change and once a second, events at once."""
+"""The publisher's thread: positions at 50 Hz, status on change and once a second, events within 20 ms."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ON_CHANGE = {
 
 
 class Stream:
-    """Publications of one message in msgpack, and as JSON text while a client subscribes to that."""
+    """Publications of one kind of message in msgpack, and as JSON text while a client subscribes to the JSON key."""
 
     def __init__(self, sessions: Sessions, key: str, json_key: str) -> None:
         self._packed: Publication = sessions.publication(key, codec.MSGPACK)

@@ -9,7 +9,7 @@ from beatrix_zenoh.board.state import not_connected
 
 
 def ready_telemetry(board: Board) -> Telemetry:
-    """Return the newest telemetry.
+    """Return the newest telemetry of a robot that is ready to move.
 
     Raises:
         Refused or NoAnswer: the robot is not ready to move; the message says why and what to do.

@@ -22,7 +22,7 @@ from beatrix_zenoh.node.planner import degrees, vector
 
 
 class StopCause(Enum):
-    """Why the node has stopped a motion: the reason in its last reply, and the words after `Ended`."""
+    """Causes for which a node stops a motion: the reason in the last reply, and the words after `Ended`."""
 
     STOP = Reason.STOPPED, OUTCOME_TEXT[Outcome.STOPPED]
     TAKEN = Reason.STOPPED, "by the teacher, who has taken the robot"
@@ -158,7 +158,7 @@ def lost_while_stopping(*, reset: bool) -> BeatrixError:
 
 
 def at_rest(board: Board, how: str, arms: Arms) -> str:
-    """Return the state after an acknowledged STOP as a sentence; arms in rad."""
+    """Return the state after an acknowledged STOP as a sentence; `how`: its first words at rest; arms in rad."""
     link = board.link
     if not link.connected:
         return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"

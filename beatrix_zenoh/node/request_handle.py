@@ -1,4 +1,4 @@
-"""The handle of one request: its caller, and how to reply."""
+"""The handle of one request: its caller, and the functions that reply to it."""
 
 from __future__ import annotations
 

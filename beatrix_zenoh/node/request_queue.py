@@ -13,8 +13,8 @@ from beatrix_zenoh import refusals
 from beatrix_zenoh.errors import BeatrixError, Refused
 
 CAPACITY = 64
-"""Largest number of waiting entries. A motion takes about 1 ms, a command that waits for telemetry 10 ms; so the last
-entry waits for some tenths of a second, and STOP for one entry."""
+"""Largest number of waiting entries. Beginning a motion takes about 1 ms, and a command that waits for telemetry 10 ms;
+so the last entry waits for some tenths of a second, and STOP for one entry."""
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,14 @@ class Task:
 
 
 class RequestQueue:
-    """A bounded queue with one reader, in which a newer entry replaces an older one with the same key."""
+    """A bounded queue with one reader, in which `post_latest` replaces an entry with the same key."""
 
     def __init__(self) -> None:
         self._urgent: deque[Task] = deque()
         self._entries: dict[Hashable, Task] = {}
         self._lock = threading.Lock()
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
-        """One item for each entry, and one to close; a SimpleQueue wakes the reader in half the time of a Condition."""
+        """One item for each entry and for `close`; a SimpleQueue wakes the reader in half the time of a Condition."""
         self._count = 0
         self._closed = False
 
@@ -55,7 +55,7 @@ class RequestQueue:
         self._queue(Task(run, decline), most=math.inf, urgent=True)
 
     def post_latest(self, key: Hashable, task: Task) -> None:
-        """Append an entry and decline a waiting entry with the same key as REPLACED."""
+        """Append an entry as `post` does; remove a waiting entry with the same key and decline it as REPLACED."""
         with self._lock:
             refusal = self._refusal(full=key not in self._entries and len(self._entries) >= CAPACITY)
             replaced = None if refusal is not None else self._entries.pop(key, None)

@@ -24,7 +24,7 @@ from beatrix_zenoh.shutdown import Shutdown
 
 RETRY_S = 0.5
 SWITCH_S = 0.0005
-"""Switch interval of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
+"""Switch interval (s) of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 
 
 def serve(
@@ -48,7 +48,7 @@ def serve(
         raise WrongUsage(
             Reason.BAD_VALUE,
             "--legacy cannot be used with a --robot-file that changes limits or neck: for programs of 2023 only "
-            "the limits compiled into the firmware hold. Omit one of the two options.",
+            "the limits compiled into the firmware apply. Omit one of the two options.",
         )
     shutdown = Shutdown()
     broken: list[threading.ExceptHookArgs] = []
@@ -91,7 +91,7 @@ def _announce(node: Node, legacy: Path | None) -> None:
 def _open(
     sessions: Sessions, hardware: HardwareInterface, settings: Settings, robot: RobotData, legacy: Path | None
 ) -> Node:
-    """Return a started node; if it cannot start, close `sessions` and `hardware`."""
+    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
     with ExitStack() as undo:
         undo.callback(hardware.close)
         undo.callback(sessions.close)

@@ -42,7 +42,7 @@ class Snapshot:
     def positions(self, *, count: bool = False) -> Positions:
         """Return the positions, with the sequence number of the last publication; `count`: with the next number.
 
-        All values belong to the time `t_mono_ns`; if the board is lost, this is the time of its last telemetry.
+        All values belong to the time `t_mono_ns`; after a loss of the board, hardware keeps its last time.
         """
         sample = self._board.sample or NO_SAMPLE
         telemetry = sample.telemetry
@@ -54,7 +54,7 @@ class Snapshot:
             self._seq = (self._seq + count) % _SEQS
             with contextlib.suppress(
                 BeatrixError
-            ):  # no head orientation is possible; the status reports a fault
+            ):  # publish the last orientation if none is possible; the status reports a fault
                 self._head = Head(*self._planner.neck.forward(pose.position))
             return Positions(
                 seq=self._seq,
@@ -130,7 +130,7 @@ class Snapshot:
 
 
 def examples(name: str, twin: str, endpoint: str) -> list[str]:
-    """Return commands for Zenoh's own example programs."""
+    """Return command lines for Zenoh's own example programs that drive, stop and observe this robot."""
     client = f"-m client -e {endpoint}"
     base = keys.motion(name, twin, "me").rpartition("/")[0]
     return [

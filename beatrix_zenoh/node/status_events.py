@@ -8,7 +8,7 @@ from beatrix_zenoh.node.lease import Caller
 
 
 class StatusEvents:
-    """Compares each status with the previous one."""
+    """Compares each status with the previous one, and records changes as events."""
 
     def __init__(self, events: EventLog) -> None:
         self._events = events
@@ -16,7 +16,7 @@ class StatusEvents:
         self._trouble = ""
 
     def record(self, status: Status) -> None:
-        """Record the changes since the previous status as events."""
+        """Record another holder, and a lost or connected board, as events."""
         if status.holder != self._holder:
             text = f"{status.holder} drives." if status.holder else f"{self._holder} has freed the robot."
             self._events.add(EventKind.LEASE, caller=Caller(status.holder, ""), message=text)

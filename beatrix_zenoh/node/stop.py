@@ -1,7 +1,7 @@
-"""STOP from the key to the board, before all queued requests, and the reply when the arms rest.
+"""Send STOP to the board before all queued requests, and reply when the arms rest.
 
 1. Zenoh's thread (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
-2. The stop thread: one request to the board for all presses that wait, EMERGENCY_STOP before STOP.
+2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP.
 3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
 4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
 """
@@ -33,13 +33,13 @@ FRAMES: Final = {
     Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP,
     Command.STOP: FrameType.STOP,
 }
-"""Frames in the order in which they are sent."""
+"""Frame of each command, in the order in which waiting commands are sent."""
 REST_S: Final = 2.0
-"""Time after which arms that still move are a fault. Arms at full speed stop much sooner, and clients wait longer."""
+"""Time (s) after which moving arms are a fault. Arms at full speed stop much sooner, and clients wait longer."""
 SAME_PRESS_S: Final = 0.5
-"""A put and a query of one session within this time count as one press and one event."""
+"""A put and a query of one session within this time (s) count as one press and one event."""
 LATCHED_S: Final = 0.3
-"""Time within which the telemetry shows the emergency latch."""
+"""Time (s) within which the telemetry shows the emergency latch."""
 STOPPED, AT_REST = "Stopped", "Nothing moves"
 STILL_MOVING: Final = NoAnswer(
     Reason.FAULT, "The board has acknowledged STOP and reports that the arms still move."
@@ -47,7 +47,7 @@ STILL_MOVING: Final = NoAnswer(
 
 
 class StopHandler(Component):
-    """STOP and EMERGENCY_STOP of one robot."""
+    """Carries out STOP and EMERGENCY_STOP for one robot."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -69,7 +69,7 @@ class StopHandler(Component):
         sessions.subscribe(key, self._put)
 
     def on_stop(self, callback: Callable[[], None]) -> None:
-        """Call `callback` on the controller's thread after each STOP, to discard motions that wait elsewhere."""
+        """Call `callback` on the controller's thread after each STOP, to discard motions outside the request queue."""
         self._on_stop.append(callback)
 
     # -- 1. pressed, on Zenoh's thread --------------------------------------------------------------
@@ -85,7 +85,7 @@ class StopHandler(Component):
             incoming.finish()
 
     def _put(self, received: Received) -> None:
-        """Handle a put of STOP. Our clients send it before their query, which another queryable might take."""
+        """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
         if is_stop(received.key):
             caller = self._caller(received.session)
             events = self._events(received.session, "put")
@@ -107,7 +107,7 @@ class StopHandler(Component):
     def press(self, command: Command, handle: RequestHandle) -> None:
         """Handle a requested STOP or EMERGENCY_STOP.
 
-        Once closed, send nothing, because the controller stops the arms.
+        Once closed, decline it and send nothing, because the controller stops the arms.
         """
         emergency = command is Command.EMERGENCY_STOP
         self._context.access.stop_pressed(handle.caller.session, time.monotonic(), emergency=emergency)
@@ -154,7 +154,7 @@ class StopHandler(Component):
             callback()
         self._context.access.stop_sent(time.monotonic())
         if error is None and controller.driven:
-            controller.stop(replies.StopCause.STOP)  # a motion may have overtaken STOP
+            controller.stop(replies.StopCause.STOP)  # again, because this motion may have overtaken STOP
         if error is None and command is Command.EMERGENCY_STOP:
             error = self._check_latch()
         if error is None:
@@ -174,7 +174,7 @@ class StopHandler(Component):
         )
 
     def close(self) -> None:
-        """Send the STOPs that wait, then end the thread."""
+        """Send the waiting STOPs, end the thread, and reply to the waiting clients."""
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -195,13 +195,13 @@ class Rest:
 
     @property
     def _moving(self) -> bool:
-        # Telemetry may lag behind the motion that runs.
+        # The telemetry may not show yet that a motion has begun: check the controller too.
         return self._controller.moving or self._controller.running is not None
 
     def wait(self, handles: list[RequestHandle]) -> None:
         """Reply to these clients when the arms rest."""
         if not self._moving:
-            # A query without events belongs to a press whose put was handled just before: it gets the outcome of that put.
+            # A query without events belongs to a press whose put was just handled: it gets the outcome of the put.
             same_press = all(handle.events is None for handle in handles)
             self._end(handles, self._how if same_press else AT_REST)
             return
@@ -232,7 +232,7 @@ class Rest:
             end_all(handles, replies.command_reply(Reason.OK, text, arms))
 
     def close(self) -> None:
-        """Reply that the node closes before the arms rest."""
+        """Reply to the waiting clients that the node is closing."""
         end_all(self._waiting, replies.command_refusal(refusals.node_closing(), self._controller.arms()))
 
 
@@ -243,5 +243,5 @@ def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
 
 
 def is_stop(key: str) -> bool:
-    """Return whether a key is a STOP, possibly of several robots; a query on `beatrix/**` is not a STOP."""
+    """Return whether a key requests STOP, possibly of several robots; a query on `beatrix/**` does not."""
     return key.endswith("/stop")

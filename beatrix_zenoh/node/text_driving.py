@@ -1,4 +1,4 @@
-"""Programs of 2023: the access rules also hold for their lines, although the firmware carries them out."""
+"""Programs of 2023: the access rules also apply to their lines, although the firmware carries them out."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ ACTIONS: Final = {
     Effect.CALIBRATE: Action.CALIBRATE,
 }
 KINDS: Final = {Effect.MOVE: EventKind.MOTION, Effect.STOP: EventKind.STOP}
-"""Kinds of events; events of other effects are commands."""
+"""Kinds of the events of these effects; events of other effects have the kind COMMAND."""
 
 
 class TextDriving:
     """Implements `legacy.NodeInterface`.
 
-    `has_router` returns whether a router is connected, without which no STOP arrives.
+    `has_router` returns whether a router is connected; without a router no STOP arrives.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class TextDriving:
         self._context, self._stop, self._commands = context, stop, commands
         self._has_router = has_router
         self._moved = False
-        """Whether the arms have moved since the last line that may move them."""
+        """Whether the arms have moved since a motion was last authorised."""
         context.board_watch.observe(Observer(self._observe, lambda: False))
 
     def _observe(self) -> None:
@@ -99,7 +99,7 @@ class TextDriving:
             self._context.access.rested(time.monotonic())
 
     def set_home(self) -> None:
-        """Prepare the robot for @CALNOW, which sets home, and count it."""
+        """Prepare the robot for a @CALNOW that sets home, and count the calibration."""
         self._context.hardware.straighten()
         self._commands.calibrations += 1
 
@@ -108,7 +108,7 @@ class TextDriving:
         self._context.access.stop_pressed(TEXT_SESSION, time.monotonic())
 
     def stop_sent(self) -> None:
-        """Continue after @STOPALL was sent to the firmware."""
+        """Carry out step 3 of STOP (see `stop`) after @STOPALL was sent to the firmware."""
         self._stop.settle(Command.STOP, [], None)
 
     def warn(self, text: str) -> None:
