@@ -1,3 +1,3 @@
-"""The board behind a node: framing, requests, and the firmware as virtual board."""
+"""The board behind a node: framing, requests, and the firmware as a virtual board."""
 
 from __future__ import annotations

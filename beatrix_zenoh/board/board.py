@@ -35,10 +35,11 @@ class Board:
     """A board on a port that may be unplugged and plugged in again.
 
     `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is connected or
-    lost; `on_text` for every line and warning of the text port, with its seq. All callbacks run on the board's own
-    thread, never on the thread that calls `request`. They must be quick and must not call the board.
+    lost; `on_text` for every line and warning of the text port, with the seq of its frame. All callbacks run on the
+    board's own thread, never on the thread that calls `request`. They must be quick and must not call the board.
 
-    Telemetry from before a motion may arrive after the acknowledgement of the motion: use `wait_for`.
+    Telemetry from before a motion may arrive after the acknowledgement of the motion: wait for newer telemetry with
+    `wait_for`.
     """
 
     def __init__(
@@ -87,7 +88,7 @@ class Board:
         return 0 if telemetry is None else telemetry.state
 
     def wait_for(self, holds: Callable[[Telemetry], bool], timeout_s: float) -> bool:
-        """Wait until `holds` is true for the newest telemetry; return False if it is not within `timeout_s`."""
+        """Wait until `holds` is true for the newest telemetry; return False if this takes longer than `timeout_s`."""
         connection = self._connection
         with connection.sample_changed:
             return connection.sample_changed.wait_for(
@@ -107,13 +108,13 @@ class Board:
         self._connection.wake()
 
     def enable(self, *, on: bool) -> None:
-        """Switch the motors; raises the errors of `request`."""
+        """Switch the motors on or off; raises the errors of `request`."""
         self.request(FrameType.ENABLE, bytes([on]))
 
     def send_text(self, line: bytes) -> None:
         """Send a line of text, given without its line end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         self.check_connected()
-        self._connection.write(line + b"\r")  # not `write_frame`: text does not count as heartbeat
+        self._connection.write(line + b"\r")  # not `write_frame`: text does not count as a heartbeat
         self._connection.wake()
 
     def check_connected(self) -> None:
@@ -128,7 +129,7 @@ class Board:
             Refused: the firmware refused the request.
             NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
         """
-        # STOP and EMERGENCY_STOP are the same in every contract.
+        # STOP and EMERGENCY_STOP are the same in every contract: send them to any firmware.
         if kind not in STOPS and not self._connection.understood:
             raise not_connected(self.link)
         slot: queue.SimpleQueue[int] = queue.SimpleQueue()
@@ -149,11 +150,11 @@ class Board:
     def _exchange(
         self, kind: FrameType, seq: int, payload: bytes, slot: queue.SimpleQueue[int]
     ) -> int | None:
-        """Return the code of the acknowledgement, None if there is none.
+        """Send a request up to TRIES times; return the code of the acknowledgement, None if there is none.
 
-        `write_frame` returns the answer of a virtual board. For a motion this thread reads the acknowledgement there
-        and does not wait for the board's thread, which reads the same bytes later. Other requests wait for the board's
-        thread, so that everything the board sent earlier (answers to text, telemetry) has been handled.
+        `write_frame` returns the answer of a virtual board. For a motion this thread finds the acknowledgement
+        in it and does not wait for the board's thread, which reads the same bytes later. Other requests wait for the
+        board's thread, so that everything the board sent earlier (answers to text, telemetry) has been handled.
         """
         frame, acknowledged = encode(kind, seq, payload), encode(kind | FrameType.ACK, seq, _OK)
         for attempt in range(wire.TRIES):

@@ -27,7 +27,7 @@ NEVER_CONNECTED: Final = (
     "and run `beatrix flash`."
 )
 LOST_S: Final = 0.4
-"""Silence after which the board counts as lost; together with READ_S less than 0.5 s."""
+"""Silence (s) after which the board counts as lost; together with READ_S less than 0.5 s."""
 
 
 class Connection:
@@ -175,7 +175,7 @@ class Connection:
     def _read(self, port: Port) -> bytes:
         began_s = time.monotonic()
         data = port.read(READ_S)
-        # If the computer suspended this process meanwhile, that time is not silence of the board.
+        # Limit the time: while the computer suspends this process, the board is not silent.
         self._silent_s += min(time.monotonic() - began_s, 2 * READ_S)
         return data
 

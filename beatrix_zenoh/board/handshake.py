@@ -47,7 +47,7 @@ class Handshake:
             self._next_s = now_s + (HELLO_S if self._hellos % TRIES else LOADER_S)
 
     def frame_received(self) -> None:
-        """Record a frame from a board whose contract is unknown: its firmware runs."""
+        """Record a frame from a board whose contract is unknown: its firmware runs, so end a long pause."""
         self._next_s = min(self._next_s, self._hello_s + HELLO_S)
 
     def request_sent(self, now_s: float) -> None:

@@ -50,7 +50,7 @@ def encode(type: int, seq: int, payload: bytes) -> bytes:  # noqa: A002 - the co
     Raises ValueError if the payload is longer than MAX_PAYLOAD bytes.
     """
     if len(payload) > MAX_PAYLOAD:
-        raise ValueError(f"payload of {len(payload)} bytes: a frame holds at most {MAX_PAYLOAD}")
+        raise ValueError(f"payload of {len(payload)} bytes: a frame contains at most {MAX_PAYLOAD}")
     body = bytes((type, seq)) + payload
     body += crc16(body).to_bytes(_CRC_SIZE, "little")
     # Consistent Overhead Byte Stuffing (Cheshire and Baker 1999); runs stay under 254 bytes here.

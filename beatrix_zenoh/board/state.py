@@ -14,7 +14,7 @@ NO_TELEMETRY: Final = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0, 0)
 
 
 class Port(Protocol):
-    """Bytes to and from a board."""
+    """A port that transfers bytes to and from a board."""
 
     @property
     def name(self) -> str:
@@ -59,11 +59,11 @@ class Link:
     """why the board is not connected (port not open, other firmware, no frames); empty if it is connected"""
     hello: HelloReply | None
     rejected: int
-    """invalid blocks received from the board"""
+    """number of invalid blocks received from the board"""
     overflowed: int
-    """bytes the board has dropped since its start because its buffer was full; 255: that many or more"""
+    """number of bytes that the board has dropped since its start because its buffer was full; 255: 255 or more"""
     retries: int
-    """requests that were sent again"""
+    """number of times that a request was sent again"""
     reset: bool
     """whether the connection was lost because the board was reset"""
 

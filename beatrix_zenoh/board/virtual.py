@@ -23,13 +23,13 @@ _REPORT: Final = struct.Struct("<6q6iIII")
 _LENGTH: Final = struct.Struct("<I")
 _LENGTH_AT: Final = _REPORT.size - 2 * _LENGTH.size
 _TRANSMIT_SIZE: Final = 16384
-"""Bytes of the transmit buffer, the same number as in firmware/virtual/board.cpp."""
+"""Size of the transmit buffer (bytes), as in firmware/virtual/board.cpp."""
 _TICKS_PER_CALL: Final = 1000
-"""Largest number of milliseconds per call of `tick`; the transmit buffer holds the telemetry of three times that."""
+"""Largest number of milliseconds per call of `tick`; the telemetry of 3000 ms fits into the transmit buffer."""
 _CATCH_UP_MS: Final = 100
-"""Longest time to advance in one step when late: well under the firmware's heartbeat timeout."""
+"""Longest time to advance in one step when the board is late: well under the firmware's heartbeat timeout."""
 _STALL_MS: Final = 300
-"""After a longer stall of the process the board skips that time, so that the firmware misses no heartbeat."""
+"""Longest stall of the process to catch up with; a longer one is skipped, so that the firmware misses no heartbeat."""
 _UNREAD_MS: Final = 100
 """The host is late if bytes have been unread for longer. The sum of this time, one step and a heartbeat period is less
 than the heartbeat timeout."""
@@ -41,7 +41,7 @@ _UNREAD_MAX: Final = 65536
 
 @cache
 def _compiled() -> tuple[Engine, Module]:
-    """Compile the firmware, once per process: modules are immutable and shared between instances."""
+    """Return the firmware, compiled once per process: modules are immutable and shared between instances."""
     try:
         import wasmtime  # noqa: PLC0415 - an optional dependency, of virtual boards only
     except ImportError as error:
@@ -55,13 +55,13 @@ def _compiled() -> tuple[Engine, Module]:
     return engine, wasmtime.Module(engine, code)
 
 
-atexit.register(_compiled.cache_clear)  # wasmtime cannot free objects that outlive its Python module
+atexit.register(_compiled.cache_clear)  # free them: wasmtime cannot free objects that outlive its module
 
 
 class Firmware:
     """One board in virtual time, which passes only in `tick`. Not thread-safe.
 
-    `boot` is the boot number it reports, `name` the robot name in its memory (empty: none).
+    `boot` is the boot number that the board reports, `name` the robot name in its memory (empty: none).
     Raises BeatrixError if wasmtime is missing.
     """
 
@@ -139,7 +139,7 @@ class Firmware:
         return bytes(self._memory.read(self._store))
 
     def restore(self, snapshot: bytes) -> None:
-        """Set the state of the board; bytes it sent before the snapshot are not sent again."""
+        """Set the state of the board to a snapshot; discard bytes that `transmit` has not returned yet."""
         self._memory.write(self._store, snapshot)
         self._sent.clear()
 

@@ -34,7 +34,7 @@ class NodeInterface(Protocol):
         """Record that no motion of the program is running or waiting."""
 
     def set_home(self) -> None:
-        """Prepare for @CALNOW, which sets the robot's home."""
+        """Prepare for a @CALNOW that sets the robot's home."""
 
     def stop_pressed(self) -> None:
         """Record that the program has sent @STOPALL; called on the terminal's thread, before the line is queued."""

@@ -46,7 +46,7 @@ class Answer:
     held: list[bytes] = field(default_factory=list)
 
     def add(self, text: bytes) -> list[bytes]:
-        """Add a line that is not the last; return what to write now."""
+        """Add a line that is not the last; return the lines to write now."""
         if self.begun:
             self.held.append(text)
             return []
@@ -54,7 +54,7 @@ class Answer:
         return [ACK if self.damaged else text]
 
     def finish(self, last: bytes, *, data: bool) -> list[bytes]:
-        """Add the last line; return what to write now.
+        """Add the last line; return the lines to write now.
 
         The program gets as many lines as the protocol requires, even if the link has lost some of them. With `data` the
         lost lines contained numbers, which the port cannot replace, so the last line is NACK.

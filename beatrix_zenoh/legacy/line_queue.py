@@ -35,7 +35,7 @@ class LineQueue:
     def program_opened(self) -> None:
         """Drop all lines of the previous program, and begin as if the board had just been reset.
 
-        A waiting line that switches the motors off is still carried out.
+        A line without an answer that switches the motors off is still carried out.
         """
         off = next((line for line in self._lines if switches_off(line)), None)
         if off is not None:
@@ -48,7 +48,7 @@ class LineQueue:
         self._node.moves_ended()
 
     def program_closed(self) -> None:
-        """Drop the waiting lines, except motors off; the board finishes the line that it has received."""
+        """Drop the waiting lines, except motors off; the board finishes the lines that it has received."""
         self._drop({line for line in self._lines if not (line.sent or switches_off(line))})
         self._advance()
 
@@ -82,7 +82,7 @@ class LineQueue:
     def _full_for(self, line: Line) -> bool:
         """Return whether the queue is full for `line`.
 
-        A line that switches the motors off fits into a full queue, but not twice in a row.
+        A line that switches the motors off is accepted even then, but not twice in a row.
         """
         if len(self._lines) < CAPACITY:
             return False
@@ -98,7 +98,7 @@ class LineQueue:
         self._node.stop_sent()
 
     def refuse_waiting_motions(self) -> None:
-        """Refuse the waiting motions, after a STOP of any client."""
+        """After a STOP of any client refuse the waiting motions; STOP is also the cause if a sent motion ends early."""
         for line in self._lines:
             if line.effect is not Effect.MOVE or line.refusal:
                 continue
@@ -133,7 +133,7 @@ class LineQueue:
         if isinstance(frame, TextWarning):
             self._outcomes.board_warned(line, frame.code)
         elif opening != self._link.openings or line is None:
-            return  # an answer to the previous program
+            return  # no line of the present program waits for this answer
         elif frame.flags & LAST:
             self._answered(line, frame.text)
         else:

@@ -1,4 +1,4 @@
-"""Sends lines to the board if the node permits it, and finds lines that the board will never answer."""
+"""Send lines to the board if the node permits it, and find lines that the board will never answer."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ SHOWN_S = 0.3
 SILENT_S = 3.0
 """Time after which a line without an answer counts as lost on the serial link, if the arms are at rest."""
 COUNTED_S = 340.0
-"""The same for a motion that the board only counts, because the motors are off: the longest one, from -32767 to 32767
-steps, takes 328 s at 200 steps/s."""
+"""Used instead of SILENT_S for a motion that the board only counts, because the motors are off: the longest one, from
+-32767 to 32767 steps, takes 328 s at 200 steps/s."""
 AUTHORIZED = (Effect.MOVE, Effect.ENABLE, Effect.DISABLE)
 """Effects that need permission; @CALNOW needs it only if it sets the robot's home."""
 
@@ -32,14 +32,14 @@ class TextLink:
         self.openings = 0
         """Number of TEXT_OPEN requests; answers from before the last one belong to no line."""
         self.zero_forgotten = False
-        """Whether the firmware has discarded the zero of the program without a request of the program."""
+        """Whether the firmware has discarded the zero of the program although the program did not request it."""
         self._lines_lost = False
         """Whether the board may still answer lines for which this port no longer waits; the board must discard
         them before the next line is sent."""
         self._next_seq: int | None = None
-        """Number of the board's next TEXT; None: any number."""
+        """Number of the board's next TEXT or warning; None: any number."""
         self._before_switch: Telemetry | None = None
-        """The newest telemetry at the moment a line switched the motors; None: newer telemetry has come since."""
+        """The telemetry when the board answered a line that switches the motors; None: no line since `sets_home`."""
         self._heard_s = 0.0
 
     def open(self) -> None:
@@ -97,15 +97,12 @@ class TextLink:
         return time.monotonic() - self._heard_s > SILENT_S
 
     def gave_up(self, under_way: Sequence[Line]) -> bool:
-        """Return whether the board will never answer these lines.
-
-        In that case the board was lost or reset, or the lines were lost.
-        """
+        """Return whether the board will never answer these lines, because it was lost or reset, or they were lost."""
         connected, state = self._board.connected, self._board.state
         if not connected:
             self._next_seq = None
         if state & State.MOVING:
-            self._heard_s = time.monotonic()  # the board answers when the arms rest
+            self._heard_s = time.monotonic()  # not silent: the board answers when the arms rest
         only_counted = not state & State.ENABLED and any(line.effect is Effect.MOVE for line in under_way)
         limit_s = COUNTED_S if only_counted else SILENT_S
         lost = bool(under_way) and (not connected or time.monotonic() - self._heard_s > limit_s)
@@ -152,7 +149,7 @@ class LineSender:
             self._outcomes.done(line)
 
     def open(self) -> None:
-        """Let the firmware discard the lines and the zero of the previous program."""
+        """Let the firmware discard the lines and the zero of the previous program; warn if this fails."""
         try:
             self._link.open()
         except BeatrixError as error:

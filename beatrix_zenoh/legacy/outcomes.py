@@ -57,7 +57,7 @@ class Outcomes:
         self._refused_s = 0.0
 
     def accepted(self, line: Line) -> None:
-        """Report a line that was sent to the board."""
+        """Report a motion that was sent to the board; other lines are reported only when they end."""
         if line.effect is Effect.MOVE:
             self._record(line, Cause(Reason.OK, ""), Phase.ACCEPTED)
 
@@ -87,11 +87,11 @@ class Outcomes:
         if cause.reason is not Reason.OK:
             cause = Cause(Reason.OK, "")  # the motion had just ended when STOP was pressed
         if cause.message:
-            self._warn(cause)  # again, because the status may have dropped the warning meanwhile
+            self._warn(cause)  # warn again, because the status may have dropped the warning
         self._end(line, cause)
 
     def not_done(self, line: Line, *, unknown: bool, zero_forgotten: bool) -> None:
-        """Report a line that the board answered with NACK.
+        """Report a line that got NACK or no answer from the board; if the cause is unknown, first wait for a warning.
 
         `unknown`: NACK alone, which means an unknown line; `zero_forgotten`: as `TextLink.zero_forgotten`.
         """
@@ -108,7 +108,7 @@ class Outcomes:
                 self._presumed = ZERO_FORGOTTEN if zero_forgotten else CALNOW_FIRST
 
     def board_warned(self, line: Line | None, code: int) -> None:
-        """Report a warning that the board has sent before its answer to `line`."""
+        """Report a warning of the board, which explains the last refusal or precedes the answer to `line`."""
         cause = board_warning(code)
         if self._unexplained is not None and refuses(cause):
             refused, self._unexplained = self._unexplained, None

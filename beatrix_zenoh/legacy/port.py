@@ -1,7 +1,7 @@
 """The port for programs of 2023: passes lines between terminal, controller and board.
 
-The firmware understands the lines and answers them (decision 0013). The port queues them, applies access and STOP, and
-answers every line in order, even if the board is lost.
+The firmware understands the lines and answers them (decision 0013). The port queues them, applies the access
+rules and STOP, and answers every line in order, even if the board is lost.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class TextPort:
         self._terminal.begin_answers()
 
     def received(self, line: bytes) -> None:
-        """Queue a line of the program."""
+        """Queue a line of the program, unless it is an echoed answer; report STOP to the node at once."""
         if effect_of(line) is Effect.STOP:
             self._node.stop_pressed()
         if line not in ECHOED:

@@ -42,7 +42,7 @@ LOCAL = 3
 
 
 class Listener(Protocol):
-    """Receives the lines of programs; called on the terminal's thread, in order."""
+    """Receives the lines of programs; its methods are called on the terminal's thread, in order."""
 
     def opened(self) -> None:
         """Handle a program that has opened the terminal.
@@ -89,7 +89,7 @@ class Terminal:
         self._lock = threading.Lock()
         self._open = False
         self._pending_openings = 0
-        """Openings without a call of `begin_answers`: until then, answers belong to the previous program."""
+        """Calls of `opened` minus calls of `begin_answers`; above 0, answers belong to the previous program."""
         self._unread = b""
         """Answers that the system does not take yet."""
         self._closing = threading.Event()
@@ -139,7 +139,7 @@ class Terminal:
         while not (gone or self._closing.is_set()):
             gone = hung_up(poll.poll(round(TURN_S * 1000)))
             data = self._read()
-            if gone:  # beyond UNREAD_MAX the bytes belong to the next program
+            if gone:  # up to UNREAD_MAX: further bytes belong to the next program
                 data += b"".join(islice(iter(self._read, b""), UNREAD_MAX // CHUNK))
                 self._program_closed()
             for line in splitter.split(data):
@@ -150,7 +150,7 @@ class Terminal:
                 self._closing.wait(TURN_S)
 
     def _read(self) -> bytes:
-        """The next bytes; empty if there are none."""
+        """Return the next bytes; empty if there are none."""
         try:
             return os.read(self._master, CHUNK)
         except OSError:
@@ -208,7 +208,7 @@ class LineSplitter:
         self._written_s = 0.0
 
     def split(self, data: bytes) -> list[bytes]:
-        """Lines that end in `data`, without their ends and leading blanks; `data` is empty if nothing was written."""
+        """Return the lines that end in `data`, without line ends and leading blanks; `data` may be empty."""
         now_s = time.monotonic()
         if not data and now_s - self._written_s >= LINE_END_S:
             self._begun = b""

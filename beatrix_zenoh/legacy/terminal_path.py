@@ -46,7 +46,7 @@ def claim(path: Path) -> socket.socket:
 
 
 def link(path: Path, device: str) -> None:
-    """Link the claimed `path` to `device`; replaces a link that an earlier node has left behind.
+    """Link the claimed `path` to `device`; replace a link that an earlier node has left behind.
 
     Raises:
         Refused: BAD_VALUE: another file has this path, or this user may not write there.
@@ -81,4 +81,4 @@ def share(device: str) -> None:
         return
     with contextlib.suppress(KeyError, OSError):  # no such group, or this user is not in it
         os.chown(device, -1, grp.getgrnam(GROUP).gr_gid)
-        Path(device).chmod(GROUP_MODE)  # after chown: never open to another group
+        Path(device).chmod(GROUP_MODE)  # after chown, so that no other group can open it
