@@ -1,1 +1,1 @@
-"""Kinematics, gear, trajectories and limits of the neck: calculation only."""
+"""Kinematics, gear, trajectories and limits of the neck: calculations without I/O."""

@@ -11,7 +11,8 @@ and every rod keeps w_i . v_i = cos(alpha2): three closures for three degrees of
 from these closures. The code uses plain Python floats, which for 3x3 matrices are ten times as fast as arrays.
 
 Turning all three arms by the same angle turns the head by that angle and nothing else. Inverse and forward kinematics
-are therefore solved without this common turn and add it afterwards: angles stay continuous through any number of turns.
+are therefore solved without this common turn, which is added afterwards: angles stay continuous through any number of
+turns.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from beatrix_zenoh.motion.rotation import (
 
 _MAX_ITERATIONS: Final = 8
 _MAX_TURN: Final = 0.5
-"""Longest Newton step (rad): longer ones may leave the home assembly."""
+"""Limit of a Newton step (rad): longer ones may leave the home assembly."""
 _CONVERGED: Final = 1e-12
 """Square of the last Newton step (rad2): convergence is quadratic, so the remaining error is below 1e-11 rad."""
 
@@ -56,7 +57,7 @@ class Head(NamedTuple):
 
 
 class _Linear(NamedTuple):
-    """Closure linearised at one attitude."""
+    """The closures, linearised at one attitude."""
 
     error: Arms
     """w_i . v_i - cos(alpha2)"""
@@ -80,7 +81,7 @@ class Neck:
     """Inverse and forward kinematics of one geometry."""
 
     def __init__(self, geometry: Geometry = ROBOT.geometry) -> None:
-        """Raise Refused (BAD_VALUE) if no neck of this geometry closes upright, or if it cannot move from there."""
+        """Raise Refused (BAD_VALUE) for a wrong `hand`, or a neck that does not close upright or cannot move there."""
         a1, a2, b = (math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
         if geometry.hand not in {-1, 1}:
             raise Refused(Reason.BAD_VALUE, f"Hand is {geometry.hand}; it must be +1 or -1.")
@@ -110,7 +111,7 @@ class Neck:
         self._frame = inverse_of_columns(x, y, cross(x, y))
 
     def _mount_offset(self, mount_angle: float) -> float:
-        """Azimuth from arm to mount at home (rad), from closure there."""
+        """Return the azimuth (rad) from arm to mount at home, from the closure there; raises Refused (BAD_VALUE)."""
         divisor = self._s1 * math.sin(mount_angle)
         cosine = (self._c2 + self._c1 * math.cos(mount_angle)) / divisor if divisor else math.inf
         if abs(cosine) >= 1:
@@ -158,7 +159,7 @@ class Neck:
         return Refused(Reason.OUT_OF_REACH, detail=detail)
 
     def forward(self, arms: Sequence[float]) -> tuple[float, float, float]:
-        """Yaw, pitch, roll (rad) for arm angles (rad), in the home assembly; yaw follows the arms through any turns.
+        """Return yaw, pitch, roll (rad) for arm angles (rad) in the home assembly; yaw may be any number of turns.
 
         Raises BeatrixError: OUT_OF_REACH if no head orientation of the home assembly fits the arms; BAD_VALUE if an
         angle is not finite.
@@ -168,7 +169,7 @@ class Neck:
         return solution.mean + yaw, pitch, roll
 
     def rotation(self, arms: Sequence[float]) -> Rotation:
-        """Head orientation as rows of a 3x3 matrix; raises the errors of `forward`."""
+        """Return the head orientation as rows of a 3x3 matrix; raises the errors of `forward`."""
         solution = self._solve(arms)
         c, s = math.cos(solution.mean), math.sin(solution.mean)
         x, y, z = self._attitude(solution.mounts)
@@ -179,7 +180,7 @@ class Neck:
         )
 
     def head(self, arms: Sequence[float]) -> Head:
-        """Yaw and tilt with their derivatives by the arms; raises the errors of `forward`.
+        """Return yaw and tilt with their derivatives by the arms; raises the errors of `forward`.
 
         Closure in rates: n_i . omega = n_iz * dt_i with n_i = v_i x w_i.
         """
@@ -199,7 +200,7 @@ class Neck:
         )
 
     def gaps(self, arms: Sequence[float]) -> Arms:
-        """Angles (rad) between neighbouring arms: short-middle, middle-long, long-short; 120 deg each at home."""
+        """Return the gaps between the arms (rad): short-middle, middle-long, long-short; 120 deg each at home."""
         x, y, z = arms
         first = self._spacing + self._order * (y - x)
         second = self._spacing + self._order * (z - y)
@@ -250,7 +251,7 @@ class Neck:
         raise BeatrixError(
             Reason.OUT_OF_REACH,
             f"No orientation of the head is possible with the arms at {degrees}°: the counted positions are wrong, or "
-            "the neck has snapped through. Switch the motors off, set the head upright, switch on and calibrate.",
+            "the neck has snapped through. Switch the motors off, set the head upright, switch them on and calibrate.",
         )
 
     def _attitude(self, mounts: Triple) -> Rotation:
@@ -291,7 +292,7 @@ def _linearise(mounts: Triple, elbows: Triple, cos_twist: float) -> _Linear:
 
 
 def _moved(mounts: Triple, inverse: Triple, right: Arms) -> tuple[Triple, float]:
-    """Return the mounts after the step that solves the linearised closure, and the square of that step (rad2)."""
+    """Return the mounts after a step that solves the linearised closure, and the square of the full step (rad2)."""
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = inverse
     a, b, c = right
     x, y, z = a * ax + b * bx + c * cx, a * ay + b * by + c * cy, a * az + b * bz + c * cz

@@ -45,7 +45,7 @@ def load(path: Path | None) -> RobotData:
     """Return the default robot with the values of this file, if any: tables and names as in docs/reference/robot.md.
 
     Raises:
-        WrongUsage: BAD_VALUE; the message names the wrong entry and the allowed ones.
+        WrongUsage: BAD_VALUE; the file cannot be read, or an entry is wrong: the message names it and what is allowed.
     """
     if path is None:
         return ROBOT
@@ -187,7 +187,7 @@ def check_motions(robot: RobotData) -> None:
 
 
 def snaps_at(neck: Neck, most: float) -> float | None:
-    """Return the smallest tilt (rad) up to `most` whose arm angles also fit another head orientation, or None."""
+    """Return the smallest tested tilt (rad) up to `most` at which the same arm angles fit another pose too, or None."""
     for level in range(1, math.ceil(most / GRID) + 1):
         tilt = min(level * GRID, most)
         around = (leaning(tilt, math.tau * index / DIRECTIONS) for index in range(DIRECTIONS))

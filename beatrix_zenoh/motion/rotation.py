@@ -11,17 +11,17 @@ Rotation = Triple
 
 
 def dot(u: Vector, v: Vector) -> float:
-    """Scalar product."""
+    """Return the scalar product."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 def cross(u: Vector, v: Vector) -> Vector:
-    """Vector product."""
+    """Return the vector product."""
     return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
 def inverse_of_columns(x: Vector, y: Vector, z: Vector) -> Triple:
-    """Rows of the inverse of the matrix with these columns."""
+    """Return the rows of the inverse of the matrix with these columns."""
     det = dot(x, cross(y, z))
     rows = cross(y, z), cross(z, x), cross(x, y)
     return tuple((r[0] / det, r[1] / det, r[2] / det) for r in rows)  # type: ignore[return-value] # three rows
@@ -47,7 +47,7 @@ def turned(vectors: Triple, turn: Vector) -> Triple:
 
 
 def rotation_of(yaw: float, pitch: float, roll: float) -> Rotation:
-    """Rz(yaw) Ry(pitch) Rx(roll), angles in rad: yaw left, pitch nose down, roll right ear down positive."""
+    """Return Rz(yaw) Ry(pitch) Rx(roll), angles in rad: yaw left, pitch nose down, roll right ear down positive."""
     sy, cy, sp, cp = math.sin(yaw), math.cos(yaw), math.sin(pitch), math.cos(pitch)
     sr, cr = math.sin(roll), math.cos(roll)
     return (
@@ -58,19 +58,19 @@ def rotation_of(yaw: float, pitch: float, roll: float) -> Rotation:
 
 
 def ypr_of(rotation: Rotation) -> Vector:
-    """Yaw, pitch, roll (rad) of a rotation; yaw and roll within half a turn, pitch within a quarter."""
+    """Return yaw, pitch and roll (rad) of a rotation; yaw and roll within half a turn, pitch within a quarter."""
     (ax, _, _), (ay, _, _), (az, bz, cz) = rotation
     return math.atan2(ay, ax), math.atan2(-az, math.hypot(ax, ay)), math.atan2(bz, cz)
 
 
 def tilt_of(pitch: float, roll: float) -> float:
-    """Angle (rad) between the head's axis and the vertical; yaw does not matter."""
-    # atan2 with the horizontal part, because acos loses half of the digits near upright
+    """Return the angle (rad) between the head's axis and the vertical; yaw does not matter."""
+    # Use atan2 with the horizontal part, because acos loses half of the digits near upright.
     sp, cp, sr, cr = math.sin(pitch), math.cos(pitch), math.sin(roll), math.cos(roll)
     return math.atan2(math.hypot(sp * cr, sr), cp * cr)
 
 
 def leaning(tilt: float, direction: float) -> tuple[float, float]:
-    """Return pitch and roll (rad) of a head tilted by `tilt` towards `direction` (rad); the inverse of `tilt_of`."""
+    """Return pitch and roll (rad) of a head tilted by `tilt` towards `direction` (rad)."""
     level = math.sin(tilt)
     return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))

@@ -1,4 +1,4 @@
-"""The firmware's motion in continuous form: a trapezoidal speed profile for each arm, which may start in motion."""
+"""The firmware's motion in continuous form: a trapezoidal speed profile for each arm, from any velocity to rest."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from beatrix_zenoh.motion.gear import Arms
 
 _REST: Arms = (0.0, 0.0, 0.0)
 _SHORTEST: Final = 1e-9
-"""Sections shorter than this (s) are rounding errors."""
+"""Sections shorter than this (s) are rounding errors and are left out."""
 _SLOWEST_SHARE: Final = 1 / 16
-"""Smallest share of the speed of an arm if the arms move at the start, so that an arm that must reverse can arrive."""
+"""Lowest speed of an arm, as a share of speed[0], in a straight motion that begins while the arms move: an arm with a
+short distance may have to reverse, and needs some speed to arrive."""
 
 
 class Section(NamedTuple):
@@ -74,9 +75,10 @@ def plan(
 
     speed: top speed of each arm (rad/s), > 0. acceleration: rad/s2, > 0. An arm that cannot stop before its target
     stops beyond it and returns; an arm above its new top speed slows down to it.
-    straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
-    rest their accelerations are lower in the same proportion, so that all arms start and arrive together on a straight
-    line. Arms that move at the start cannot stay on a line: each of them brakes and accelerates with `acceleration`.
+    straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion to
+    their distances. From rest their accelerations are lower in the same proportion, so that all arms start and arrive
+    together on a straight line. Arms that move at the start cannot stay on a line: each of them brakes and accelerates
+    with `acceleration`.
     """
     travel = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
     longest = max(map(abs, travel))
@@ -94,10 +96,10 @@ def plan(
 
 
 def _profile(start: float, velocity: float, target: float, speed: float, acceleration: float) -> _Profile:
-    """Time-optimal motion of one arm to rest at its target, with limited speed and acceleration.
+    """Return the time-optimal motion of one arm to rest at its target, with limited speed and acceleration.
 
     The sign of the remaining distance after braking gives the direction; with u the velocity and d the distance in that
-    direction the peak p follows from (p^2 - u^2) / 2a + p^2 / 2a = d, unless the speed limit cuts it off.
+    direction the peak velocity p follows from (p^2 - u^2) / 2a + p^2 / 2a = d, unless the limit `speed` is lower.
     """
     left = target - start - velocity * abs(velocity) / (2 * acceleration)
     sign = math.copysign(1.0, left)

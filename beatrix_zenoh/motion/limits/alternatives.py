@@ -22,7 +22,7 @@ _ROUNDING: Final = 1e-6
 def furthest(
     start: Arms, goal: Arms, accepts: Callable[[Arms], bool], first: float = 1.0, fallback: float = 0.5
 ) -> Arms | None:
-    """Furthest accepted point found on the line from `start` to `goal` (rad), None if there is none.
+    """Return the furthest accepted point found on the line from `start` to `goal` (rad), None if there is none.
 
     accepts: whether a request for this point would be accepted. first: share of the line for the first try.
     fallback: position of the next try between the accepted point (0) and the refused point (1).
@@ -47,7 +47,7 @@ def furthest(
 
 
 def typed(angles: Arms) -> Arms:
-    """Angles (rad) rounded to tenths of a degree, in the precision of messages."""
+    """Round angles (rad) to tenths of a degree and to the precision of messages."""
     x, y, z = (round(math.degrees(angle) / _GRID_DEG) * _GRID_DEG for angle in angles)
     return in_single((math.radians(x), math.radians(y), math.radians(z)))
 
@@ -59,7 +59,7 @@ def in_single(values: Arms) -> Arms:
 
 
 def typed_speed(speed: float, low: float, high: float) -> float:
-    """Return `speed` limited to `low` and `high` (rad/s), and rounded to few digits in degrees per second."""
+    """Return `speed` (rad/s), at least `low` and at most `high`, rounded to few digits in degrees per second."""
     if speed >= high:
         return math.radians(_rounded(math.degrees(high), up=False))
     rate = _rounded(max(math.degrees(speed), 0.0), up=False)
@@ -67,7 +67,7 @@ def typed_speed(speed: float, low: float, high: float) -> float:
 
 
 def nearest_pose(pose: Arms, tilt_max: float, yaw_max: float) -> Arms:
-    """The allowed head orientation (rad) nearest to `pose`: less yaw, and less tilt in the same direction."""
+    """Return the allowed head orientation (rad) nearest to `pose`: less yaw, and less tilt in the same direction."""
     yaw, pitch, roll = pose
     if tilt_of(pitch, roll) > tilt_max:
         direction = math.atan2(math.cos(pitch) * math.sin(roll), math.sin(pitch))

@@ -1,4 +1,4 @@
-"""The limits of one robot: checks poses, speeds and motions against them."""
+"""The limits of one robot, and checks of poses, speeds and motions against them."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Limits:
         raise Refused(Reason.SPEED_LIMIT, detail=detail)
 
     def nearest_speed(self, speed: Sequence[float]) -> Arms:
-        """The allowed speeds nearest to these finite speeds (rad/s)."""
+        """Return the allowed speeds nearest to these finite speeds (rad/s)."""
         x, y, z = (
             value
             if self.speed_min <= value <= self.speed_max
@@ -103,7 +103,7 @@ class Limits:
         return in_single((x, y, z))
 
     def head_at(self, arms: Arms) -> tuple[float, float, float]:
-        """Yaw, pitch and roll (rad) for arm angles (rad).
+        """Return yaw, pitch and roll (rad) for arm angles (rad).
 
         Raises Refused (OUT_OF_REACH) if no orientation is possible.
         """
@@ -125,7 +125,7 @@ class Limits:
             arms = self._neck.inverse(*pose)
             if not self._too_far(arms, start):
                 return arms
-            margin = YAW  # other violations of the yaw limit are found by the check of the path
+            margin = YAW  # `check_motion` finds other violations of the yaw limit
         motion = PlannedMotion(start, velocity, start, speed, straight=True)
         raise self._refusals.of_pose(margin, pose, motion)
 
@@ -134,8 +134,8 @@ class Limits:
     ) -> Trajectory:
         """Return the trajectory of a motion after checking all limits over its whole path.
 
-        start, velocity: present set point (rad) and velocity (rad/s) of the arms. target: rad. speed, straight: as for
-        `trajectory.plan`, rad/s. A motion may start beyond a limit if it leads back.
+        start, velocity: present set point (rad) and velocity (rad/s) of the arms. target: rad. speed (rad/s), straight:
+        as for `trajectory.plan`. A motion may start beyond a limit if it leads back.
         Raises Refused: BAD_VALUE, SPEED_LIMIT, ARM_GAP, YAW_LIMIT, OUT_OF_REACH.
         """
         self.check_speed(speed)
@@ -177,7 +177,7 @@ class Limits:
         return max(map(abs, self._gear.to_steps(arms))) > _FURTHEST_STEPS
 
     def _too_far_refusal(self, motion: PlannedMotion) -> Refused:
-        """Return a refusal with the longest allowed motion towards the goal as the alternative."""
+        """Return a refusal with the longest allowed motion found towards the goal as the alternative."""
         x, y, z = (max(-self._arm_max, min(self._arm_max, angle)) for angle in motion.target)
         refusal = refusals.too_far_for_any_pose(motion.target, self._arm_max)
         return with_alternative(refusal, self._refusals.for_arms((x, y, z), motion))
@@ -201,7 +201,7 @@ def _within(values: Arms, bound: float) -> bool:
 
 
 def with_alternative(refusal: Refused, alternative: Alternative | None) -> Refused:
-    """Return the refusal with this alternative in its detail and sentence."""
+    """Return the refusal with this alternative, if there is one, in its detail and sentence."""
     if refusal.detail is None or alternative is None:
         return refusal
     fields = {name: getattr(refusal.detail, name) for name in refusal.detail.__struct_fields__}

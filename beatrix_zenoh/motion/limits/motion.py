@@ -8,7 +8,7 @@ from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
 
 _LEAST_SHARE = 0.01
-"""Smallest share of the speed, for an arm that hardly moves."""
+"""Lowest speed of an arm that hardly moves, as a share of the speed of the arm with the longest distance."""
 
 
 @dataclass(frozen=True, slots=True)

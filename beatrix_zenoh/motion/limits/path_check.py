@@ -6,9 +6,9 @@ their derivatives by the arms. For a displacement d of the arms Taylor's theorem
     margin(arms + d) >= margin + gradient . d - curvature / 2 * |d'|^2
 
 where d' is d without the common turn of the arms (which changes neither tilt nor gaps, and yaw linearly). The check
-advances as long as the right side stays positive. The bound holds for the whole step, because it can fail only outside
-the limits, and the path there would have to cross it. Steps are long far from limits; along a limit they shrink with
-the square root of the margin.
+advances as long as the right side stays positive. The inequality is true for the whole step: it can fail only outside
+the limits, where `curvature` is not known, and the path cannot get there while the right side is positive. Steps are
+long far from limits; along a limit they shrink with the square root of the margin.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Arms stop on whole microsteps, so a goal at a limit is up to half a step (0.045 
 """
 _ROUNDING: Final = 1e-9
 _STEP_OUTSIDE: Final = 0.02
-"""Longest step (rad of |d'|) where the curvature is not known, because a limit is already exceeded."""
+"""Longest step (rad of |d'|) where the curvature is not known: well beyond the tilt limit."""
 _SHORTEST: Final = 1e-6
 """Shortest step (s), so that every check ends. The tolerance is so wide that the check needs no shorter step."""
 TILT_KNOWN_BEYOND: Final = math.radians(2.0)
@@ -146,7 +146,7 @@ class PathChecker:
     def _is_short(self, floors: _Floors, start: Clearance, trajectory: Trajectory) -> bool:
         """Return whether the path is too short to use up any margin.
 
-        Streams of targets then need only one evaluation.
+        In a stream of targets each motion then needs only one evaluation.
         """
         x, y, z = _lengths(trajectory)
         square = x * x + y * y + z * z
@@ -207,7 +207,7 @@ class _Floors:
 
 
 def _lengths(trajectory: Trajectory) -> Arms:
-    """Upper bounds of the paths of the arms (rad)."""
+    """Return upper bounds of the lengths of the paths of the arms (rad)."""
     x = y = z = 0.0
     for section in trajectory.sections:
         t, (u, v, w), (a, b, c) = section.duration, section.velocity, section.acceleration
@@ -249,7 +249,7 @@ def known_tilt(neck: Neck, tilt_max: float) -> float:
 
 
 def _curvature(neck: Neck, tilt_max: float) -> tuple[float, float]:
-    """Bounds of the second derivatives of cos(tilt) and yaw by |d'|, for tilts up to tilt_max (rad)."""
+    """Return bounds of the second derivatives of cos(tilt) and yaw by |d'|, for tilts up to tilt_max (rad)."""
     up = yaw = 0.0
     for level in range(_LEVELS + 1):
         tilt = tilt_max * level / _LEVELS
@@ -261,7 +261,7 @@ def _curvature(neck: Neck, tilt_max: float) -> tuple[float, float]:
 
 
 def _bend(neck: Neck, arms: Arms) -> tuple[float, float]:
-    """Norms of the second derivatives of cos(tilt) and yaw at one pose, by central differences."""
+    """Return the norms of the second derivatives of cos(tilt) and yaw at one pose, by central differences."""
     up = yaw = 0.0
     for x, y, z in _PLANE:
         ahead = neck.head((arms[0] + _PROBE * x, arms[1] + _PROBE * y, arms[2] + _PROBE * z))

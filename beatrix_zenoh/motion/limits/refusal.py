@@ -86,7 +86,7 @@ class RefusalBuilder:
         return Refused(Reason.OUT_OF_REACH, detail=detail)
 
     def for_pose(self, pose: Arms, motion: PlannedMotion) -> Alternative | None:
-        """The accepted head orientation found nearest to `pose` (rad), None if there is none."""
+        """Return the accepted head orientation found nearest to `pose` (rad), None if there is none."""
         try:
             start = self._neck.forward(motion.start)
         except BeatrixError:
@@ -104,7 +104,7 @@ class RefusalBuilder:
         return Alternative(head=Head(*head), arms=Vector3(*arms) if self._accepts(alone) else None)
 
     def for_arms(self, goal: Arms, motion: PlannedMotion, first: float = 1.0) -> Alternative | None:
-        """The accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
+        """Return the accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
         arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)), first)
         return None if arms is None else Alternative(arms=Vector3(*arms))
 
@@ -183,7 +183,7 @@ class RefusalBuilder:
         return tilt_of(pitch, roll) if index == TILT else yaw
 
     def _excess(self, index: int, arms: Arms) -> float:
-        """A number that grows with the violation of the limit of this index."""
+        """Return a number that grows with the violation of the limit of this index."""
         value = self._value(index, arms)
         if value is None:
             return math.inf
