@@ -1,4 +1,4 @@
-"""`python -m beatrix_zenoh.cli` is `beatrix`."""
+"""Run the command line: `python -m beatrix_zenoh.cli` is the same as `beatrix`."""
 
 from __future__ import annotations
 

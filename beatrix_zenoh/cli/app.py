@@ -12,7 +12,7 @@ def main() -> None:
 
 
 def process(work: Callable[[], int]) -> None:
-    """Run `work`, the whole task of this process, and raise SystemExit with the exit code that it returns."""
+    """Run `work`, the whole task of this process; raise SystemExit with its exit code, or with 130 after Ctrl-C."""
     try:
         code = work()
         from beatrix_zenoh.shutdown import ignore_signals

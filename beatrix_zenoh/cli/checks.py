@@ -61,7 +61,7 @@ def this_computer() -> Iterator[Finding]:
 
 
 def packages() -> Iterator[Finding]:
-    """Findings about this package and the packages that each extra needs."""
+    """Yield findings about this package and the packages that each extra needs."""
     try:
         requirements = metadata.requires(DISTRIBUTION) or []
         yield Finding(DISTRIBUTION, metadata.version(DISTRIBUTION))
@@ -106,7 +106,7 @@ def version(name: str) -> str | None:
 
 
 def hidden_packages() -> Iterator[Finding]:
-    """Findings about our packages that another package of the same name hides."""
+    """Yield findings about our packages that another package of the same name hides."""
     home = Path(beatrix_zenoh.__file__).resolve().parents[1]
     for name in OUR_PACKAGES:
         spec = importlib.util.find_spec(name)
@@ -123,10 +123,10 @@ def hidden_packages() -> Iterator[Finding]:
 
 @contextlib.contextmanager
 def graphics_probe() -> Iterator[Callable[[], Finding]]:
-    """Start a subprocess that draws with OpenGL; yield a function that waits for its result.
+    """Start a subprocess that draws with OpenGL, if MuJoCo is installed; yield a function that returns the finding.
 
-    A broken driver would hang or crash this process. Other checks run during the half second that MuJoCo takes to
-    import.
+    A broken driver would hang or crash this process, hence a subprocess. The other checks run during the half second
+    that the import of MuJoCo takes.
     """
     if importlib.util.find_spec("mujoco") is None:
         yield lambda: Finding(
@@ -166,7 +166,7 @@ def graphics(child: subprocess.Popen[str]) -> Finding:
 
 
 def serial_ports() -> Iterator[Finding]:
-    """Findings about serial devices, and whether this user may open them."""
+    """Yield findings about serial devices, and whether this user may open them."""
     if os.name == "nt":
         return  # on Windows every user may open ports, and their names do not show which one is a board
     devices = sorted(device for pattern in SERIAL_DEVICES for device in Path("/dev").glob(pattern))
@@ -184,7 +184,7 @@ def serial_ports() -> Iterator[Finding]:
 
 
 def cameras() -> Iterator[Finding]:
-    """Findings about USB cameras by their permanent paths, and whether this user may open them."""
+    """Yield findings about USB cameras by their permanent paths, and whether this user may open them."""
     for device in sorted(VIDEO_DEVICES.glob("*-video-index0")):
         if os.access(device, os.R_OK | os.W_OK):
             yield Finding("camera", f"{device}: this user may open it")

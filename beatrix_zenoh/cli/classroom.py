@@ -1,4 +1,4 @@
-"""`beatrix classroom` for the teacher, `beatrix join` for every other computer."""
+"""`beatrix classroom`, which makes the accounts of a class, and `beatrix join`, which stores one on a computer."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def classroom(
         )
     for path in made.left:
         note(
-            f"{path}: the class has no seat or robot of this name, so the router refuses it. You can delete the file."
+            f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."
         )
 
 
@@ -105,7 +105,7 @@ def join(
 
 
 def _check(account: Account) -> None:
-    """Print whether the router accepts the account now; before a lesson it may not be running yet."""
+    """Print whether the router accepts the account now; if not, this is no error, because it may not be running yet."""
     try:
         zbus.connect(account.connect, account=account).close()
     except BeatrixError as error:

@@ -70,7 +70,7 @@ def compare(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Compare simulation and hardware. Prints lag and differences, from a recording or live; live also missed steps.
+    """Compare simulation and hardware, live or from a recording. Prints lag, differences and, if live, missed steps.
 
     Live: start the command, then move both robots. The exit code is 1 if a threshold (--max-...) is exceeded; the
     output names each exceeded threshold.
@@ -94,7 +94,7 @@ def compare(
 
 
 def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
-    """Compare both robots; raises Refused if they have too little time in common."""
+    """Compare both robots; raises Refused if their recordings have too little time in common."""
     from beatrix_zenoh.recording.compare import compare
 
     try:
@@ -135,7 +135,7 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
 
 
 def only_robot(path: Path, names: list[str], found: Recorded) -> str:
-    """Return the only name; raises Refused with the robots of the recording if there is not exactly one."""
+    """Return the only name; if there is not exactly one, raise Refused with the robots of the recording."""
     if len(names) == 1:
         return names[0]
     held = ", ".join(f"{robot} ({twin})" for robot, twin in found.robots)

@@ -36,7 +36,7 @@ SAMPLE_HEADS = (
 )
 AFTER = '"after": each motion of the hardware is shifted by its own lag; head: the angle between both heads.'
 UNCERTAIN_S = 0.001
-"""Uncertainty of the clock offset (s) from which the text states it."""
+"""Smallest uncertainty of the clock offset (s) that the text states."""
 
 
 def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]) -> str:
@@ -55,7 +55,7 @@ def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Seq
 
 
 def axes_table(axes: Sequence[AxisDifference]) -> str:
-    """A table with a row for each axis, ms and deg."""
+    """Return a table with a row for each axis: the lag in ms, the differences in deg."""
     rows = [
         (
             axis.axis,
@@ -90,7 +90,7 @@ def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str,
 
 
 def lag_sentence(found: Comparison) -> str:
-    """Return a sentence with the lag between the robots (ms): over the whole recording and over single motions."""
+    """Return a sentence with the lag of the hardware (ms) in the recording and in its motions, or why there is none."""
     if math.isnan(found.lag_s):
         return f"No lag can be measured: {why_no_lag(found)}"
     behind = "behind" if found.lag_s >= 0 else "ahead of"
@@ -98,12 +98,12 @@ def lag_sentence(found: Comparison) -> str:
     if found.moved:
         lags_ms = sorted(part.lag_s * 1e3 for part in found.moved)
         count = "1 motion" if len(lags_ms) == 1 else f"{len(lags_ms)} motions"
-        sentence += f" {count}: their positions lag by {lags_ms[0]:.1f} to {lags_ms[-1]:.1f} ms."
+        sentence += f" In {count} the positions lag by {lags_ms[0]:.1f} to {lags_ms[-1]:.1f} ms."
     return sentence
 
 
 def gap_sentences(found: Comparison, sim: LiveRecording, hw: LiveRecording) -> list[str]:
-    """Return a sentence with the compared part of the shared time, or nothing if all of it was compared."""
+    """Return a sentence with the compared part of the shared time; no sentence if all of it was compared."""
     times = sim.recording.t, hw.recording.t
     shared_s = min(t[-1] for t in times) - max(t[0] for t in times)
     if shared_s - found.seconds < HOLE_S:
@@ -117,7 +117,7 @@ def gap_sentences(found: Comparison, sim: LiveRecording, hw: LiveRecording) -> l
 
 
 def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
-    """Return a sentence with the uncertainty of the clock offset, or nothing if it is below UNCERTAIN_S."""
+    """Return a sentence with the uncertainty of the clock offset; no sentence if it is below UNCERTAIN_S."""
     bound_s = sim.clock_s + hw.clock_s
     if bound_s < UNCERTAIN_S:
         return []
@@ -129,9 +129,9 @@ def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
 def as_document(
     found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]
 ) -> Mapping[str, object]:
-    """Return a comparison for JSON, in the units at the ends of the names.
+    """Return a comparison for JSON output; keys of quantities end with the unit.
 
-    Axes are in deg, but their lags in s. NaN, null in JSON, means not measured.
+    Axes are in deg, but their lags in s. NaN, which is null in JSON, means not measured.
     """
     return {
         "result": not exceeded,

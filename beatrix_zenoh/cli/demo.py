@@ -78,7 +78,7 @@ def make_folder(out: Path) -> None:
 
 
 def start(supervisor: Supervisor) -> Settings:
-    """Start router, simulation and virtual robot on a free port, and wait for the router only."""
+    """Start router, simulation and virtual robot on a free port, wait for the router only, and return the settings."""
     from beatrix_zenoh.recording.viewer import HOST, free_port
 
     settings = Settings(ROBOT, f"tcp/{HOST}:{free_port()}", "visitor")
@@ -106,11 +106,11 @@ def present(twin: Twin, out: Path, recording: DemoRecording | None, *, as_json: 
 def conclude(
     done: Measurement, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool = True
 ) -> bool:
-    """Write the files and print the report, even if a file could not be written; returns the result of `present`."""
+    """Write the files and print the report, even if a file could not be written; return the result of `present`."""
     from beatrix_zenoh.cli.demo_files import RECORDING, show_recording, write_files
     from beatrix_zenoh.cli.demo_report import as_text, compare_twins, make_report
 
-    note("Drawing the files.")
+    note("Writing the files.")
     comparison = compare_twins(done)
     more = {} if recording is None else recording.writers(done.hw.positions)
     files = write_files(out, comparison, more)
@@ -126,7 +126,7 @@ def conclude(
 
 @contextmanager
 def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]]:
-    """Yield a function that shows a step: in a bar or, if stderr is not a terminal, as a line for each figure."""
+    """Yield a function that shows a step: in a bar or, if stderr is not a terminal, as a note for each new title."""
     with progress_bar("Calibrating", len(choreography.steps)) as bar:
         titles: list[str] = []
 

@@ -43,14 +43,14 @@ class Unavailable(Exception):
 
 
 class Files(NamedTuple):
-    """Paths of the files that were written, and a sentence for each that failed."""
+    """Paths of the files that were written, and a sentence for each file that could not be written."""
 
     written: list[str]
     failures: list[str]
 
 
 def write_files(out: Path, found: Comparison, more: Mapping[str, Write]) -> Files:
-    """Write all files, and `more` by name; prints a note for a file that cannot be drawn on this computer."""
+    """Write the files, and those of `more` by name; print a note for each that this computer cannot draw."""
     writers: dict[str, Write] = {
         "demo.csv": lambda path: write_csv(path, found),
         "demo.png": lambda path: write_plot(path, found),
@@ -119,7 +119,7 @@ def write_picture(path: Path) -> None:
 class DemoRecording:
     """A recorder that runs until `finish`.
 
-    Its file is in the supervisor's folder, which is deleted with the supervisor.
+    Its file is in the supervisor's folder, which is deleted when the supervisor ends.
     """
 
     def __init__(self, supervisor: Supervisor, settings: Settings) -> None:
@@ -157,7 +157,7 @@ class DemoRecording:
 
 
 def begin_recording(supervisor: Supervisor, settings: Settings) -> DemoRecording | None:
-    """Start recording; prints a note and returns None if Rerun is not installed."""
+    """Start recording; if Rerun is not installed, print a note and return None."""
     try:
         return DemoRecording(supervisor, settings)
     except Refused as error:

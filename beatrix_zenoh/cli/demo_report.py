@@ -31,7 +31,7 @@ SETTLE_S = 0.5
 BUSY_FACTOR = 0.98
 """Simulated seconds per second; below this the computer was too busy for the simulation."""
 REST_DEG = 0.5
-"""Largest difference of the arms at rest for the same movement; a full motor step is 0.7 deg of an arm."""
+"""Largest difference at rest (deg) that counts as the same movement; a full motor step is 0.7 deg of an arm."""
 ROBOT_HEADS = ("robot", "accepted after ms", "longest ms", "positions/s", "sd of period ms")
 
 
@@ -42,7 +42,7 @@ class TimedRobot(Robot):
 
     @classmethod
     def of(cls, robot: Robot) -> TimedRobot:
-        """Make a timed robot of the same name, twin and session."""
+        """Return a timed robot with the name, twin and session of `robot`."""
         timed = cls(robot.name, robot.twin, client=robot.client)
         timed.accepted_s = []
         return timed
@@ -65,7 +65,7 @@ class Measured:
 
 @dataclass
 class Measurement:
-    """Measured data of both robots, and the status of the physics."""
+    """Measured data of both robots, and the status of the plant."""
 
     sim: Measured
     hw: Measured
@@ -73,7 +73,7 @@ class Measurement:
 
 
 def measure(twin: Twin, choreography: Choreography, show_step: Callable[[str, Step], None]) -> Measurement:
-    """Enable and calibrate both robots, play the choreography and measure; stops both if anything fails.
+    """Enable and calibrate both robots, play the choreography and measure; stop both if anything fails.
 
     Raises:
         Refused, Interrupted, NoAnswer: from the first step that failed.
@@ -138,7 +138,7 @@ class Report(msgspec.Struct, frozen=True):
 
 
 def make_report(done: Measurement, comparison: Comparison, files: Files) -> Report:
-    """Compute the figures and the verdict."""
+    """Return the figures and the verdict."""
     apart = comparison.arms_at_rest
     same = apart <= REST_DEG
     verdict = "Both made the same movement" if same else "They did NOT make the same movement"
@@ -178,7 +178,7 @@ def figures(measured: Measured) -> RobotFigures:
 
 
 def as_text(report: Report) -> str:
-    """The report as text."""
+    """Return the report as text."""
     busy = ": this computer was busy" if report.late_steps else ""
     return "\n".join([
         axes_table(report.axes),

@@ -20,7 +20,7 @@ MARKS = {"ok": "ok", "advice": "-", "todo": "!"}
 def doctor(
     by_jog: Annotated[
         bool,
-        typer.Option("--jog", help="Turn the arms of the real robot one by one and ask you what you see."),
+        typer.Option("--jog", help="Turn the arms of the real robot one by one and ask what you see."),
     ] = False,
     name: Name = None,
     connect: Connect = None,
@@ -47,7 +47,7 @@ def doctor(
 
 
 def show(sections: list[tuple[str, list[Finding]]]) -> None:
-    """Print a line for each finding, and below it what to do."""
+    """Print the title of each section, a line for each of its findings, and below that line what to do."""
     width = max(len(finding.what) for _, section in sections for finding in section)
     for title, section in sections:
         say(f"{title}:")

@@ -80,7 +80,7 @@ def echo(
 
 
 def twin_key(targets: Targets) -> str:
-    """The twin to subscribe to: the one selected, or `*` for both."""
+    """Return the twin to subscribe to: the one selected, or `*` for both."""
     return targets.twins[0] if len(targets.twins) == 1 else "*"
 
 
@@ -129,7 +129,7 @@ def event_line(place: Place, event: Event) -> str:
     """Return an event as a line: time by the robot's clock, robot, seat, subject, outcome and message."""
     clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
     milliseconds = event.t_wall_ns // 1_000_000 % 1000
-    subjects = dict.fromkeys((str(event.kind), event.action))  # the action of a motion query repeats the kind
+    subjects = dict.fromkeys((str(event.kind), event.action))  # once if they are equal, as for a motion
     words = (*subjects, outcome(event), "" if event.reason is Reason.OK else event.reason)
     subject = " ".join(str(word) for word in words if word)
     times = f" ({event.count} times)" if event.count > 1 else ""
@@ -137,7 +137,7 @@ def event_line(place: Place, event: Event) -> str:
 
 
 def outcome(event: Event) -> str:
-    """Return the outcome of a request as a word; empty if the event is no request, or its message gives the outcome."""
+    """Return the outcome of a request as a word; empty if it is not a request, or its message gives the outcome."""
     good = event.reason is Reason.OK
     if event.phase is Phase.DONE:
         return "done" if good else "ended"

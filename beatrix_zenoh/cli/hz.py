@@ -38,7 +38,7 @@ class PeriodicStream(StrEnum):
 
 
 class Numbered(Protocol):
-    """A publication with a sequence number and the time of its source."""
+    """A publication with a sequence number and a time stamp by the clock of its source."""
 
     @property
     def seq(self) -> int: ...
@@ -47,7 +47,7 @@ class Numbered(Protocol):
 
 
 class Rate(NamedTuple):
-    """Rate and jitter of publications: periods between arrivals, ages from the robot's time stamp to the arrival."""
+    """Figures of a stream: periods are between arrivals, ages from the robot's time stamp to the arrival."""
 
     messages: int
     hz: float

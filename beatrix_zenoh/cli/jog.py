@@ -35,7 +35,7 @@ DIRECTION_ANSWERS = {
 PREPARE = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
 AGAIN = f"Then type {PREPARE}, and repeat `beatrix doctor --jog`."
 NO_ARM = (
-    "No arm turned. Is the motor power on? USB powers only the firmware, not the motors. If it is on, switch it off "
+    "No arm turned. Is the motor power on? USB powers only the board, not the motors. If it is on, switch it off "
     "and check that drivers and motors are plugged in as docs/how-to/board.md shows."
 )
 
@@ -56,7 +56,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
     The exit code is 1 if there is something to do.
 
     Raises:
-        Refused: the robot cannot move yet, with the reason, or the user named an arm twice.
+        Refused: the robot cannot move, with its reason, or the user named an arm twice.
         WrongUsage: standard input has ended.
     """
     with open_targets(selection, Which.HW) as targets:
@@ -89,7 +89,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
 
 
 def observe(robot: Robot, index: int) -> Observation:
-    """Turn one arm and turn it back, then ask the user about it."""
+    """Turn one arm and turn it back, then ask the user about it and return the answers."""
     angles = [JOG_DEG if arm == index else 0.0 for arm in range(len(ARMS))]
     robot.move(*angles, relative=True, speed=SPEED_DEG_S)
     robot.move(*(-angle for angle in angles), relative=True, speed=SPEED_DEG_S)
@@ -112,7 +112,7 @@ def ask(question: str, answers: Mapping[str, T]) -> T:
 
 
 def ask_azimuth(known_deg: float) -> float:
-    """Ask where the short arm points at home (deg); raises the errors of `read_answer`."""
+    """Ask where the short arm points at home and return the answer (deg); raises the errors of `read_answer`."""
     low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
     while True:
         words = read_answer(
@@ -182,7 +182,7 @@ def missing(plug: str, arm: str) -> str:
 
 
 def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[str]:
-    """Return the lines for a robot file if the azimuth of the short arm differs from the robot's value."""
+    """Return advice with the lines of a robot file; empty if the azimuths differ by less than JOG_DEG."""
     if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
         return []
     line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"

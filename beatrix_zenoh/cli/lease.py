@@ -134,7 +134,7 @@ def _govern(
     *,
     as_json: bool,
 ) -> None:
-    """Send a query (`speed` in rad/s) to the robots `wanted`, or to all on line; exit with the first failure's code."""
+    """Send a lease query (`speed`: rad/s) to the robots `wanted`, or to all; exit with the first failure's code."""
     with Client(resolve(None, connect, who)) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
@@ -160,7 +160,7 @@ def _govern(
     elif failed and len(failed) < len(rows):
         note(
             f"Done for {len(rows) - len(failed)} of {len(rows)} robots, not for {', '.join(failed)}. "
-            "`beatrix top` shows which robots are frozen. Type the command again for the others."
+            "`beatrix top` shows which robots are frozen. Type the command again when all robots answer."
         )
     if code:
         raise typer.Exit(code)

@@ -95,7 +95,7 @@ def show(found: list[ListedRobot]) -> None:
 
 
 def state(status: Status) -> str:
-    """The state of a robot in one or two words."""
+    """Return the state of a robot in one or two words."""
     if status.fault is not Fault.NONE:
         return f"fault {status.fault}"
     if not status.enabled:
@@ -108,9 +108,9 @@ def state(status: Status) -> str:
 
 
 def problems(status: Status | None) -> list[str]:
-    """The fault and the warnings of a robot, in sentences."""
+    """Return sentences about fault, warnings and lease of a robot; `status` is None if it did not answer."""
     if status is None:
-        return ["is on line but does not answer: its node or its connection is frozen."]
+        return ["is on line but does not answer: its node hangs, or its connection is interrupted."]
     if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
         return [*status.warnings, *lease_notes(status)]
     fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which is unknown in this version.")
@@ -143,7 +143,7 @@ def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
 
 
 def as_row(robot: ListedRobot) -> dict[str, object]:
-    """A robot as JSON."""
+    """Return a robot for JSON output."""
     name, twin = robot.place
     row: dict[str, object] = {"robot": name, "on": twin, "answers": robot.status is not None}
     if robot.status is not None:
@@ -158,7 +158,7 @@ def as_row(robot: ListedRobot) -> dict[str, object]:
 
 
 def state_row(status: Status) -> dict[str, object]:
-    """A status as JSON."""
+    """Return the state of a robot for JSON output."""
     return {
         "state": state(status),
         "enabled": status.enabled,
@@ -171,7 +171,7 @@ def state_row(status: Status) -> dict[str, object]:
 
 
 def lease_row(status: Status) -> dict[str, object]:
-    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, as JSON."""
+    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, for JSON output."""
     return {
         "driver": status.holder,
         "lease": status.lease,
@@ -195,12 +195,12 @@ def info(
 
 
 def limits_deg(info: Info) -> dict[str, float]:
-    """Limits in degrees, degrees/s and degrees/s2."""
+    """Return the limits in degrees, degrees/s and degrees/s2."""
     return in_degrees(info.limits, info.limits.__struct_fields__)
 
 
 def geometry_deg(info: Info) -> dict[str, float]:
-    """The neck's geometry in degrees; empty if the node is an older version that does not send it."""
+    """Return the neck's geometry in degrees; empty if the node has an older version, which does not send it."""
     shape = info.geometry
     if shape is None:
         return {}
@@ -214,7 +214,7 @@ def in_degrees(values: msgspec.Struct, names: Iterable[str]) -> dict[str, float]
 
 
 def info_row(info: Info) -> dict[str, object]:
-    """An Info as JSON, angles in degrees."""
+    """Return an Info for JSON output, with angles in degrees."""
     return {
         "robot": info.robot,
         "on": info.twin,

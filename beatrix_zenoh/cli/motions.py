@@ -42,8 +42,8 @@ Lead = Annotated[
     float,
     typer.Option(
         metavar="S",
-        help="With --on both: the hardware starts this many seconds after the simulation. Ctrl-C before then "
-        "prevents that.",
+        help="With --on both: the hardware starts this many seconds after the simulation. Until then, Ctrl-C "
+        "prevents its start.",
     ),
 ]
 COUNT_S = 1.0
@@ -183,7 +183,7 @@ def count_down(plan: Plan, lead_s: float) -> None:
         while not (motion.hardware_sent or motion.done()):
             left_s = motion.countdown_s
             if left_s > 0:
-                note(f"The hardware moves in {left_s:.1f} s; press Ctrl-C before then to prevent that.")
+                note(f"The hardware moves in {left_s:.1f} s, unless you press Ctrl-C before then.")
             next_s = left_s - COUNT_S * (math.ceil(left_s / COUNT_S) - 1)
             with contextlib.suppress(TimeoutError):
                 motion.exception(max(0.05, next_s))
@@ -211,7 +211,7 @@ def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as interrupt:
-        # A text means that the waiting function has stopped the robots; it contains their positions.
+        # If the interrupt has a text, the function that raised it has stopped the robots and states their positions.
         rests = str(interrupt) or "\n".join(
             f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(robots))
         )
@@ -233,7 +233,7 @@ def show_positions(robots: list[Robot], *, as_json: bool) -> None:
 
 
 def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
-    """A robot and its angles in degrees, for JSON."""
+    """Return a robot and its angles in degrees, for JSON output."""
     return {
         "robot": robot.name,
         "on": robot.twin,

@@ -96,7 +96,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON document inst
 Cameras = Annotated[
     float,
     typer.Option(
-        min=0.0, max=60.0, metavar="HZ", callback=finite, help="Pictures of each eye a second; 0: none."
+        min=0.0, max=60.0, metavar="HZ", callback=finite, help="Pictures per second of each eye; 0: none."
     ),
 ]
 ViewerPort = Annotated[

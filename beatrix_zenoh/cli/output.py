@@ -37,12 +37,12 @@ def say(text: str) -> None:
 
 
 def note(text: str) -> None:
-    """Print a line that is not part of the result: on stderr."""
+    """Print to stderr a line that is not part of the result."""
     print(printable(text), file=sys.stderr, flush=True)
 
 
 def printable(text: str) -> str:
-    """Replace control characters, which names in foreign keys and messages may contain, by question marks."""
+    """Replace control characters by question marks, except newline and tab: foreign keys may contain any."""
     return "".join(letter if letter.isprintable() or letter in "\n\t" else "?" for letter in text)
 
 

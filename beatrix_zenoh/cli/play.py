@@ -72,7 +72,7 @@ def play(
 
 
 def check(found: Choreography, robots: list[Robot]) -> None:
-    """Check all poses for each robot; raises Refused with line and time of the first that exceeds a limit."""
+    """Check all poses for each robot; raises Refused with line and time of the first pose that exceeds a limit."""
     from beatrix_zenoh.recording.choreography_check import check_choreography
     from beatrix_zenoh.recording.follow import robots_of
 
@@ -90,7 +90,7 @@ def play_both(targets: Targets, found: Choreography, lead: float, *, lockstep: b
 
 
 def progress(found: Choreography) -> Callable[[str, Step], None]:
-    """Return a function that prints each pose as it begins."""
+    """Return a function that prints number, title and angles of a pose, to be called when the pose begins."""
     number, last = itertools.count(1), len(found.steps)
 
     def show(title: str, pose: Step) -> None:

@@ -60,11 +60,11 @@ class Child:
         return self._process.poll()
 
     def lines(self) -> list[str]:
-        """The lines of the process's output; empty if the log file has been deleted."""
+        """Return the lines of the process's output; empty if the log file has been deleted."""
         return self._written().decode("utf-8", "replace").splitlines()
 
     def new_lines(self) -> list[str]:
-        """The complete lines that the process has written since the last call."""
+        """Return the complete lines that the process has written since the last call."""
         written = self._written(self._reported)
         complete = written[: written.rfind(b"\n") + 1]
         self._reported += len(complete)
@@ -132,7 +132,7 @@ class Supervisor:
         child.end()
 
     def check(self) -> None:
-        """Raise Refused if a child has ended that must run."""
+        """Raise Refused if a child that must run has ended."""
         for child in self.children:
             if child.code is not None and not (child.may_end and child.ready):
                 raise Refused(
@@ -148,11 +148,11 @@ class Supervisor:
         return ended
 
     def new_lines(self) -> list[str]:
-        """The lines that the children have written since the last call, each with the title of its child."""
+        """Return the lines that the children have written since the last call, each with the title of its child."""
         return [f"{child.title}: {line}" for child in self.children for line in child.new_lines()]
 
     def output_of(self, child: Child) -> str:
-        """The last lines of the output of a child, and the path of its log if there are more."""
+        """Return the last lines of the output of a child, and the path of its log if there are more."""
         lines = child.lines()
         shown = "\n".join(f"  {line}" for line in lines[-LAST_LINES:])
         if len(lines) <= LAST_LINES:
@@ -192,7 +192,7 @@ def signals_interrupt() -> Iterator[None]:
 
 @contextmanager
 def signals_ignored() -> Iterator[None]:
-    """Ignore these signals in this block, so that all children are ended; this takes a bounded time."""
+    """Ignore shutdown signals in this block, in which all children are ended within a bounded time."""
     with _handled(signal.SIG_IGN):
         yield
 

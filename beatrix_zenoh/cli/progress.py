@@ -15,7 +15,7 @@ class ProgressBar(Protocol):
 
 @contextmanager
 def progress_bar(title: str, total: float) -> Iterator[ProgressBar | None]:
-    """Show a bar while the block runs; yields None if stderr is not a terminal."""
+    """Show a bar while the block runs; yield a function that updates it, or None if stderr is not a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 

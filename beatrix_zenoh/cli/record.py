@@ -82,7 +82,7 @@ class RecordingOptions:
     rotate_s: float
     """length of each file (s); 0: one file"""
     cameras_hz: float
-    """pictures of each eye a second; 0: none"""
+    """pictures per second of each eye; 0: none"""
     viewer_port: int | None
     """None: no viewer"""
 
@@ -126,7 +126,7 @@ def record(
 
 
 def write_recording(settings: Settings, options: RecordingOptions, *, as_json: bool) -> None:
-    """Record, print a summary, and end with an exit code.
+    """Record, print a summary, and end the verb with its exit code.
 
     Raises:
         Refused: BAD_VALUE, the file exists already or cannot be written, or Rerun is not installed.

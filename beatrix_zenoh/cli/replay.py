@@ -29,7 +29,7 @@ RECORDING = ".rrd"
 PROGRESS_S = 5.0
 """Period of the progress notes if stderr is not a terminal."""
 LONG_S = 60.0
-"""Length of a path (s), above which a note is printed before the check, which then takes seconds."""
+"""Length of a path (s) above which a note is printed before the check, which then takes seconds."""
 
 
 def replay(
@@ -94,7 +94,7 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
 
 
 def recorded_path(file: Path, name: str) -> ArmPath:
-    """Return the path of the robot of this name in a recording, or of the only robot; of the simulation if recorded.
+    """Return the recorded path of the robot of this name, or of the only robot; that of the simulation if there is one.
 
     Raises:
         Refused: the recording contains several robots, and none of this name.

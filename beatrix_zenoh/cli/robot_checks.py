@@ -31,7 +31,7 @@ SLOW = 0.9
 def network(settings: Settings, name: str | None = None) -> Iterator[Finding]:
     """Yield findings about router, account and robots; stop after the first step that fails.
 
-    With `name`, a robot of this name must be on line.
+    If no robot of the name `name` is on line, one of the findings says so.
     """
     try:
         client = Client(settings)
@@ -66,7 +66,7 @@ def accepted(client: Client) -> Finding:
 
 
 def robots(client: Client, name: str | None) -> Iterator[Finding]:
-    """Findings about every robot on line, and about `name` if it is not."""
+    """Yield findings about every robot on line, and about the robot `name` if it is not on line."""
     with Monitor(client) as monitor:
         began_s = time.monotonic()
         found = listed(client, monitor)
@@ -83,13 +83,13 @@ def robots(client: Client, name: str | None) -> Iterator[Finding]:
 
 
 def missing(name: str, others: list[str]) -> Finding:
-    """The finding about a named robot that is not on line."""
+    """Return the finding about a robot that is not on line; `others` are on line."""
     found = f"not on line; on line: {', '.join(others) or 'no robot'}"
     return Finding(name, found, "look at the output of its node, or start it: beatrix sim or beatrix hw")
 
 
 def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) -> Iterator[Finding]:
-    """Findings about a robot: answer, state, rate of positions (Hz), clock, contract, board, cameras."""
+    """Yield findings about a robot; `hz` is its rate of positions, `nodes` the number of nodes that serve it."""
     name, robot = str(listed_robot), Robot(*listed_robot.place, client=client)
     try:
         status = robot.status()
@@ -120,7 +120,7 @@ def rate(name: str, hz: float) -> Finding:
 
 
 def contract(title: str, info: Info) -> Finding:
-    """A finding about whether the robot has the same messages and keys as this computer."""
+    """Return a finding about whether the robot has the same messages and keys as this computer."""
     if info.contract == CONTRACT:
         return Finding(
             title, f"version {info.version}, same messages ({CONTRACT}), firmware {info.firmware or 'none'}"
@@ -133,7 +133,7 @@ def contract(title: str, info: Info) -> Finding:
 
 
 def devices(name: str, status: Status) -> Iterator[Finding]:
-    """Findings about cameras and a connected board; the finding about the state explains why no board is connected."""
+    """Yield findings about a connected board and the cameras; `one_robot` reports why no board is connected."""
     board = status.board
     if board.connected:
         yield Finding(name, f"board {board.name or 'without a name'} at {board.port}")
@@ -146,7 +146,7 @@ def devices(name: str, status: Status) -> Iterator[Finding]:
 
 
 def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
-    """Findings about simulations whose robot values differ from those of the hardware of the same name."""
+    """Yield findings about simulations whose robot values differ from those of the hardware of the same name."""
     for (name, twin), info in infos.items():
         hardware = infos.get((name, "hw"))
         if twin == "sim" and hardware is not None and unlike(info, hardware):
@@ -158,7 +158,7 @@ def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
 
 
 def clock(robot: Robot) -> Finding:
-    """A finding about the offset of the robot's wall clock from that of this computer."""
+    """Return a finding about the offset of the robot's wall clock from that of this computer."""
     try:
         offset, bound = clock_offset(robot.client, robot.name, robot.twin)
     except BeatrixError as error:

@@ -53,7 +53,7 @@ def run_command(command: Callable[..., None], program: str, words: Sequence[str]
 
 
 def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
-    as_json = "--json" in words  # typer may fail before it reads the option
+    as_json = "--json" in words  # read here, because typer may fail before it reads the option
     command = typer.main.get_command(app)
     try:
         _check_repeated_options(command, words)
@@ -80,7 +80,7 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
 
 
 def _check_repeated_options(command: object, words: Sequence[str]) -> None:
-    """Raise BadParameter for an option with a value that is given twice: typer would silently use the last."""
+    """Raise BadParameter for an option with a value that is given twice: typer would silently use the last value."""
     verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
     for option in getattr(verb, "params", ()):
         if option.param_type_name != "option" or option.multiple or option.is_flag:
@@ -91,7 +91,7 @@ def _check_repeated_options(command: object, words: Sequence[str]) -> None:
 
 
 def _with_options(error: typer.BadParameter) -> str:
-    """Return the message; after a value without its option (`beatrix hw /dev/ttyACM0`) add the options with values."""
+    """Return the message; add the options that take values if the option of a value is missing (`hw /dev/ttyACM0`)."""
     if error.ctx is None or not error.message.startswith(EXTRA_ARGUMENT):
         return error.message
     named = [
@@ -106,7 +106,7 @@ def _with_options(error: typer.BadParameter) -> str:
 
 def unwritten(error: OSError) -> int:
     """Handle an error of writing to stdout and return the exit code; print nothing if the reader closed the pipe."""
-    # Python would try to write the rest of the buffer again when it exits, and print another error.
+    # At exit Python would try to write the rest of the buffer again and print another error, so replace stdout.
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, STDOUT)
     if isinstance(error, BrokenPipeError):

@@ -18,7 +18,7 @@ from beatrix_zenoh.shutdown import Shutdown
 PROCESSES = "beatrix.processes"
 """Group of entry points of the programs in sim_node, hw_node and gui, which this package must not import."""
 EXTRAS = {"flash": "hw"}
-"""Programs whose extra has another name."""
+"""The extra of each program whose extra has another name than the program."""
 
 
 def router(
@@ -26,7 +26,7 @@ def router(
         str | None,
         typer.Option(
             metavar="ENDPOINT",
-            help=f"Address that robots and programs connect to; default: those of the class, or {DEFAULT_ENDPOINT}.",
+            help=f"Address that robots and programs connect to; default: that of the class, or {DEFAULT_ENDPOINT}.",
         ),
     ] = None,
     of_class: Annotated[
@@ -82,7 +82,7 @@ def run(process: str, arguments: list[str]) -> int:
     """Run a program of the entry point group PROCESSES in this process and return its exit code.
 
     Raises:
-        Refused: BAD_VALUE, the program is not installed.
+        Refused: BAD_VALUE, the program or a package that it needs is not installed.
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:

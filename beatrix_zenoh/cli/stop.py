@@ -22,8 +22,8 @@ from beatrix_zenoh.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve_valid
 
 SILENT = {
-    Reason.NODE_FROZEN: "did not answer and publishes no positions: its node or its connection is frozen. Switch its "
-    "power off if it moves.",
+    Reason.NODE_FROZEN: "did not answer and publishes no positions: its node hangs, or its connection is interrupted. "
+    "Switch its power off if it moves.",
     Reason.TIMED_OUT: "did not answer, but publishes positions: it is very busy. Send STOP again; switch its power "
     "off if it moves.",
 }
@@ -68,9 +68,9 @@ def stop(
     on: Annotated[list[Which] | None, typer.Option("--on", help="sim or hw; default: both.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Stop robots at once, even if another seat drives. Stops robot and simulation of a name, by default all robots.
+    """Stop robots at once, even if another seat drives them. Stops simulation and robot of a name, by default all.
 
-    If one name is wrong or not on line, the other robots are still stopped.
+    If a name is invalid or no robot of this name is on line, the other robots are still stopped.
     """
     settings, wrong_settings = resolve_valid(connect=connect, who=who)
     asked, wrong_names = check_names(name or ())
@@ -84,7 +84,7 @@ def stop(
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings) as client:
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
-        present = client.robots()  # after STOP is sent, but before a frozen robot loses its token
+        present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
         if emergency:
             requests = [*stop_simulations(client, asked, twin), *requests, *emergency_by_name(client, found)]
@@ -106,7 +106,7 @@ def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[Gr
 
 
 def emergency_by_name(client: Client, places: Sequence[Place]) -> list[GroupRequest[CommandReply]]:
-    """Send EMERGENCY_STOP to each robot, because the router of a class does not forward a student's with wildcards."""
+    """Send EMERGENCY_STOP to each robot by name: the router of a class does not forward a student's with wildcards."""
     return [request_stop(client, *place, emergency=True) for place in places]
 
 
@@ -132,7 +132,7 @@ def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
 
 
 def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
-    """Return the error for the case that no robot of the names given is on line."""
+    """Return the error to raise if no robot of the names in `asked` is on line."""
     found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
     hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
     reasons = [absent_reason(robot, present) for robot in asked]
@@ -146,7 +146,7 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
 def outcomes_of(
     replies: dict[Place, CommandReply], found: Sequence[Place], busy: set[Place]
 ) -> list[Outcome]:
-    """Outcomes of the robots that replied, then of the silent ones on line; `busy` are silent robots that publish."""
+    """Return the outcomes of the robots that replied, then of the silent ones; those in `busy` publish positions."""
     ended = [
         Outcome(
             *place, reply.reason, reply.message, 0 if reply.reason is Reason.OK else exit_code(reply.reason)
@@ -164,7 +164,7 @@ def outcomes_of(
 def absent(
     asked: Sequence[str], twin: str, places: set[Place], present: Sequence[Place], endpoint: str
 ) -> list[Outcome]:
-    """Outcomes of the names that no robot on line has."""
+    """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
     side = "" if twin == ALL else f" ({twin})"
     text = (

@@ -39,7 +39,7 @@ class Targets:
     twins: tuple[str, ...]
 
     def robots(self) -> list[Robot]:
-        """The robots selected, the simulation first."""
+        """Return the robots selected, the simulation first."""
         return [Robot(self.name, twin, client=self.client) for twin in self.twins]
 
 
@@ -52,7 +52,7 @@ def open_targets(
     Args:
         selection: from the command line.
         which: the value of --on.
-        acts: the verb acts on the robots; print a note if it uses the hardware because no simulation is on line.
+        acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is on line.
         both: without --on select both robots of the name if both are on line.
 
     Raises:
@@ -64,7 +64,8 @@ def open_targets(
         present = client.robots()
         name = settings.robot
         own = settings.account is not None and settings.account.robot
-        # A student who has not started the simulation must not move the robot of the class by mistake.
+        # If the account has a robot, a verb that acts uses it: a student whose simulation is not running must not move
+        # the robot of the class by mistake.
         free = not is_named(selection, settings) and not (acts and own)
         if free and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
-LOST = "The router at {} is lost, or this computer has lost the network. The table returns with the router."
+LOST = "The router at {} is lost, or this computer has lost the network. The table returns when the router answers."
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
@@ -40,7 +40,7 @@ class Row(NamedTuple):
     silent_s: float | None
     driver: str
     lease: dict[str, object]
-    """holder, waiting seats, freeze and speed limit, as JSON"""
+    """holder, waiting seats, freeze and speed limit, for JSON output"""
     problems: list[str]
 
 
@@ -71,12 +71,12 @@ def top(
 
 
 def rows_of(monitor: Monitor) -> list[Row]:
-    """The rows of all robots on line now."""
+    """Return the rows of all robots on line now."""
     return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
 
 
 def row_of(robot: RobotState) -> Row:
-    """The row of one robot."""
+    """Return the row of one robot."""
     status, reading, silent = robot.status, robot.reading, robot.positions_age_s
     gone = status is not None and not status.board.connected  # then the angles are out of date
     lost = robot.presence is not Presence.ON_LINE
@@ -93,7 +93,7 @@ def row_of(robot: RobotState) -> Row:
 
 
 def cells(row: Row) -> tuple[str, ...]:
-    """The cells of a row as text."""
+    """Return the cells of a row as text."""
     head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
     silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
     return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, row.driver or "-")
@@ -106,25 +106,25 @@ def notes(rows: list[Row]) -> list[str]:
 
 
 def messages(client: Client, rows: list[Row]) -> list[str]:
-    """The lines below the table: the loss of the router, no robot, or the problems of the robots."""
+    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
     return notes(rows) if rows else [NO_ROBOT]
 
 
 def seats_line(seats: Seats) -> str:
-    """The seats that are connected to the router, on one line."""
+    """Return a line with the seats that are connected to the router."""
     return f"seats: {', '.join(seats.names())}"
 
 
 def text(client: Client, rows: list[Row], seats: Seats) -> str:
-    """The table as text, for a pipe."""
+    """Return the table and the lines below it as text, for a pipe."""
     table = [columns(HEADS, [cells(row) for row in rows])] if rows else []
     return "\n".join([*table, *messages(client, rows), seats_line(seats)])
 
 
 def as_dict(row: Row) -> dict[str, object]:
-    """A row as JSON."""
+    """Return a row for JSON output."""
     return {
         "robot": row.place[0],
         "on": row.place[1],
@@ -158,7 +158,7 @@ def live(client: Client, monitor: Monitor, seats: Seats) -> None:
 
 
 def screen_table(client: Client, rows: list[Row], seats: Seats) -> RenderableType:
-    """The table with colours, for a terminal."""
+    """Return the table with colours and the lines below it, for a terminal."""
     from rich.console import Group
     from rich.table import Table
     from rich.text import Text

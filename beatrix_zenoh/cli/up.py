@@ -91,7 +91,7 @@ def up(
 
     Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy,
     programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log, the simulation
-    writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that it started.
+    writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that were started.
     """
     settings = resolve(name, connect)
     if no_sim and hw is None:
@@ -123,10 +123,10 @@ def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions)
 def report(
     supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
 ) -> None:
-    """Print the running processes, then their output until Ctrl-C; raises Refused if a child ends that must run."""
+    """Print the running processes, then their output until Ctrl-C; raises Refused if a child that must run ends."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
-        supervisor.new_lines()  # discards the output so far, because the status of the robots contains it
+        supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
     own = {twin: found.get((settings.robot, twin)) for twin in options.served}
     with end_on_interrupt():
         if as_json:
@@ -148,7 +148,7 @@ def legacy_twin(twins: Container[str]) -> str:
 
 
 def log_of(log_file: Path, twin: str) -> Path:
-    """The log file of one twin: `day-sim.log` for `day.log`."""
+    """Return the log file of one twin: `day-sim.log` for `day.log`."""
     return log_file.with_name(f"{log_file.stem}-{twin}{log_file.suffix}")
 
 
@@ -185,7 +185,7 @@ def show(settings: Settings, options: UpOptions, router: str, own: Mapping[str, 
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:
-    """Faults and warnings, a line for each robot that has any."""
+    """Return faults and warnings, a line for each robot that has any."""
     return [
         f"{TITLES[twin]}: {' '.join(found)}" for twin, status in own.items() if (found := problems(status))
     ]
@@ -194,7 +194,8 @@ def warnings(own: Mapping[str, Status | None]) -> list[str]:
 def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
     """Return the commands to type next.
 
-    Only a robot that is not known to be calibrated gets `calibrate`, because that declares the present position home.
+    `enable` and `calibrate` are only for robots that are not known to be calibrated, because `calibrate` declares the
+    present position home.
     """
     uncalibrated = [twin for twin, status in own.items() if status is None or not status.calibrated]
     one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
@@ -210,14 +211,14 @@ def open_window(supervisor: Supervisor, settings: Settings) -> Child:
 
 
 def end_of_window(supervisor: Supervisor, window: Child) -> str:
-    """A sentence about a window that has ended, with the last lines of its output if it failed."""
+    """Return a sentence about a window that has ended, with the last lines of its output if it failed."""
     if window.code == 0:
         return "The window is closed."
     return f"The window has ended (exit code {window.code}). {supervisor.output_of(window)}"
 
 
 def start_router(supervisor: Supervisor, endpoint: str, account: Account | None = None) -> str:
-    """Start a router if none answers; returns its state as text.
+    """Start a router if none answers, and return its state as text.
 
     Raises:
         NoAnswer: NO_ROUTER, no router answers, and the endpoint is on another computer or that of a class.
@@ -249,7 +250,7 @@ def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
 
 @contextlib.contextmanager
 def end_on_interrupt() -> Iterator[None]:
-    """End the block without an error on Ctrl-C or SIGTERM, which are its normal end."""
+    """Print a note instead of raising KeyboardInterrupt: Ctrl-C and SIGTERM are the normal end of the block."""
     try:
         yield
     except KeyboardInterrupt:
@@ -257,10 +258,10 @@ def end_on_interrupt() -> Iterator[None]:
 
 
 def watch(supervisor: Supervisor, after_window: str, last: Child | None = None) -> None:
-    """Print the output of the children until Ctrl-C; raises Refused if a child ends that must run.
+    """Print the output of the children until Ctrl-C; raises Refused if a child that must run ends.
 
     Args:
-        supervisor: of the children.
+        supervisor: the supervisor of the children.
         after_window: a sentence to print when the window has ended.
         last: return when this child has ended; None: only Ctrl-C ends the function.
     """

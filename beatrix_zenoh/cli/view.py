@@ -89,7 +89,7 @@ def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer |
 
     Raises:
         Refused: BAD_VALUE, Rerun is not installed, the port is taken, or no window can be opened here.
-        NoAnswer: TIMED_OUT.
+        NoAnswer: TIMED_OUT, the viewer did not start in time.
     """
     from beatrix_zenoh.recording.viewer import Viewer, answers, free_port
 
@@ -115,7 +115,7 @@ def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer |
 def show_live(
     settings: Settings, shutdown: Shutdown, robots: list[str], cameras: float, port: int, web_port: int | None
 ) -> None:
-    """Send the publications of robots to a viewer until it is closed; see `view` for the arguments."""
+    """Show live robots in a viewer until it is closed or a shutdown is requested; for the arguments see `view`."""
     with Client(settings, announce=False) as client:
         viewer = open_viewer(port, web_port=web_port)
         from beatrix_zenoh.recording.live_output import LiveOutput
@@ -133,7 +133,7 @@ def show_live(
 
 
 def leave(code: int, *, closed: bool) -> None:
-    """End the verb with this exit code; unless `closed`, end the process at once: Rerun would wait for a viewer."""
+    """End the verb with this exit code; unless `closed`, end the process at once: Rerun would wait for the viewer."""
     if not closed:
         sys.stdout.flush()
         sys.stderr.flush()

@@ -23,7 +23,8 @@ ELSEWHERE = ("192.0.2.1", 9)
 
 def web(
     lan: Annotated[
-        bool, typer.Option("--lan", help="Also serve other computers of the network, which need the PIN.")
+        bool,
+        typer.Option("--lan", help="Also serve other computers of the network; every browser needs the PIN."),
     ] = False,
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port of the page on this computer.")] = PORT,
     name: Name = None,
@@ -32,8 +33,8 @@ def web(
 ) -> None:
     """Serve a page that drives robots from a browser. Ends with Ctrl-C.
 
-    Without --lan only this computer can open the page. With --lan each browser needs the PIN that is printed here, or
-    the one in BEATRIX_WEB_PIN. With --name the page offers only this robot.
+    Without --lan only this computer can open the page. With --lan each browser needs the PIN in BEATRIX_WEB_PIN, or
+    the printed one if that is not set. With --name the page offers only this robot.
     """
     try:
         from beatrix_zenoh.web.protection import PIN_VARIABLE, chosen_pin, new_pin
@@ -42,14 +43,17 @@ def web(
         raise missing("web", error) from error
     settings = resolve(name, connect, who)
     if settings.who == TEACHER:
-        text = "A page with the seat `teacher` would outrank the class. Choose another seat with --who or BEATRIX_WHO."
+        text = (
+            "Pages of the seat `teacher` could take robots from all other seats. Choose another seat with --who or "
+            "BEATRIX_WHO."
+        )
         raise Refused(Reason.BAD_VALUE, text)
     pin = (chosen_pin() or new_pin()) if lan else None
 
     def ready(port: int) -> None:
         if pin is not None:
             note(f"PIN: the one in {PIN_VARIABLE}" if chosen_pin() else f"PIN: {pin}")
-            note("Everybody in this network who knows the PIN can drive the robots. Ctrl-C ends the page.")
+            note("Everybody in this network who knows the PIN can drive the robots. Ctrl-C ends the server.")
         say(f"ready http://{own_address() if lan else '127.0.0.1'}:{port}/")
 
     shutdown = Shutdown()
@@ -58,7 +62,7 @@ def web(
 
 
 def own_address() -> str:
-    """Return the address of this computer in its network; the loopback address if it has no network."""
+    """Return the address of this computer in its network; the loopback address if it is in no network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(ELSEWHERE)

@@ -205,7 +205,7 @@ def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
     ("words", "code", "sentence"),
     [
         (("--port", "{port}"), 1, "Choose another one with --port"),
-        (("--who", "teacher"), 1, "would outrank the class"),
+        (("--who", "teacher"), 1, "could take robots from all other seats"),
         (("--connect", "tcp/127.0.0.1:{port}", "--port", "{free}"), 3, "router"),
     ],
 )
