@@ -11,11 +11,11 @@ from typing import Final
 from tornado import httpserver, iostream
 
 CONNECTIONS_MAX: Final = 192
-"""Largest number of connections: a page holds two web sockets, and a system may allow a process 256 open files."""
+"""Largest number of connections: a page needs two, and a system may allow a process only 256 open files."""
 ADDRESS_MAX: Final = 64
 """Largest number of connections of one address."""
 REFUSED_MAX: Final = 16
-"""Refused connections that are kept open so that the reply can be read; further ones are closed immediately."""
+"""Largest number of refused connections that stay open so that the reply can be read; others are closed at once."""
 REFUSED_S: Final = 1.0
 """Longest time for which a refused connection is kept open."""
 LOG_S: Final = 10.0
@@ -59,7 +59,7 @@ class Server(httpserver.HTTPServer):
             "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
             f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n"
         )
-        # Closing a connection whose request is unread resets it, and the browser could lose the reply.
+        # Later, because closing a connection with an unread request resets it, and the browser could lose the reply.
         stream.io_loop.call_later(REFUSED_S, stream.close)
         with contextlib.suppress(iostream.StreamClosedError):
             stream.write(head.encode() + body).add_done_callback(lambda done: done.exception())
@@ -72,7 +72,7 @@ class Server(httpserver.HTTPServer):
 
 
 def refused(addresses: list[str], address: str) -> str:
-    """Return why a further connection of an address is refused, given those of all connections; empty: accepted."""
+    """Return why a connection of `address` is refused, given the addresses of all open ones; empty: accepted."""
     if addresses.count(address) >= ADDRESS_MAX:
         return ADDRESS_FULL
     return FULL if len(addresses) >= CONNECTIONS_MAX else ""
@@ -82,7 +82,7 @@ class Brief(logging.Filter):
     """Passes at most one record in LOG_S, and adds the number of records that were left out before it."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """`clock` returns monotonic seconds."""
+        """Make the filter; `clock` returns monotonic seconds."""
         super().__init__()
         self._clock = clock
         self._next_s, self._left_out = clock(), 0

@@ -28,9 +28,9 @@ BRAKE_S: Final = 0.12
 SMALLEST_DEG: Final = 0.5
 """Shortest motion of a jog near a limit."""
 WAITING_MAX: Final = 4
-"""Commands that may wait for the robot's answer."""
+"""Largest number of queued requests of a driver."""
 QUEUE_S: Final = 3600.0
-"""Longest time to wait for the robot."""
+"""Longest wait in the queue of the robot."""
 LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 NO_ERROR: Final = (Reason.REPLACED, Reason.STOPPED)
 """Reasons for the end of a motion that are not reported, because a user has caused them."""
@@ -41,7 +41,7 @@ Report = Callable[[Outcome], object]
 
 @dataclass(frozen=True)
 class Task:
-    """A command or motion that waits for its turn."""
+    """A command or motion for the thread of a driver."""
 
     control: str
     work: Callable[[], str]
@@ -52,13 +52,13 @@ class Driver:
     """Drives one robot for one page.
 
     The arms move only while heartbeats arrive: a jog consists of goals that are half a second ahead, one for each
-    heartbeat, and the server stops all other motions if `silent` exceeds DEAD_MAN_S.
+    heartbeat, and the server stops every motion if `silent` exceeds DEAD_MAN_S.
     """
 
     def __init__(
         self, settings: Settings, place: Place, report: Report, ended: Callable[[str], None]
     ) -> None:
-        """Connect, and take the robot or wait for it, on a thread of this object.
+        """Start a thread that connects, takes the robot or waits for it, and sends the requests.
 
         Args:
             settings: router and seat.
@@ -77,7 +77,7 @@ class Driver:
         self._wake = threading.Condition()
         self._waiting: deque[Task] = deque()
         self._jog: tuple[Hold, float] | None = None
-        """A jog, and how far ahead its goal is (s)"""
+        """The jog to continue, and the time to its next goal (s)."""
         self._last_hold: Hold | None = None
         self._over = 0
         """All presses up to this number have ended."""
@@ -95,7 +95,7 @@ class Driver:
         self.stopped = False
 
     def silent(self) -> float:
-        """Time since the last heartbeat (s)."""
+        """Return the time since the last heartbeat (s)."""
         return time.monotonic() - self._beat_s
 
     def lost(self, lease: int, holder: str) -> bool:
@@ -110,7 +110,7 @@ class Driver:
         return self._running is not None or self._jog is not None or bool(self._waiting)
 
     def hold(self, hold: Hold) -> None:
-        """Continue a jog while its button is held; ignored after that press has ended."""
+        """Begin or continue the jog of a held button; do nothing if this press has ended."""
         self._put_jog(hold, AHEAD_S)
 
     def release(self, press: int) -> None:
@@ -128,7 +128,7 @@ class Driver:
                 self._wake.notify()
 
     def put(self, control: str, work: Callable[[], str]) -> None:
-        """Queue a request, which ends a jog; see Task."""
+        """Queue a request, which ends a jog; report a refusal if the queue is full. For the arguments see `Task`."""
         with self._wake:
             self._end_jog()
             full = len(self._waiting) >= WAITING_MAX
@@ -199,7 +199,7 @@ class Driver:
                 self._report(refused(task.control, error.message))
 
     def _next(self) -> Task | None:
-        """Wait for the next request and return it, commands before jogs; None at the end."""
+        """Wait for the next request and return it, queued ones before jogs; None after `close`."""
         with self._wake:
             self._wake.wait_for(lambda: self._closed or self._waiting or self._jog)
             if self._closed:
@@ -230,7 +230,7 @@ class Driver:
         stops = self._stops
         motion = self._robot.begin(query)
         self._running = motion
-        if self._stops != stops:  # STOP was sent meanwhile and may have arrived before the motion
+        if self._stops != stops:  # STOP was sent meanwhile and may have arrived before the motion: repeat it
             self._robot.client.put_stop(*self.place)
         motion.add_done_callback(partial(self._done, control))
         return motion.accepted.message
@@ -248,7 +248,7 @@ class Driver:
 
 
 def jog_query(hold: Hold, ahead_s: float) -> MotionQuery | PoseQuery:
-    """The motion from the present set point for `ahead_s` at the speed of a jog."""
+    """Return the motion from the present set point for `ahead_s` at the speed of a jog."""
     speed, angle = math.radians(hold.speed), math.radians(hold.sign * hold.speed * ahead_s)
     if hold.part in ROTATIONS:
         yaw, pitch, roll = (angle if hold.part == part else 0.0 for part in ROTATIONS)
@@ -258,13 +258,13 @@ def jog_query(hold: Hold, ahead_s: float) -> MotionQuery | PoseQuery:
 
 
 def home_query(speed_deg_s: float) -> MotionQuery:
-    """The motion of all arms to 0 degrees."""
+    """Return the motion of all arms to 0 degrees."""
     speed = math.radians(speed_deg_s)
     return MotionQuery(position=Vector3(0.0, 0.0, 0.0), speed=Vector3(speed, speed, speed))
 
 
 def make_ready(robot: Robot) -> str:
-    """Enable and calibrate the robot, unless this was done before."""
+    """Enable and calibrate the robot as far as needed."""
     robot.make_ready()
     return "Motors on, home declared."
 

@@ -22,7 +22,7 @@ class Eye:
     """The subscription to one camera, and its newest picture."""
 
     def __init__(self, client: Client, camera: Camera, changed: Callable[[Camera], object]) -> None:
-        """Subscribe on a thread of its own; `changed` is called there for each picture."""
+        """Start a thread that subscribes, and calls `changed` for each picture."""
         self.newest: CameraImage | None = None
         self._client, self._camera, self._changed = client, camera, changed
         self._ended = threading.Event()

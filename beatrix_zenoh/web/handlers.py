@@ -19,13 +19,13 @@ from beatrix_zenoh.web.protection import Login, Visitor, Visitors
 
 PAGES_MAX: Final = 64
 UNREAD_MAX: Final = 20
-"""Largest number of states that a browser has not confirmed; it gets no more until it confirms."""
+"""Largest number of unconfirmed states of a browser; it gets no more until it confirms one."""
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
 TOO_MANY_PAGES: Final = f"{PAGES_MAX} pages are open already: close one, then load this page again."
-NOTHING: Final = "There is nothing at this address. The control page is at /."
+NOTHING: Final = "This server has no such page. The control page is at /."
 TOO_FAST, MALFORMED, LOGGED_OUT, FULL = 4001, 4002, 4003, 4004
-"""Codes of closed web sockets, for the page."""
+"""Codes with which the server closes a web socket; the page reads them."""
 
 
 class Context:
@@ -37,7 +37,7 @@ class Context:
 
 
 class Guarded(web.RequestHandler):
-    """A handler that refuses foreign hosts and pages."""
+    """A handler that refuses requests with a foreign Host or Origin header."""
 
     def initialize(self, context: Context) -> None:
         """Set the shared data."""
@@ -52,7 +52,7 @@ class Guarded(web.RequestHandler):
         return host if protection.host_allowed(host, *local) else ""
 
     def set_default_headers(self) -> None:
-        """Set the headers that every reply has, also an error."""
+        """Set the headers of every reply, errors included."""
         for name, value in protection.headers(self.host).items():
             self.set_header(name, value)
 
@@ -86,7 +86,7 @@ class Guarded(web.RequestHandler):
 
 
 class Nothing(Guarded):
-    """Replies 404 to requests for unknown addresses."""
+    """Replies to requests with an unknown path."""
 
     def get(self) -> None:
         """Reply with status 404."""
@@ -94,10 +94,10 @@ class Nothing(Guarded):
 
 
 class Files(Guarded, web.StaticFileHandler):
-    """Style sheet and scripts."""
+    """The files of the folder `static`: style sheet, scripts, icon."""
 
     def initialize(self, context: Context, path: str) -> None:  # type: ignore[override]
-        """Set the folder."""
+        """Set the shared data and the folder."""
         Guarded.initialize(self, context)
         web.StaticFileHandler.initialize(self, path)
 
@@ -112,7 +112,7 @@ class Front(Guarded):
         elif self.context.login.needed:
             self.form("")
         elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
-            # A foreign page that loads this as a picture or a frame would log out other browsers.
+            # Each login may log out the oldest browser, so no foreign page may load this as a picture or a frame.
             self.refuse(403, protection.FOREIGN_ORIGIN)
         else:
             self.admit()
@@ -130,7 +130,7 @@ class Front(Guarded):
             self.redirect("/", status=303)
 
     def form(self, refusal: str) -> None:
-        """Show the form, with a sentence about the last PIN."""
+        """Show the form, with the reason why the last PIN was refused; empty: no PIN was typed."""
         self.render("login.html", refusal=refusal)
 
 
@@ -166,7 +166,7 @@ class Socket(Guarded, websocket.WebSocketHandler):
             future = self.write_message(message, binary=binary)
         except websocket.WebSocketClosedError:
             return
-        future.add_done_callback(lambda done: done.exception())  # the browser may have disconnected meanwhile
+        future.add_done_callback(lambda done: done.exception())  # ignores that the browser has disconnected
 
 
 class Live(Socket):
@@ -195,7 +195,7 @@ class Live(Socket):
         self.hub.end_driver(self)
 
     def show(self, state: bytes) -> None:
-        """Send a state, unless too many are on the way."""
+        """Send a state, unless the browser has not confirmed UNREAD_MAX earlier ones."""
         if self._unread < UNREAD_MAX:
             self._unread += 1
             self.send(state.decode())
@@ -248,7 +248,7 @@ class Live(Socket):
                 self.with_driver(command, lambda driver: driver.command(command))
 
     def with_driver(self, control: str, work: Callable[[Driver], None]) -> None:
-        """Pass a request to the driver of this page."""
+        """Call `work` with the driver of this page; if it does not drive, the page gets a refusal instead."""
         driver = self.hub.driver_of(self, control)
         if driver is not None:
             work(driver)
@@ -258,7 +258,7 @@ class Pictures(Socket):
     """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
 
     def open(self, *_: str, **__: str) -> None:
-        """Begin to send the pictures of both eyes of the robot and twin that the URL names."""
+        """Begin to send pictures of the robot and twin in the URL; close the web socket if that is not on line."""
         robot, twin = self.get_query_argument("robot", ""), self.get_query_argument("twin", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
@@ -285,5 +285,5 @@ class Pictures(Socket):
             self.changed(self._cameras[int(message)])
 
     def on_close(self) -> None:
-        """End the pictures."""
+        """Send no more pictures."""
         self.context.hub.end_pictures(self)

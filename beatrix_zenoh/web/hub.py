@@ -53,14 +53,14 @@ class Page(Protocol):
         """Show the outcome of a request beside the control that sent the request."""
 
     def show(self, state: bytes) -> None:
-        """Show a state, unless the browser has not read the earlier ones."""
+        """Show a state, unless too many earlier ones are unconfirmed."""
 
     def close(self) -> None:
         """Close the web socket of the page."""
 
 
 class PictureSocket(Protocol):
-    """A web socket that shows pictures."""
+    """A web socket for pictures."""
 
     def changed(self, camera: Camera) -> None:
         """Send the newest picture of a camera, if the browser has drawn the last one."""
@@ -70,7 +70,7 @@ class Hub:
     """Passes requests of pages to robots, and the states of robots to pages."""
 
     def __init__(self, settings: Settings, only: str | None, call: Callable[..., object]) -> None:
-        """Open the session.
+        """Open the session and monitor the robots.
 
         Args:
             settings: router and seat.
@@ -94,13 +94,13 @@ class Hub:
         self._router = there
 
     def drivers(self) -> Iterable[Driver]:
-        """Drivers of all pages that drive or wait."""
+        """Return the drivers of all pages that drive or wait."""
         return [page.driver for page in self.pages if page.driver is not None]
 
     # -- states --------------------------------------------------------------------------------------
 
     def places(self) -> list[Place]:
-        """Robots that pages may use, the simulation of each name first."""
+        """Return the robots that pages may use, the simulation of each name first."""
         found = {
             (robot.robot, robot.twin): robot.presence is not Presence.ABSENT
             for robot in self.monitor.robots()
@@ -149,7 +149,7 @@ class Hub:
     # -- driving -------------------------------------------------------------------------------------
 
     def drive(self, page: Page, name: str) -> None:
-        """Start a driver that takes the robot of a page or waits for it; its seat is that of the account, or has `name`."""
+        """Start a driver that takes a page's robot or waits for it; its seat is the account's or is made of `name`."""
         if page.driver is not None or page.place is None:
             return
         account = self.settings.account
@@ -168,7 +168,7 @@ class Hub:
         driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
 
     def _seat(self, page: Page, name: str) -> str:
-        """Return the seat of a page; a name without valid letters, for example a Chinese one, gets a guest name."""
+        """Return a seat made of the typed name, or of a guest name if that has neither letters a-z nor digits."""
         used = {driver.seat for driver in self.drivers()}
         guest = page.visitor_of_page.name
         guests = itertools.chain([guest], (f"{guest}-{number}" for number in itertools.count(2)))
@@ -176,7 +176,7 @@ class Hub:
         return f"web-{names.tidy(name, free)}"[:32].strip("-")
 
     def end_driver(self, page: Page, text: str = "") -> None:
-        """Give the robot back; the page shows `text` as the reason. A robot stops the motion of a session that ends."""
+        """End the driver of a page, so that its robot stops and is free; the page shows `text` as the reason."""
         driver, page.driver = page.driver, None
         if driver is None:
             return
@@ -194,7 +194,7 @@ class Hub:
         return driver
 
     def check_heartbeats(self) -> None:
-        """Stop robots whose page has become silent while they move."""
+        """Stop moving robots whose page is silent; give a robot back if its page is silent for longer than GONE_S."""
         for page in list(self.pages):
             driver = page.driver
             if driver is None:
@@ -207,7 +207,7 @@ class Hub:
                 page.report(refused("drive", SILENT))
 
     def hidden(self, page: Page) -> None:
-        """Stop the robot of a page that is no longer visible."""
+        """Stop the robot of a page that is no longer visible, if it moves for this page."""
         if page.driver is not None and page.driver.busy:
             self.stop_driver(page.driver, page)
 
@@ -220,7 +220,7 @@ class Hub:
     # -- STOP ----------------------------------------------------------------------------------------
 
     def stop(self, visitor: Visitor, robot: str, stop: str, page: Page | None) -> None:
-        """Send STOP to simulation and hardware of a name, for any page; `stop` is its number."""
+        """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before."""
         if not names.PATTERN.fullmatch(robot) or not visitor.is_new_stop(stop):
             return
         own = None
@@ -262,12 +262,12 @@ class Hub:
             socket.changed(camera)
 
     def newest(self, camera: Camera) -> tuple[int, bytes] | None:
-        """Number and JPEG of the newest picture of a camera; None if none has arrived."""
+        """Return number and JPEG of the newest picture of a camera; None if none has arrived."""
         picture = self._eyes[camera][0].newest if camera in self._eyes else None
         return None if picture is None else (picture.seq, picture.jpeg)
 
     def end_pictures(self, socket: PictureSocket) -> None:
-        """End the pictures of a web socket."""
+        """Send no more pictures to a web socket; end subscriptions that no other one needs."""
         for camera, (eye, sockets) in list(self._eyes.items()):
             sockets.discard(socket)
             if not sockets:

@@ -13,13 +13,13 @@ SLOWEST_DEG_S, FASTEST_DEG_S = 2.0, 40.0
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
-"""Number of a press of a button; a page counts them."""
+"""Number of a press of a button; a page counts its presses."""
 Speed = Annotated[float, Meta(ge=SLOWEST_DEG_S, le=FASTEST_DEG_S)]
 """Speed of the fastest arm, deg/s."""
 
 
 class Message(msgspec.Struct, frozen=True, tag_field="do", forbid_unknown_fields=True):
-    """Base of all messages; `do` names the class."""
+    """Base class of the messages of a page; the field `do` names the class."""
 
 
 class Watch(Message, frozen=True, tag="watch"):
@@ -91,7 +91,7 @@ _DECODER: Final = msgspec.json.Decoder(Request)
 
 
 def read(text: str | bytes) -> Request:
-    """Decode a message of a page; raises msgspec.DecodeError."""
+    """Return the decoded message of a page; raises msgspec.DecodeError."""
     request: Request = _DECODER.decode(text)
     return request
 
@@ -107,5 +107,5 @@ class Outcome(msgspec.Struct, frozen=True, tag_field="kind", tag="outcome"):
 
 
 def refused(control: str, text: str) -> Outcome:
-    """The outcome of a request that was not carried out."""
+    """Return the outcome of a request that was not carried out."""
     return Outcome(control, ok=False, text=text)

@@ -49,8 +49,8 @@ def new_pin() -> str:
 def host_allowed(host: str, address: str, port: int) -> bool:
     """Return whether a Host header names the address and port at which the connection has arrived.
 
-    A page that rebinds its name to this computer sends its own name, and is refused: only the IP address, and
-    `localhost` on the loopback interface, are accepted.
+    A foreign page whose name is rebound to this computer (DNS rebinding) sends that name, and is refused: only the IP
+    address, and `localhost` on the loopback interface, are accepted.
     """
     names = [address, "localhost"] if address == "127.0.0.1" else [address]
     return host.lower() in {f"{name}:{port}" for name in names} | ({*names} if port == 80 else set())
@@ -62,8 +62,8 @@ def origin_allowed(origin: str | None, host: str) -> bool:
 
 
 def headers(host: str) -> dict[str, str]:
-    """Headers of every reply: the page loads nothing from elsewhere, and no other page may show it."""
-    own_sockets = f"ws://{host}"  # older Safari does not count web sockets as 'self'
+    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it."""
+    own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
     policy = (
         f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
         "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
@@ -72,7 +72,7 @@ def headers(host: str) -> dict[str, str]:
         "Content-Security-Policy": policy,
         "X-Frame-Options": "DENY",
         "X-Content-Type-Options": "nosniff",
-        "Referrer-Policy": "same-origin",  # with no-referrer a browser sends the form with the origin `null`
+        "Referrer-Policy": "same-origin",  # with no-referrer the form would have the origin `null`, which is refused
         "Cross-Origin-Resource-Policy": "same-origin",
         "Cache-Control": "no-store",
     }
@@ -85,7 +85,7 @@ class Attempts:
         self._wrong: deque[tuple[float, str]] = deque(maxlen=WRONG_TOTAL)
 
     def wait_s(self, address: str, now_s: float) -> float:
-        """Time until this address may try again; 0: now."""
+        """Return the time until this address may try again (s); 0: now."""
         while self._wrong and now_s - self._wrong[0][0] >= WINDOW_S:
             self._wrong.popleft()
         own = [moment for moment, sender in self._wrong if sender == address]
@@ -107,7 +107,7 @@ class Login:
     """Checks PINs; returns sentences for the user."""
 
     def __init__(self, pin: str | None) -> None:
-        """`pin` is None if every browser that reaches the server may use the page."""
+        """Set the PIN; None: every browser that reaches the server may use the page."""
         self._pin, self._attempts = pin, Attempts()
 
     @property
@@ -116,7 +116,7 @@ class Login:
         return self._pin is not None
 
     def refusal(self, typed: str, address: str, now_s: float) -> str:
-        """Return the reason why this PIN is refused; empty if it is accepted."""
+        """Return the reason why this PIN is refused, and count a wrong one; empty if it is accepted."""
         if self._pin is None:
             return ""
         wait_s = self._attempts.wait_s(address, now_s)
@@ -137,7 +137,7 @@ class Visitor:
     _stops: deque[str] = field(default_factory=lambda: deque(maxlen=STOPS_KEPT))
 
     def is_new_stop(self, stop: str) -> bool:
-        """Return whether no STOP with this number has arrived yet: a page sends each STOP over two connections."""
+        """Record a STOP; return False if its number has arrived before: a page sends each STOP over two connections."""
         if stop in self._stops:
             return False
         self._stops.append(stop)
@@ -161,5 +161,5 @@ class Visitors:
         return cookie
 
     def find(self, cookie: str | None) -> Visitor | None:
-        """The browser with this cookie; None if it is not logged in."""
+        """Return the browser with this cookie; None if no logged-in browser has it."""
         return self._visitors.get(cookie or "")

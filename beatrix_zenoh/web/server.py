@@ -24,15 +24,15 @@ from beatrix_zenoh.web.protection import Login
 STATIC: Final = Path(__file__).parent / "static"
 LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
 SHOW_MS: Final = 100
-"""Period of states."""
+"""Period of the states that pages get."""
 HEARTBEAT_MS: Final = 50
 """Period of the check for heartbeats."""
 PING_S: Final = 5.0
 """Period of pings to each page; the connection of a page that does not reply is closed."""
 REQUEST_S: Final = 20.0
-"""Longest time of a request, and of a connection without a request."""
+"""Longest time for the body of a request to arrive, and for a connection to be idle."""
 BACKLOG: Final = 128
-"""Connections that may wait to be accepted."""
+"""Largest number of connections that may wait to be accepted."""
 BODY_MAX: Final = 4096
 """Largest request, bytes."""
 
@@ -52,7 +52,7 @@ def serve(
         settings: router and seat.
         port: TCP port; 0: any free port.
         only: name of the only robot that pages may use; None: all robots at the router.
-        pin: PIN for other computers; None: serve this computer only, without a PIN.
+        pin: PIN that every browser needs; None: serve this computer only, without a PIN.
         ready: called with the port when the page is served.
         shutdown: ends the server.
 

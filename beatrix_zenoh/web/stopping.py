@@ -26,7 +26,7 @@ Report = Callable[[Outcome], object]
 
 
 class Press(NamedTuple):
-    """A STOP to send; presses for one robot that wait are sent as one."""
+    """A STOP to send; waiting presses for the same robot are sent as one STOP."""
 
     clients: Sequence[Client]
     """sessions for sending: the first one that is connected is used, else the last"""
@@ -42,7 +42,7 @@ class Sent(NamedTuple):
 
 
 class Stopping:
-    """Sends STOP to simulation and hardware of a name; another thread waits for the replies."""
+    """Sends STOP to simulation and hardware of a name on one thread, and waits for the replies on another."""
 
     def __init__(self) -> None:
         self._wake = threading.Condition()
@@ -56,7 +56,7 @@ class Stopping:
         ]
 
     def press(self, clients: Sequence[Client], robot: str, report: Report) -> None:
-        """Queue STOP for the sending thread; returns immediately."""
+        """Queue STOP for the sending thread, without waiting."""
         with self._wake:
             press = self._waiting.setdefault(robot, Press(clients, robot, []))
             if len(press.reports) < REPLIES_MAX:
@@ -64,7 +64,7 @@ class Stopping:
             self._wake.notify()
 
     def _next(self) -> Press | None:
-        """Wait for a press and return the oldest one; None at the end."""
+        """Wait for a press and return the oldest one; None after `close`, when none is left."""
         with self._wake:
             self._wake.wait_for(lambda: self._waiting or self._closed)
             return self._waiting.pop(next(iter(self._waiting))) if self._waiting else None
@@ -91,7 +91,7 @@ class Stopping:
                 report_to(sent.press, refused("stop", NO_REPLY.format(sent.press.robot)))
 
     def close(self) -> None:
-        """End the threads."""
+        """Send the waiting STOPs and end the threads; wait at most STOP_S."""
         with self._wake:
             self._closed = True
             self._wake.notify()

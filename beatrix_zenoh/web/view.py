@@ -9,7 +9,7 @@ from beatrix_zenoh.client import RobotState
 
 
 def state_of(state: RobotState) -> dict[str, object]:
-    """State of one robot; fields that are not known are None."""
+    """Return the state of one robot; fields that are not known are None."""
     reading, status = state.reading, state.status
     return {
         "robot": state.robot,
@@ -23,7 +23,7 @@ def state_of(state: RobotState) -> dict[str, object]:
 
 
 def status_of(status: Status) -> dict[str, object]:
-    """State of motors, lease and cameras of a robot."""
+    """Return the state of motors, lease and cameras of a robot, with its problems."""
     return {
         "enabled": status.enabled,
         "calibrated": status.calibrated,
@@ -40,7 +40,7 @@ def status_of(status: Status) -> dict[str, object]:
 
 
 def problems(status: Status) -> list[str]:
-    """Fault and warnings in sentences; pages have a sentence of their own for the emergency stop."""
+    """Return fault and warnings as sentences, without the emergency stop, for which pages have their own sentence."""
     if status.fault in (Fault.NONE, Fault.EMERGENCY):
         return status.warnings
     return [FAULT_TEXT.get(status.fault, f"{status.fault}."), *status.warnings]

@@ -1,4 +1,4 @@
-// The pictures of both eyes, over a web socket of their own, only while the page shows them.
+// Shows the pictures of both eyes; the web socket for them is open only while they are visible.
 import { text } from "./texts.js";
 
 const RETRY_MS = 1000;

@@ -2,8 +2,8 @@
 import { connectEyes, showEyes } from "./eyes.js";
 import { text } from "./texts.js";
 
-const BEAT_MS = 100; // heartbeats of a page that drives, also while a button is held
-const LOST_MS = 1500; // the server sends ten states a second
+const BEAT_MS = 100; // period of the heartbeats of a page that drives or waits
+const LOST_MS = 1500; // time without a state after which the server is lost; it sends ten a second
 const RETRY_MS = 1000;
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 40]; // °/s
@@ -50,7 +50,7 @@ function connect() {
 }
 
 async function checkLogin() {
-  // A restarted server has no cookie of this browser, so it replies with the form for the PIN.
+  // A restarted server does not know the cookie: it replies with the form for the PIN or a redirect. Then reload.
   try {
     const page = await fetch("/", { redirect: "manual" });
     const html = await page.text();
@@ -336,7 +336,7 @@ function keys(event) {
 
 build();
 byId("stop").onpointerdown = stop;
-byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // from assistive programs
+byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // by an assistive program
 byId("drive").onclick = drive;
 byId("robots").onchange = (event) => {
   const [robot, twin] = event.target.value.split(" ");

@@ -1,4 +1,4 @@
-// All texts of the control page. {…} are replaced by values.
+// All texts of the control page. Names in braces are replaced by values.
 export const TEXTS = {
   "robot.sim": "{robot}, simulation",
   "robot.hw": "{robot}, hardware",
@@ -31,7 +31,7 @@ export const TEXTS = {
   "driver.you": "You drive as {seat}.",
   "driver.other": "{seat} drives. You watch.",
   "driver.free": "No one drives. You watch.",
-  "driver.opening": "The server requests the robot.",
+  "driver.opening": "The server is requesting the robot.",
   "driver.waiting": "{seat} drives. You are number {number} in the queue.",
   "drive.take": "Drive",
   "drive.wait": "Wait for it",
