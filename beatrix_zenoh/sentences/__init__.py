@@ -45,7 +45,7 @@ def render(reason: Reason, detail: Detail | None = None, language: str = "en") -
 
 
 def case_of(reason: Reason, detail: Detail) -> str:
-    """Return the key of the sentence that applies among those of a reason and a limit."""
+    """Return the case, which selects one of the sentences of a reason and a limit; empty if there is only one."""
     choose = _CASES.get((reason, detail.limit))
     return choose(detail) if choose is not None else ""
 
@@ -132,4 +132,4 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.TIMED_OUT, None): lambda _: "robot",
     (Reason.ACCESS_DENIED, None): lambda _: "robot",
 }
-"""Functions that choose the case of a reason and a limit with several sentences."""
+"""Functions that choose the case, for each reason and limit with several sentences."""

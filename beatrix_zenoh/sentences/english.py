@@ -96,14 +96,14 @@ ENGLISH: Final = Language(
             Reason.SPEED_LIMIT,
             Limit.SPEED,
             "low",
-        ): "A speed of {value} for the {arms} arm is too slow; {low} to {high} is allowed.",
+        ): "A speed of {value} for the {arms} arm is too low; {low} to {high} is allowed.",
         (
             Reason.SPEED_LIMIT,
             Limit.SPEED,
             "high",
-        ): "A speed of {value} for the {arms} arm is too fast; {low} to {high} is allowed.",
+        ): "A speed of {value} for the {arms} arm is too high; {low} to {high} is allowed.",
         (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
-            "A speed of {value} for the {arms} arm is too fast: the teacher's limit of {high} applies."
+            "A speed of {value} for the {arms} arm is too high: the teacher's limit of {high} applies."
         ),
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (

@@ -9,16 +9,16 @@ _MOST_DECIMALS = 9
 _ROUNDING = 1e-5
 """Smallest tolerance, in units of the last digit."""
 _SINGLE = 2.0**-23
-"""Tolerance in proportion to a limit, because the single precision of a received limit must not change its text."""
+"""Tolerance as a fraction of a limit: the single precision of a received limit must not change its text."""
 
 
 def in_unit(value: float, unit: str) -> float:
-    """Convert a value from the unit of the wire to the unit of a sentence: degrees for radians."""
+    """Convert a value from the unit of a message to the unit of a sentence: degrees for radians."""
     return math.degrees(value) if unit.startswith("rad") else value
 
 
 def symbol(unit: str) -> str:
-    """Return the symbol after a number, for a unit of the wire (rad, rad/s, s or empty)."""
+    """Return the symbol after a number, for a unit of a message (rad, rad/s, s or empty)."""
     return {"rad": "°", "rad/s": "°/s", "s": " s"}.get(unit, f" {unit}" if unit else "")
 
 
@@ -30,7 +30,7 @@ def decimals_of(number: float) -> int:
 
 
 def shown(number: float) -> str:
-    """Format a number with as many decimals as it needs."""
+    """Format a number with `decimals_of` decimals."""
     return f"{number:z.{decimals_of(number)}f}"
 
 
@@ -47,7 +47,7 @@ def most(number: float) -> str:
 
 
 def _tolerance(units: float) -> float:
-    """Return the allowed error of a limit; both are in units of the last digit."""
+    """Return the allowed error of a limit; limit and error are in units of the last digit."""
     return max(_ROUNDING, abs(units) * _SINGLE)
 
 

@@ -47,10 +47,10 @@ ENGLISH: Final[Mapping[Key, str]] = {
         "router. Its arms have stopped by themselves. Look at the output of the node, then try again."
     ),
     (Reason.NODE_FROZEN, None, ""): (
-        "The robot is on line, but its node is frozen. End the node and start it again."
+        "The robot is on line, but its node hangs. End the node and start it again."
     ),
     (Reason.NODE_FROZEN, None, "robot"): (
-        "{field} is on line but did not answer within {value}, and publishes no positions: its node is frozen, or the "
+        "{field} is on line but did not answer within {value}, and publishes no positions: its node hangs, or the "
         "network is interrupted. End the node and start it again; if the arms move, switch their power off."
     ),
     (Reason.TIMED_OUT, None, ""): ("The robot did not answer in time. Try again."),

@@ -17,8 +17,9 @@ _LONGEST: Final = 60
 def slots_of(detail: Detail, language: Language) -> dict[str, str]:
     """Return the fields for the templates of a language, as far as the detail has them.
 
-    The fields value, low and high contain their unit, and arms the names. The fields leaves_s, leaves_arms, field,
-    known, holder, wait_s and needs are those of `Detail`; yaw, pitch, roll, position and speed are of the alternative.
+    The fields value, low and high contain their unit, arms the names of the arms. The fields leaves_s, leaves_arms,
+    field, known, holder, wait_s and needs are those of `Detail`; yaw, pitch, roll, position and speed are those of the
+    alternative.
     """
     slots = _measured(detail, language)
     if detail.arms:

@@ -79,7 +79,7 @@ def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second(
     if reason is None:
         assert PLANNER.goal(query, at()).quarters == (1, 1, 1)
         return
-    with pytest.raises(Refused, match="too slow") as refusal:
+    with pytest.raises(Refused, match="too low") as refusal:
         PLANNER.goal(query, at())
     assert refusal.value.reason is reason
 

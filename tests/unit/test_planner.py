@@ -174,9 +174,9 @@ def test_the_alternative_of_a_refused_pose_is_the_nearest_allowed_pose(
     [
         (
             math.radians(0.01),
-            "A speed of 0.010°/s for the short, middle and long arm is too slow; 0.022°/s to 90.0°/s",
+            "A speed of 0.010°/s for the short, middle and long arm is too low; 0.022°/s to 90.0°/s",
         ),
-        (1e-30, "too slow"),
+        (1e-30, "too low"),
         (0.0, "A speed of 0.0°/s"),
         (-0.5, "A speed of -28.6°/s"),
         (math.radians(90.2), "A speed of 90.2°/s"),
@@ -207,7 +207,7 @@ def test_a_speed_above_the_teachers_limit_names_it_and_the_limit_itself_is_accep
     assert alternative.speed is not None
     planner.goal(PoseQuery(yaw=0.1, speed=alternative.speed.x), at(0))
     planner.limit_speed(0.0)
-    with pytest.raises(Refused, match=r"too fast; 0\.\d+°/s to 90\.0°/s is allowed"):
+    with pytest.raises(Refused, match=r"too high; 0\.\d+°/s to 90\.0°/s is allowed"):
         planner.goal(PoseQuery(yaw=0.1, speed=math.radians(100)), at(0))
 
 

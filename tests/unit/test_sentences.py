@@ -192,7 +192,7 @@ def test_a_detail_from_the_network_gives_the_same_sentence() -> None:
         (
             speed(RAD(0.01), RAD(0.022)),
             (
-                "A speed of 0.010°/s for the short and long arm is too slow; 0.022°/s to 90.0°/s is allowed. Try a speed of "
+                "A speed of 0.010°/s for the short and long arm is too low; 0.022°/s to 90.0°/s is allowed. Try a speed of "
                 "0.022°/s."
             ),
         ),
