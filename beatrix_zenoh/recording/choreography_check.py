@@ -34,7 +34,7 @@ def check_choreography(choreography: Choreography, robot: RobotData) -> None:
 
 
 def first_arms(step: Step, planner: Planner) -> Arms:
-    """Return the arm angles (rad) of the first pose; raises Refused if it exceeds a limit."""
+    """Return the arm angles (rad) of the first pose; raises Refused if it exceeds a limit or is out of reach."""
     if isinstance(step, Pose):
         place = arms_of(HeadAngles(step.yaw, step.pitch, step.roll), planner.neck)
     else:

@@ -31,11 +31,11 @@ HEADS = "head"
 
 @dataclass(frozen=True)
 class AxisDifference:
-    """Differences between two robots in one axis, or between their heads: s and deg."""
+    """Differences (deg) and lag (s) between two robots in one axis, or between their heads."""
 
     axis: str
     lag_s: float
-    """lag of the second robot behind the first; NaN: the axis did not move, or moved differently"""
+    """lag of the second robot behind the first; NaN: the axis did not move, or no lag explains the difference"""
     largest: float
     rms: float
     largest_after: float
@@ -53,7 +53,7 @@ class Comparison:
 
     lag_s: float
     """lag (s) of the set points of the second robot behind those of the first, or of its positions if its set points
-    were not recorded; NaN if nothing moved"""
+    were not recorded; NaN if nothing moved, or no lag explains the differences"""
     moved: tuple[MovedPart, ...]
     """the motions, each with the lag of its positions"""
     t: Floats
@@ -64,7 +64,8 @@ class Comparison:
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]
-    """largest distance of each robot from its set points at rest (deg); NaN: unknown. A lost full step is 0.69 deg."""
+    """for each robot, the largest distance of an arm from its set point while both robots rest (deg); NaN: unknown. A
+    lost full step is 0.69 deg."""
     regularity: tuple[Regularity, Regularity]
 
     @property
@@ -84,7 +85,7 @@ class Comparison:
 
 
 def compare(first: Recording, second: Recording) -> Comparison:
-    """Compare the longest common part of two recordings without a hole; their clocks must agree.
+    """Compare two recordings over the longest common part without a hole; both must have times of one clock.
 
     Raises:
         ValueError: that part is shorter than a second, or a recording has fewer than two positions.
@@ -136,13 +137,13 @@ def axis_difference(row: int, lag_s: float, before: Floats, after: Floats, rest:
 
 
 def differences(first: Floats, second: Floats) -> Floats:
-    """Second minus first in every axis, and the angle between both heads: (n, 7) in deg."""
+    """Return second minus first in every axis, and the angle between both heads: (n, 7) in deg."""
     head = slice(len(ARMS), len(ARMS) + len(HEAD))
     return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
 
 
 def off_set_points(recorded: Recording, t: Floats, rest: Flags) -> float:
-    """The largest distance of an arm from its set point at rest (deg); NaN if unknown."""
+    """Return the largest distance of an arm from its set point (deg) where `rest` is true; NaN if unknown."""
     if recorded.commanded is None or not rest.any():
         return math.nan
     apart = resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t)

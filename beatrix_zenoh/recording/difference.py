@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 GRID_NS: Final = 20_000_000
-"""Period of the grid, that of positions at 50 Hz; grid points are whole multiples of it."""
+"""Period of the grid, equal to that of positions at 50 Hz; grid points are whole multiples of it."""
 GAP_NS: Final = 100_000_000
 """Samples further apart than this are not interpolated."""
 WAITING: Final = 250
@@ -24,7 +24,7 @@ class AngleDifference(NamedTuple):
 
 
 class Difference:
-    """Takes samples of both twins as they arrive; yields a difference for each grid point that both cover.
+    """Calculates the differences between both twins from their samples, for each grid point that both cover.
 
     Between two samples of a twin its angles are interpolated linearly.
     """
@@ -57,7 +57,10 @@ class Difference:
 
 
 def at(samples: deque[tuple[int, Angles]], time_ns: int) -> Angles | None:
-    """Return the angles (deg) at a time; None before the first sample or inside a gap. Drops older samples."""
+    """Return the angles (deg) at a time; None before the first sample or inside a gap.
+
+    Drops the samples that neither this time nor later times need.
+    """
     while len(samples) > 1 and samples[1][0] <= time_ns:
         samples.popleft()
     (before_ns, before), (after_ns, after) = samples[0], samples[min(1, len(samples) - 1)]

@@ -44,7 +44,7 @@ ROD_PARTS: Final = 6
 
 
 class Form(StrEnum):
-    """The form of a solid; the text of each form describes `size` (m) of a Solid."""
+    """The form of a solid; the text below each form describes the numbers (m) in `Solid.size`."""
 
     ELLIPSOID = "ellipsoid"
     """half axes"""
@@ -67,7 +67,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Body:
-    """A body of the model; `path` contains its parents, from the root on."""
+    """A body of the model; `path` consists of the names of its parents, from the root on, and its own name."""
 
     path: str
     solids: tuple[Solid, ...]
@@ -77,7 +77,7 @@ IDENTITY: Final[Quaternion] = (0.0, 0.0, 0.0, 1.0)
 
 
 def geometry_of(info: GeometryInfo) -> Geometry:
-    """Convert the geometry that a robot reports to degrees, the unit of robot data."""
+    """Convert the geometry that a robot reports (rad) to that of robot data (deg)."""
     return Geometry(
         arm_angle=math.degrees(info.arm_angle),
         rod_twist=math.degrees(info.rod_twist),
@@ -92,7 +92,10 @@ class Figure:
     """Bodies of one robot, and their rotations for arm angles and a head orientation."""
 
     def __init__(self, geometry: Geometry = ROBOT.geometry, size: Head = ROBOT.head) -> None:
-        """`size` gives the lengths; masses are not used. The geometry must close upright (see Neck)."""
+        """Create the bodies with the lengths of `size`; its masses are not used.
+
+        With this geometry the neck must close upright (see Neck).
+        """
         arm, rod, tilt = (
             math.radians(angle) for angle in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle)
         )
@@ -111,7 +114,7 @@ class Figure:
         self.bodies = (self._base(), *self._arms(), *self._rods(), self._head())
 
     def rotations(self, arms: Arms, head: Rotation) -> dict[str, Quaternion]:
-        """Rotation of each moving body in its parent's frame, by path.
+        """Return the rotation of each moving body in its parent's frame, by path.
 
         Args:
             arms: angles from home (rad).
@@ -204,12 +207,12 @@ def direction(azimuth: float, across: float, up: float) -> Vector:
 
 
 def scaled(vector: Vector, length: float) -> Vector:
-    """`length` times the vector."""
+    """Return `length` times the vector."""
     return vector[0] * length, vector[1] * length, vector[2] * length
 
 
 def rod_angle(elbow: Vector, mount: Vector, arm: float, head: Rotation) -> float:
-    """Angle of a rod about its elbow (rad, 0 at home) that brings its end to the skull's mount.
+    """Return the angle of a rod about its elbow (rad, 0 at home) that brings its end to the skull's mount.
 
     Args:
         elbow: elbow axis at home, unit vector.
@@ -226,13 +229,13 @@ def rod_angle(elbow: Vector, mount: Vector, arm: float, head: Rotation) -> float
 
 
 def about(axis: Vector, angle: float) -> Quaternion:
-    """The rotation about a unit vector by an angle (rad)."""
+    """Return the rotation about a unit vector by an angle (rad)."""
     s = math.sin(angle / 2)
     return axis[0] * s, axis[1] * s, axis[2] * s, math.cos(angle / 2)
 
 
 def quaternion(rotation: Rotation) -> Quaternion:
-    """The quaternion of a rotation given by its rows."""
+    """Return the quaternion of a rotation given by its rows."""
     (a, b, c), (d, e, f), (g, h, i) = rotation
     squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
     largest = max(range(4), key=lambda index: squares[index])
@@ -250,7 +253,7 @@ def quaternion(rotation: Rotation) -> Quaternion:
 
 
 def towards(axis: Vector) -> Quaternion:
-    """The shortest rotation that turns z to a unit vector."""
+    """Return the shortest rotation that turns the z axis to a unit vector."""
     x, y, z = axis
     if z < -0.999999:
         return 1.0, 0.0, 0.0, 0.0
@@ -259,7 +262,7 @@ def towards(axis: Vector) -> Quaternion:
 
 
 def arc(start: Vector, end: Vector, parts: int) -> list[Vector]:
-    """Points on the great circle between two unit vectors, both included."""
+    """Return `parts` + 1 points on the great circle between two unit vectors, both included."""
     angle = math.acos(max(-1.0, min(1.0, dot(start, end))))
     points = []
     for index in range(parts + 1):
@@ -270,12 +273,12 @@ def arc(start: Vector, end: Vector, parts: int) -> list[Vector]:
 
 
 def ellipsoid(position: Vector, half_axes: Vector, colour: Colour) -> Solid:
-    """An ellipsoid whose axes are parallel to those of its body; lengths in m."""
+    """Return an ellipsoid whose axes are parallel to those of its body; lengths in m."""
     return Solid(Form.ELLIPSOID, half_axes, position, IDENTITY, colour)
 
 
 def cylinder(position: Vector, axis: Vector, radius: float, length: float, colour: Colour) -> Solid:
-    """A cylinder with its centre at `position` and its axis along the unit vector `axis`; lengths in m."""
+    """Return a cylinder with its centre at `position` and its axis along the unit vector `axis`; lengths in m."""
     return Solid(Form.CYLINDER, (radius, length), position, towards(axis), colour)
 
 

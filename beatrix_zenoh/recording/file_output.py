@@ -1,4 +1,4 @@
-"""An output that writes rows to a file, or to several files in turn."""
+"""An output that writes rows to a file, or to several files one after the other."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from beatrix_zenoh.recording.rows import Row
 from beatrix_zenoh.recording.rrd.stream import Stream
 
 PERIOD_S: Final = 0.5
-"""Period of writing: fewer pieces make a smaller file. A killed recorder loses at most the rows of one period."""
+"""Period of writing: longer periods make smaller files, but a killed recorder loses up to one period of rows."""
 FLUSH_S: Final = 5.0
 CLOSE_S: Final = 10.0
 SPARE_BYTES: Final = 200_000_000
@@ -27,7 +27,7 @@ class FileOutput:
     """A file that is complete after `close`; before that it is readable up to the last half second."""
 
     def __init__(self, path: Path, say: Say, *, rotate_s: float = 0.0) -> None:
-        """Begin the file; with `rotate_s` > 0 begin a new file after that time: lesson-001.rrd, then lesson-002.rrd.
+        """Begin the file; with `rotate_s` > 0 begin a new one every `rotate_s` seconds: lesson-001.rrd, lesson-002.rrd.
 
         Raises:
             Refused: BAD_VALUE, the file exists or cannot be written.
@@ -39,7 +39,7 @@ class FileOutput:
         """All files of the recording, the newest last."""
         self._number = 0
         self.full = False
-        """Whether the disk is full or too slow; then nothing more is written."""
+        """Whether the disk is too full or too slow; then nothing more is written."""
         self._stream = self._begin()
         self._written_s = self._began_s = time.monotonic()
 
@@ -59,7 +59,7 @@ class FileOutput:
             self._rows += rows
 
     def update(self, now_s: float) -> bool:
-        """Write the kept rows twice a second; return True if a new file has begun."""
+        """Write the kept rows if half a second has passed since the last time; return True if a new file has begun."""
         if self.full or now_s < self._written_s + PERIOD_S:
             return False
         self._written_s = now_s
@@ -72,7 +72,7 @@ class FileOutput:
         return False
 
     def close(self) -> bool:
-        """Write the rest and the end of the file; return False if writing fails or takes too long."""
+        """Write the remaining rows and the end of the file; return False if writing fails or takes too long."""
         self._write()
         done = self._stream.flush(CLOSE_S)
         if done:
@@ -98,7 +98,7 @@ class FileOutput:
         path = self._path
         if self._rotate_s:
             self._number += 1
-            # Skip numbers that an earlier recording has used.
+            # After the first file skip numbers that are taken, so that an earlier recording does not end this one.
             while self.files and numbered(path, self._number).exists():
                 self._number += 1
             path = numbered(path, self._number)

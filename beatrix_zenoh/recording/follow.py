@@ -1,8 +1,9 @@
-"""Targets that lead a robot along a path in time, planned and checked before anything moves.
+"""Targets that make a robot follow a path at its times, planned and checked before the robot moves.
 
-The firmware moves every arm to its target with the highest allowed acceleration. A robot follows a path by a target
-every 40 ms: for each arm the furthest point before the arm turns back or has to brake, and the speed that brings the
-arm back onto the path two targets later. `trajectory.plan` calculates the resulting motion in advance.
+The firmware moves every arm to its target with the highest allowed acceleration. To follow a path, a robot gets a
+target every 40 ms. The target contains, for each arm, a point ahead on the path, at which the path turns back or which
+is just beyond the braking distance, and the speed that brings the arm back onto the path two targets later.
+`trajectory.plan` calculates the resulting motion in advance.
 """
 
 from __future__ import annotations
@@ -29,16 +30,16 @@ from beatrix_zenoh.recording.series import Floats
 TARGET_S: Final = 0.04
 """Time between two targets."""
 LOOK_S: Final = 0.08
-"""The speed brings the arm back onto the path within this time. With shorter times the arms oscillate; with longer
-times they leave the path where it turns."""
+"""The speed of a target brings the arm back onto the path within this time. With shorter times the arms oscillate; with
+longer times they leave the path where it turns."""
 STEP_S: Final = 0.01
 LEAD_IN_S: Final = 0.08
-"""Targets begin this long before the path, because an arm that already accelerates fully cannot catch up."""
+"""Targets begin this long before the path: an arm that starts late cannot catch up if the path accelerates fully."""
 AHEAD_S: Final = 0.7
 """The longest time from now to the target's point on the path. A target is only as far ahead as the arm needs to brake,
-because a robot checks each motion up to its end, and there arms of different speeds must still be close to the path."""
+because a robot checks each motion up to its end, where arms of different speeds must still be close to the path."""
 TURN_DEG: Final = 0.1
-"""Smaller reversals of the path are ignored: about a microstep."""
+"""Reversals of the path by less than this, about a microstep, are ignored."""
 REST_DEG: Final = 0.001
 AT_REST_DEG_S: Final = 10.0
 """Lowest speed of a correction where the path rests."""
@@ -59,7 +60,7 @@ class Target(NamedTuple):
 
 @dataclass(frozen=True)
 class Following:
-    """A path with its targets; each target and the motion between them were checked."""
+    """A path with its targets; the targets and the motions between them have been checked."""
 
     path: ArmPath
     start: MotionQuery
@@ -78,7 +79,7 @@ class Following:
         return self.path.duration_s
 
     def at(self, t: float) -> Floats:
-        """Planned arm angles (deg) `t` seconds after the start of the path, interpolated linearly between steps."""
+        """Return planned arm angles (deg) `t` seconds after the start of the path, interpolated linearly."""
         place = min(max(0.0, (t + LEAD_IN_S) / STEP_S), len(self.planned) - 1.0)
         before = int(place)
         after = min(before + 1, len(self.planned) - 1)
@@ -87,7 +88,7 @@ class Following:
 
 
 def robot_of(info: Info) -> RobotData:
-    """Limits and geometry of the robot with this info, in the units of robot.toml."""
+    """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
     limits, shape = info.limits, info.geometry
     names = ("tilt_max", "gap_min", "yaw_max", "speed_default", "speed_max", "acceleration")
     changed = {name: degrees(getattr(limits, name)) for name in names}
@@ -101,7 +102,7 @@ def robot_of(info: Info) -> RobotData:
 
 
 def robots_of(infos: Sequence[Info]) -> list[RobotData]:
-    """Limits and geometries to check a motion against: those of the first robot, and of the second if they differ."""
+    """Return the robot data to check a motion against: those of the first robot, and of the second if they differ."""
     checked = infos if len(infos) > 1 and unlike(*infos) else infos[:1]
     return [robot_of(info) for info in checked]
 
@@ -134,7 +135,7 @@ def follow(path: ArmPath, robot: RobotData) -> Following:
 
 
 class OffThePath(Exception):
-    """Raised if an arm deviates too far (deg) from the path, at a time of the path (s)."""
+    """An arm deviates from the path by `deg` (deg), which is too much, at the time `t` (s) of the path."""
 
     def __init__(self, deg: float, t: float) -> None:
         super().__init__(deg, t)
@@ -146,7 +147,7 @@ def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
 
     Raises:
         OffThePath: the path is too fast.
-        Refused: as `follow`.
+        Refused: a motion exceeds a limit; the message names line and time.
     """
     grid = path.at(np.arange(-LEAD_IN_S, path.duration_s + AHEAD_S + LOOK_S + STEP_S, STEP_S))
     position: Arms = _radians(grid[0])
@@ -185,7 +186,8 @@ def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tupl
         acceleration = math.degrees(limits.acceleration)
         wanted = speed_for(way, speed_now, acceleration)
         if float(np.ptp(coming[: look + 1, arm])) < REST_DEG:
-            goals.append(round(float(coming[look, arm]), 6))  # without rounding each target would differ
+            # Rounded, because otherwise every target would differ from the last, and be sent.
+            goals.append(round(float(coming[look, arm]), 6))
             speeds.append(min(fastest, max(AT_REST_DEG_S, abs(wanted))))
             continue
         speed = min(fastest, max(slowest, abs(wanted)))
@@ -198,7 +200,7 @@ def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tupl
 def speed_for(way: float, now: float, acceleration: float) -> float:
     """Return the speed (deg/s) with which an arm at speed `now` (deg/s) covers the distance `way` (deg) in LOOK_S.
 
-    With c the speed and r = |c - now| / a the time to reach it, the distance is c LOOK - (c - now) |c - now| / 2a.
+    With c the speed and r = |c - now| / a the time to reach it, the distance is c LOOK_S - (c - now) r / 2.
     """
     more = way - now * LOOK_S
     root = LOOK_S**2 - 2 * abs(more) / acceleration
@@ -207,9 +209,12 @@ def speed_for(way: float, now: float, acceleration: float) -> float:
 
 
 def furthest(coming: Floats, sign: float, enough: float) -> float:
-    """Return the furthest point (deg) in a direction before the path turns back, or the first point beyond `enough`."""
+    """Return the furthest point (deg) before the path turns back, or the first point beyond `enough` (deg).
+
+    `sign` is the direction in which the arm turns.
+    """
     ahead = sign * coming
-    # Leave out the path before a reversal within LOOK_S.
+    # Leave out the path before a reversal within LOOK_S: it runs against `sign` and would end the search.
     ahead = ahead[int(np.argmin(ahead[: round(LOOK_S / STEP_S) + 1])) :]
     peak = np.maximum.accumulate(ahead)
     ends = np.flatnonzero((peak - ahead > TURN_DEG) | (ahead >= sign * enough))

@@ -54,9 +54,9 @@ class MovedPart(NamedTuple):
 def lag(first: Recording, second: Recording, columns: Sequence[int] = tuple(range(len(ARMS)))) -> float:
     """Return the lag (s) of the second behind the first; NaN if nothing moved, or no lag up to 5 s explains the second.
 
-    The lag is the shift with the least sum of squared differences of these axes. The search has steps of the grid, then
-    of 1 ms, and ends at the vertex of the parabola through the best three. Constant differences do not count. At least
-    half of the shared time is compared, so the longest lag that can be found is a quarter of the shared time.
+    The lag is the shift with the least sum of squared differences in `columns`. The search has steps of the grid, then
+    of 1 ms, and ends at the vertex of the parabola through the best value and both neighbours. Constant differences do
+    not count. At least half of the shared time is compared, so the longest lag found is a quarter of that time.
     """
     t = common_grid(first, second)
     one, other = chosen(first, columns), chosen(second, columns)
@@ -99,7 +99,7 @@ def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, 
 
 
 def moved_parts(first: Recording, second: Recording, lag_s: float) -> list[MovedPart]:
-    """Return the motions of both, each with its own lag; `lag_s` is the lag of the whole recording (s).
+    """Return the motions of both, each with its own lag or, if that is unknown, `lag_s` (s), that of the recording.
 
     Lags differ because the request of each motion has its own delay.
     """
@@ -123,7 +123,7 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
 
 def without_lag(second: Recording, t: Floats, lag_s: float, parts: Sequence[MovedPart]) -> Floats:
-    """Angles of the second at times t (s) of the first, after removal of each motion's lag."""
+    """Return the angles of the second at times t (s) of the first, after removal of each motion's lag."""
     shifts = np.full(len(t), lag_s)
     if parts:
         # Both rest between two motions, so the lag may change anywhere there.

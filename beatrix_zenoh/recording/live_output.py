@@ -1,4 +1,4 @@
-"""An output that sends rows to a viewer, which may start, end and freeze at any time."""
+"""An output that sends rows to a viewer, which may start, end and stop responding at any time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PERIOD_S: Final = 0.1
 PROBE_S: Final = 1.0
 FLUSH_S: Final = 0.5
 THAWING_S: Final = 0.02
-"""Used instead of FLUSH_S for a frozen viewer: files must not wait for a viewer."""
+"""Used instead of FLUSH_S while the viewer does not respond, so that files do not wait for it."""
 CLOSE_S: Final = 2.0
 
 
@@ -29,16 +29,16 @@ class ViewerState(Enum):
     CONNECTED = auto()
     """the viewer receives data"""
     FROZEN = auto()
-    """the viewer is connected and receives nothing: rows are left out"""
+    """the viewer is connected but does not respond: rows are left out"""
 
 
 class LiveOutput:
     """Sends rows to the viewer on a port of this computer while the viewer receives them.
 
-    Rerun keeps up to 200 MB for a frozen viewer and then blocks, and it sends nothing to a viewer that starts after the
-    stream. So this class tries the port first, and checks once a second with a time-limited flush whether data arrive.
-    A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are counted, not sent
-    again.
+    For a viewer that does not respond, Rerun keeps up to 200 MB and then blocks; to a viewer that starts after the
+    stream it sends nothing. So this class tries the port first, and checks once a second with a time-limited flush
+    whether data arrive. A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are
+    counted, not sent again.
     """
 
     def __init__(self, port: int, say: Say) -> None:
@@ -67,9 +67,9 @@ class LiveOutput:
             self.left_out += len(rows)
 
     def update(self, now_s: float) -> bool:
-        """Send the kept rows if 0.1 s have passed; probe the viewer if 1 s has passed.
+        """Send the kept rows if 0.1 s have passed since the last time, and probe the viewer if 1 s has passed.
 
-        Returns True if this call connected the viewer.
+        Returns True if the viewer receives data again, or for the first time.
         """
         if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + PERIOD_S:
             self._sent_s = now_s
@@ -86,7 +86,7 @@ class LiveOutput:
         return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
 
     def close(self) -> bool:
-        """Send the rest and disconnect; return False if the viewer blocks either.
+        """Send the remaining rows and disconnect; return False if the viewer blocks either.
 
         The process must then exit without waiting for Rerun.
         """
@@ -96,7 +96,7 @@ class LiveOutput:
             return True
         if not self._stream.flush(CLOSE_S) and not self._stream.broken:
             return False
-        # If the viewer froze just now, the remaining data in its socket buffer would still block the disconnect.
+        # Limit the time: if the viewer has just stopped responding, data in its socket buffer block the disconnect.
         closing = threads.start(self._stream.close, "disconnect-viewer")
         closing.join(CLOSE_S)
         return not closing.is_alive()
@@ -129,7 +129,7 @@ class LiveOutput:
         self._reported = self.state
         what = {
             ViewerState.MISSING: f"No viewer answers on {HOST}:{self._port}. Start one; the robots then appear in it.",
-            ViewerState.FROZEN: "The viewer receives nothing: it is frozen or too slow. Data are left out until it responds.",
+            ViewerState.FROZEN: "The viewer does not respond, or is too slow. Data are left out until it responds.",
             ViewerState.CONNECTED: f"The viewer receives data again; it missed {self.left_out} rows.",
         }
         self._say(what[self.state])

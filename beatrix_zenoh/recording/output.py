@@ -11,7 +11,7 @@ from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Row
 
 Say = Callable[[str], None]
-"""Shows a sentence to the user."""
+"""A function that shows a sentence to the user."""
 
 
 @dataclass(frozen=True)
@@ -50,5 +50,5 @@ class Output(Protocol):
         ...
 
     def close(self) -> bool:
-        """Write the rest and close; return False if that takes too long."""
+        """Write the remaining rows and close; return False if that fails or takes too long."""
         ...

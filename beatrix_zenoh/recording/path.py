@@ -24,7 +24,7 @@ LEAST = 1e-12
 STILL_S = 0.5
 """Rest that is kept before the first motion and after the last."""
 LONGEST_S: Final = 3600.0
-"""The longest path, because planning and checking it takes minutes and about 100 MB."""
+"""Longest duration (s) of a path: planning and checking such a path takes minutes and about 100 MB."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,13 @@ class ArmPath:
     """Points (n) of a path, at least two: t in s from 0, ascending; arms (n, 3) in deg."""
 
     source: str
-    """name of the path in refusals"""
+    """name of the path in messages"""
     t: Floats
     arms: Floats
     lines: tuple[int, ...] = ()
     """the line of each point in its file; empty: no file"""
     factor: float = 1.0
-    """speed relative to its file"""
+    """speed relative to the file or recording"""
 
     @property
     def duration_s(self) -> float:
@@ -74,7 +74,8 @@ class ArmPath:
     def at(self, t: Floats) -> Floats:
         """Return the arm angles (m, 3) in deg at times t (m,) in s.
 
-        They are cubic between points, without overshoot, and constant before and after.
+        They are interpolated by cubics without overshoot between points, and constant before the first point and after
+        the last.
         """
         t = np.clip(t, self.t[0], self.t[-1])
         i = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
@@ -90,9 +91,9 @@ class ArmPath:
         )
 
     def _slopes(self) -> Floats:
-        """Speeds (deg/s) at the points: 0 at turning points and ends, else the weighted harmonic mean of both sides.
+        """Return speeds (deg/s) at the points: 0 at turning points and ends, else a mean of the slopes on both sides.
 
-        Fritsch and Butland, 1984: the interpolation is monotonic between two points.
+        With a weighted harmonic mean the interpolation is monotonic between two points (Fritsch and Butland, 1984).
         """
         h = np.diff(self.t)[:, None]
         secants = np.diff(self.arms, axis=0) / h
@@ -135,7 +136,7 @@ def path_of(read: MotionFile, neck: Neck) -> ArmPath:
 
 
 def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]:
-    """Arm angles (deg) of a point; raises Refused, which names the line, if no arm angles turn the head there."""
+    """Return the arm angles (deg) of a point; raises Refused, which names the line, if the point is out of reach."""
     try:
         return arms_of(point.place, neck)
     except BeatrixError as error:
@@ -144,7 +145,7 @@ def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]
 
 
 def arms_of(place: Place, neck: Neck) -> tuple[float, float, float]:
-    """Arm angles (deg) for angles of the head or the arms (deg); raises Refused if no arm angles turn the head there."""
+    """Return the arm angles (deg) for angles of head or arms (deg); raises Refused if the head cannot turn there."""
     if not isinstance(place, HeadAngles):
         return place
     x, y, z = neck.inverse(*(math.radians(angle) for angle in place))
@@ -152,10 +153,10 @@ def arms_of(place: Place, neck: Neck) -> tuple[float, float, float]:
 
 
 def path_of_recording(source: str, recorded: Recording) -> ArmPath:
-    """The path of a recorded robot: its set points if they were recorded, else its positions.
+    """Return the path of a recorded robot: its set points if they were recorded, else its positions.
 
     Raises:
-        WrongUsage: BAD_VALUE, the robot did not move, or moved for more than a day.
+        WrongUsage: BAD_VALUE, the robot did not move, or its motions span more than a day.
     """
     arms = recorded.arms
     moved = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[:1]), axis=1) > REST_DEG)
@@ -166,7 +167,7 @@ def path_of_recording(source: str, recorded: Recording) -> ArmPath:
         )
     begin_s = max(arms.t[0], arms.t[moved[0]] - STILL_S)
     end_s = min(arms.t[-1], arms.t[unfinished[-1]] + STILL_S)
-    if end_s - begin_s > DAY_S:  # a changed clock could make the next lines allocate all memory
+    if end_s - begin_s > DAY_S:  # after a change of a clock the next lines could allocate all memory
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"{source}: its motions span {end_s - begin_s:.0f} s; at most {DAY_S:.0f} s is allowed. Record shorter parts.",

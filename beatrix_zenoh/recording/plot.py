@@ -36,7 +36,7 @@ def path_figure(path: Path) -> Figure:
 
 
 def twin_figure(found: Comparison, title: str) -> Figure:
-    """Return a figure of arms and head of both robots over time, and of their differences with and without lag."""
+    """Return a figure of arms and head of both robots over time, and of the arms' differences with and without lag."""
     t = found.t - found.t[0]
     figure = Figure(figsize=(WIDTH_IN, 8.5), layout="constrained")
     figure.suptitle(title, fontsize=14, x=0.01, ha="left")
@@ -55,7 +55,7 @@ def twin_figure(found: Comparison, title: str) -> Figure:
 
 
 def draw_both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
-    """Draw the second wide and pale and the first thin on top, so that both are visible where they agree."""
+    """Draw the curves of the second wide and pale and those of the first thin on top, so that both remain visible."""
     for column, colour in zip(second.T, COLOURS, strict=True):
         panel.plot(t, column, color=colour, linewidth=6, alpha=0.3, solid_capstyle="round")
     for column, colour, name in zip(first.T, COLOURS, names, strict=True):

@@ -16,9 +16,9 @@ from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.follow import robot_of
 
 POINTS_HZ: Final = 25.0
-"""Points a second while the robot moves."""
+"""Points per second while the robot moves."""
 SLACK_S: Final = 0.005
-"""Tolerance: positions arrive every 20 ms, slightly early or late."""
+"""Tolerance of periods, because positions, sent every 20 ms, arrive slightly early or late."""
 SAME_DEG: Final = 0.01
 """Set points closer than this are equal: they are whole microsteps of 0.086 deg."""
 Timed = tuple[float, Place]
@@ -34,7 +34,7 @@ class Thinning:
         self._before: Timed | None = None
 
     def add(self, point: Timed) -> list[Timed]:
-        """Add the next point; return the points to keep now."""
+        """Add the next point; return the points that are kept and were not returned before."""
         before, self._before = self._before, point
         if self._kept is None or before is None:
             self._kept = point
@@ -64,9 +64,9 @@ def record_motion(
     points_hz: float = POINTS_HZ,
     going: Callable[[int], bool] = lambda _points: True,
 ) -> int:
-    """Write the set points of a robot to a motion file; return their number.
+    """Write the set points of a robot to a motion file; return the number of points.
 
-    The recording ends with Ctrl-C, or when `going` returns False. The file is complete after each point.
+    The recording ends with Ctrl-C, or when `going` returns False. The file is valid after each point.
 
     Args:
         robot: the robot, which any client may drive.
@@ -118,7 +118,7 @@ def write(file: TextIO, points: Sequence[Timed], about: Sequence[str]) -> int:
 
 
 def timed(stream: Iterable[Positions], place_of: Callable[[Positions], Place]) -> Iterator[Timed]:
-    """Yield each place with its time (s) since the first; skip repeated time stamps."""
+    """Yield each place with its time (s) since the first; skip time stamps that are not later than the last."""
     begin_ns = last_ns = -1
     for positions in stream:
         if positions.t_mono_ns > last_ns:
@@ -133,7 +133,7 @@ def same(one: Place, other: Place) -> bool:
 
 
 def arm_angles_of(positions: Positions) -> ArmAngles:
-    """The set points of the arms (deg)."""
+    """Return the set points of the arms (deg)."""
     return arm_angles(positions.commanded)
 
 

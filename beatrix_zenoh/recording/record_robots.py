@@ -62,7 +62,10 @@ def record_robots(
 def live_recording(
     robot: Robot, positions: Sequence[Positions], offset: Offset, before: Status
 ) -> LiveRecording:
-    """Return the positions by this computer's clock; the more exact of the offsets before and after is used."""
+    """Return the recording of one robot, with times by this computer's clock.
+
+    The offset of the clocks is measured again; the more exact of both measurements is used.
+    """
     with naming(str(robot)):
         after, status = offset_of(robot), robot.status()
     better = min(offset, after, key=lambda each: each.bound)
@@ -78,19 +81,19 @@ def live_recording(
 
 
 def offset_of(robot: Robot) -> Offset:
-    """Offset of the robot's monotonic clock from this computer's."""
+    """Return the offset of the robot's monotonic clock from this computer's."""
     return clock_offsets(robot.client, *robot.place, timeout_s=robot.timeout_s).mono
 
 
 def clock_s(robot: Robot) -> float:
-    """The robot's monotonic clock minus this computer's (s); 0 if 0 is within the error of the measurement."""
+    """Return the robot's monotonic clock minus this computer's (s); 0 if 0 is within the error of the measurement."""
     return offset_of(robot).certain
 
 
 def slipped_between(before: Status, after: Status) -> int | None:
-    """Full motor steps that slipped between two statuses; None: not measured."""
+    """Return the full motor steps that slipped between two statuses; None: not measured."""
     if before.plant is None or after.plant is None:
         return None
     if before.calibrations != after.calibrations:
-        return after.plant.slipped_steps  # the count begins at the calibration
+        return after.plant.slipped_steps  # a calibration sets the count to 0
     return after.plant.slipped_steps - before.plant.slipped_steps

@@ -1,4 +1,4 @@
-"""The recorder: writes the robots of a router into a file, a viewer, or both."""
+"""The recorder: writes the publications of robots to files, viewers, or both."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Recorder:
             raise self._thread.failure
 
     def close(self) -> bool:
-        """Write the publications that have arrived and close the outputs; return False if one takes too long."""
+        """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
         if self._closed is None:
             self._closed = self._thread.close()
             self._subscriptions.close()

@@ -29,7 +29,7 @@ WAITING: Final = 500
 dropped and counted."""
 REPORT_S: Final = 5.0
 END_S: Final = 15.0
-"""The longest that `close` waits for a disk or a viewer."""
+"""The longest time that `close` waits for a disk or a viewer."""
 UNKNOWN_NS: Final = 1_000_000_000
 """Assumed error of a clock offset that was estimated from arrival times."""
 
@@ -75,7 +75,7 @@ class RecordingThread:
         return sorted(self._rows)
 
     def close(self) -> bool:
-        """Write the publications that have arrived and close all outputs; return False if one takes too long."""
+        """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
         self._ending.set()
         self._thread.join(END_S)
         if self._thread.is_alive():
@@ -127,9 +127,8 @@ class RecordingThread:
         place, waiting = answer.place, self._waiting.pop(answer.place, ())
         if answer.offset is not None:
             self._timebase.learn(place, answer.offset.offset_ns, answer.offset.bound_ns)
-        elif (
-            waiting
-        ):  # The robot publishes without answering: the fastest publication gives the best estimate.
+        elif waiting:
+            # The robot publishes without answering: the fastest publication gives the best estimate.
             offset_ns = max(arrival.value.t_mono_ns - arrival.t_mono_ns for arrival in waiting)
             self._timebase.learn(place, offset_ns, UNKNOWN_NS)
         if place not in self._rows:
@@ -180,7 +179,7 @@ class RecordingThread:
         """Yield the row of a picture if one is due."""
         path = of_robot(place, "camera", image.eye)
         due_ns = self._picture_due_ns.get(path, time_ns)
-        # A slightly early picture counts: otherwise rounding would turn 5 Hz of 15 Hz into 3.75 Hz.
+        # Accept a slightly early picture: otherwise a camera of 15 Hz would give 3.75 Hz instead of 5 Hz.
         if time_ns < due_ns - self._picture_period_ns // 8:
             return
         self._picture_due_ns[path] = max(due_ns, time_ns - self._picture_period_ns) + self._picture_period_ns
@@ -190,14 +189,14 @@ class RecordingThread:
         yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
 
     def _lost_robots(self) -> Iterator[Row]:
-        """Yield the state LOST of each robot that publishes no positions any more."""
+        """Yield the state LOST of each robot that no longer publishes positions."""
         now_ns = time.monotonic_ns()
         for place, (arrived_ns, time_ns) in self._last.items():
             if now_ns - arrived_ns > LOST_S * 1e9:
                 yield from self._rows[place].lost(time_ns)
 
     def _dropped_rows(self, now_s: float) -> Iterator[Row]:
-        """Report dropped publications to the user; yield a log line and a count."""
+        """Report newly dropped publications to the user, at most every REPORT_S; yield a log line and a count."""
         dropped = self.dropped
         if dropped == self._reported or now_s < self._reported_s + REPORT_S:
             return

@@ -30,21 +30,21 @@ LATE_S: Final = 1.0
 THERE_DEG: Final = 0.1
 """Tolerance of the position at the start of the path; a microstep is 0.086 deg."""
 BEGIN_S: Final = 0.05 + LEAD_IN_S
-"""Time from the call to the start of the path."""
+"""Time from the arrival of the robots at the start until the path begins."""
 CORRECT_S: Final = 0.2
 """Time within which a deviation from the plan is corrected."""
 FASTER: Final = 1.5
 """Largest factor between the planned speed and the speed that corrects a deviation."""
 BAD_SPEED_REASONS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT)
 Progress = Callable[[float], None]
-"""Called with the elapsed time of the path (s)."""
+"""A function that is called with the elapsed time of the path (s)."""
 
 
 class Stream:
     """The targets for one robot, sent `delay_s` (s) after their times."""
 
     def __init__(self, robot: Robot, following: Following, delay_s: float) -> None:
-        """Measure the robot's clock and subscribe to its positions; raises NoAnswer."""
+        """Measure the robot's clock, and subscribe to its positions and STOPs; raises NoAnswer."""
         self.robot = robot
         self._following = following
         self._clock_s = clock_s(robot)
@@ -71,7 +71,7 @@ class Stream:
         return self._next is None and self.motion is None
 
     def advance(self) -> None:
-        """Check that the robot still follows, and send the target that is due.
+        """Check that the robot still follows the path, and send the target that is due.
 
         Raises:
             Interrupted: STOP was pressed, another motion replaced this one, or this program was suspended.
@@ -130,13 +130,16 @@ class Stream:
 
 
 def corrected(speed: float, way: float, behind: float) -> float:
-    """The speed (deg/s) on the remaining way (deg) that corrects a deviation `behind` (deg) within CORRECT_S."""
+    """Return the speed (deg/s) that corrects a deviation `behind` (deg) within CORRECT_S, limited by FASTER.
+
+    `speed` is the planned speed (deg/s), `way` the remaining way (deg).
+    """
     more = math.copysign(behind / CORRECT_S, behind * way)
     return min(FASTER * speed, max(speed / FASTER, speed + more))
 
 
 def vector(speed: Vector3) -> tuple[float, float, float]:
-    """The speed as a tuple."""
+    """Return the speed as a tuple."""
     return speed.x, speed.y, speed.z
 
 
@@ -154,7 +157,7 @@ def replay(
 
     Raises:
         WrongUsage: `lead_s` is not a valid time, or is given for one robot.
-        Refused, Interrupted, NoAnswer: the error of the first target that failed.
+        Refused, Interrupted, NoAnswer: the motion to the start or a target failed.
     """
     lead_s = wait_s("lead_s", lead_s)
     if lead_s and isinstance(robots, Robot):

@@ -1,4 +1,4 @@
-"""Queries of the recorder for the clock offset and geometry of each robot, in their own thread."""
+"""Queries of the recorder for the clock offset and geometry of each robot, made in a separate thread."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.recording.figure import geometry_of
 
 AGAIN_S: Final = 30.0
-"""Period of the queries: clocks of two computers drift apart by up to some 0.1 ms/s, which is 3 ms in this time."""
+"""Period of the queries: clocks of two computers drift apart by up to about 0.1 ms/s, which is 3 ms in this time."""
 ANSWER_S: Final = 1.0
 
 

@@ -25,12 +25,12 @@ from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
 
 STILL: Final = 5e-5
-"""Smaller changes of a quaternion component get no new row (0.006 deg)."""
+"""If all components of a quaternion change by at most this (0.006 deg), there is no new row."""
 REQUESTS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
 
 
 class State(StrEnum):
-    """A robot's state as a coloured bar."""
+    """A robot's state, shown as a coloured bar."""
 
     DISABLED = "disabled"
     ENABLED = "enabled"
@@ -56,7 +56,7 @@ class RobotRows:
         """Arms and head of the newest positions (deg)."""
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
-        """Yield arms, set points and head in deg, and each body that has turned."""
+        """Yield arms, set points, head and measured head in deg, and the orientation of each body that has turned."""
         stamp = (time_ns, positions.t_wall_ns)
         numbers = {
             "arms": arms_deg(positions.position),
@@ -90,7 +90,7 @@ class RobotRows:
         yield from self._changed_to(self._state_now(), time_ns, status.t_wall_ns)
 
     def event(self, event: Event, time_ns: int) -> Iterator[Row]:
-        """Yield the event as a line, and the state if it changes by a STOP."""
+        """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
         text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {line_of(event)}"
         yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event))
@@ -99,11 +99,11 @@ class RobotRows:
             yield from self._changed_to(self._state_now(), *stamp)
 
     def lost(self, time_ns: int) -> Iterator[Row]:
-        """Yield the state LOST: the positions of the robot have ended."""
+        """Yield the state LOST, once: the positions of the robot have ended."""
         yield from self._changed_to(State.LOST, time_ns, time_ns)
 
     def back(self, time_ns: int, robot_ns: int) -> Iterator[Row]:
-        """Yield the present state if the robot was lost: its positions have returned."""
+        """Yield the present state of a robot that was lost and publishes positions again."""
         if self._state is State.LOST and self._status is not None:
             yield from self._changed_to(self._state_now(), time_ns, robot_ns)
 
@@ -116,7 +116,8 @@ class RobotRows:
     def _changed_to(self, state: State, time_ns: int, robot_ns: int) -> Iterator[Row]:
         if state is not self._state:
             self._state = state
-            # A STOP may be reported just after the status that follows from it: the last report is the state.
+            # The event of a STOP may arrive after the status that it has caused, with an earlier time. The viewer shows
+            # the state with the latest time, so the times must ascend.
             self._since_ns = max(time_ns, self._since_ns + 1)
             yield Bar(of_robot(self.place, "state"), self._since_ns, robot_ns, state)
 
@@ -127,7 +128,7 @@ def moved(before: Quaternion | None, now: Quaternion) -> bool:
 
 
 def state_of(status: Status) -> State:
-    """The state that follows from a status."""
+    """Return the state that follows from a status."""
     if status.fault is Fault.EMERGENCY:
         return State.EMERGENCY
     if status.fault is Fault.BOARD_LOST or not status.board.connected:
@@ -142,17 +143,17 @@ def state_of(status: Status) -> State:
 
 
 def arms_deg(vector: Vector3) -> tuple[float, float, float]:
-    """Short, middle and long arm (deg)."""
+    """Return the angles of the short, middle and long arm (deg)."""
     return math.degrees(vector.x), math.degrees(vector.y), math.degrees(vector.z)
 
 
 def head_deg(head: Head) -> tuple[float, float, float]:
-    """Yaw, pitch and roll (deg)."""
+    """Return yaw, pitch and roll (deg)."""
     return math.degrees(head.yaw), math.degrees(head.pitch), math.degrees(head.roll)
 
 
 def line_of(event: Event) -> str:
-    """Seat, request and outcome of an event."""
+    """Return a line with seat, request, outcome and message of an event."""
     words = [event.seat, *dict.fromkeys((str(event.kind), event.action))]
     if event.reason is Reason.OK:
         words.append("" if event.phase is None else event.phase)
@@ -166,13 +167,17 @@ def line_of(event: Event) -> str:
 
 
 def clock(time_ns: int) -> str:
-    """A time of day as the viewer shows it on its axes: UTC."""
+    """Return the time of day in UTC, as on the axes of the viewer."""
     moment = time.strftime("%H:%M:%S", time.gmtime(time_ns // 1_000_000_000))
     return f"{moment}.{time_ns // 1_000_000 % 1000:03d}"
 
 
 def level_of(event: Event) -> str:
-    """Return the log level: that of a log event, ERROR for STOP, WARN for refusals, warnings and losses, else INFO."""
+    """Return the log level of an event.
+
+    This is the level of a log event, ERROR for STOP, WARN for refusals, warnings, and events of board and router, else
+    INFO.
+    """
     if event.kind is EventKind.LOG:
         return event.action if event.action in ("INFO", "DEBUG", "ERROR") else "WARN"
     if event.kind is EventKind.STOP:

@@ -61,7 +61,7 @@ class Frame(Row):
 
 
 def of_robot(place: Place, *parts: str) -> str:
-    """Path of an entity of one robot: `bea/sim/arms`."""
+    """Return the path of an entity of one robot, for example `bea/sim/arms`."""
     return "/".join((*place, *parts))
 
 
@@ -71,5 +71,5 @@ def of_model(place: Place, body: str) -> str:
 
 
 def of_difference(robot: str, what: str) -> str:
-    """Path of the difference between hardware and simulation: `arms` or `head`."""
+    """Return the path of the difference between hardware and simulation; `what` is `arms` or `head`."""
     return f"{robot}/difference/{what}"

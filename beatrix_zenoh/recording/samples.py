@@ -42,7 +42,7 @@ class Texts:
 
 @dataclass(frozen=True)
 class Recorded:
-    """A file's contents."""
+    """The contents of a recording's file."""
 
     robots: dict[Place, Samples]
     differences: dict[str, tuple[Nanoseconds, Floats]]

@@ -85,19 +85,19 @@ def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording
         times / 1e9 - clock_s,
         np.unwrap(angles, period=360, axis=0),
         np.array([r.commanded for r in readings], dtype=np.float64),
-        lost=int(np.sum(missing[missing > 0])),  # a restarted node counts from 0
+        lost=int(np.sum(missing[missing > 0])),  # leaves out the restart of a node, which counts from 0
     )
 
 
 def of_samples(samples: Samples, begin_ns: int) -> Recording:
-    """Convert positions that were read from a file; times from `begin_ns` (ns since 1970)."""
+    """Convert positions that were read from a file; the result has times in s since `begin_ns` (ns since 1970)."""
     times, kept = np.unique(samples.time_ns, return_index=True)
     angles = np.hstack([samples.arms, samples.head])[kept]
     return Recording((times - begin_ns) / 1e9, np.unwrap(angles, period=360, axis=0), samples.commanded[kept])
 
 
 def regularity(recorded: Recording) -> Regularity:
-    """Regularity of a recording of at least two samples."""
+    """Return the regularity of a recording of at least two samples."""
     periods = np.diff(recorded.t)
     usual = float(np.median(periods))
     return Regularity(
@@ -179,14 +179,14 @@ def turned(difference: Floats) -> Floats:
 
 
 def heads_apart(first: Floats, second: Floats) -> Floats:
-    """Angle (n,) in deg of the rotation between two heads; yaw, pitch, roll (n, 3) in deg."""
+    """Return the angle (n,) in deg of the rotation between two heads; yaw, pitch, roll (n, 3) in deg."""
     # |R - S| = 2 sqrt(2) sin(angle / 2) in the Frobenius norm: exact for small angles, unlike the trace.
     chord = np.linalg.norm(rotations(first) - rotations(second), axis=(1, 2)) / (2 * np.sqrt(2))
     return np.asarray(np.degrees(2 * np.arcsin(np.minimum(1.0, chord))), dtype=np.float64)
 
 
 def rotations(head: Floats) -> Floats:
-    """Matrices (n, 3, 3) of yaw, pitch, roll (n, 3) in deg: Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return the matrices (n, 3, 3) of yaw, pitch, roll (n, 3) in deg: Rz(yaw) Ry(pitch) Rx(roll)."""
     (cy, cp, cr), (sy, sp, sr) = np.cos(np.radians(head)).T, np.sin(np.radians(head)).T
     rows = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

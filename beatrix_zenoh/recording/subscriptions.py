@@ -18,7 +18,7 @@ PICTURES: Final = 64
 
 
 class RobotSubscriptions:
-    """Subscriptions to all robots, or to those of some names.
+    """Subscriptions to all robots, or to those with given names.
 
     Zenoh's threads only enqueue undecoded publications. Each queue is bounded: 3000 publications of each kind, 64
     pictures of each camera.

@@ -32,7 +32,7 @@ class Thresholds:
                 raise WrongUsage(Reason.BAD_VALUE, f"{name} is {value:g}: give a number, 0 or more.")
 
     def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
-        """A sentence for each threshold that is exceeded or cannot be checked."""
+        """Return a sentence for each threshold that is exceeded or cannot be checked."""
         return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
 
     def _lag(self, found: Comparison) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Converts the monotonic clocks of robots to the wall clock of the recording computer."""
+"""Converts times of robots' monotonic clocks to the wall clock of the recording computer."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class Timebase:
     """
 
     def __init__(self, mono_ns: int, wall_ns: int) -> None:
-        """Start with both clocks of the recording computer at one moment."""
+        """Start with the times of both clocks of the recording computer at one moment."""
         self._anchor_ns = wall_ns - mono_ns
         self._offsets: dict[Place, tuple[int, int]] = {}
 
     def learn(self, place: Place, offset_ns: int, bound_ns: int) -> None:
-        """Add a measured offset, robot's clock minus ours; a more exact earlier one is kept.
+        """Add a measured offset, robot's clock minus ours; an earlier one that agrees and is more exact is kept.
 
-        Clocks drift apart, so each new measurement doubles the error bound of the earlier one.
+        Clocks drift apart, so a kept offset gets twice its error bound with each new measurement.
         """
         before = self._offsets.get(place)
         if before is not None and before[1] * 2 < bound_ns and abs(before[0] - offset_ns) <= bound_ns:

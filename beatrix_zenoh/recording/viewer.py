@@ -42,7 +42,7 @@ INSTALL: Final = 'pip install ".[rerun]" in the folder of BEATRIX'
 
 
 def program() -> Path:
-    """Path of the Rerun program; raises Refused (BAD_VALUE) if it is not installed."""
+    """Return the path of the Rerun program; raises Refused (BAD_VALUE) if it is not installed."""
     found = importlib.util.find_spec("rerun_cli")
     if found is None or found.origin is None or importlib.util.find_spec("rerun") is None:
         raise Refused(
@@ -56,7 +56,7 @@ def program() -> Path:
 
 
 def environment() -> dict[str, str]:
-    """Environment of Rerun's programs, without our log settings."""
+    """Return the environment for Rerun's programs, without our log settings."""
     return {name: value for name, value in os.environ.items() if name != "RUST_LOG"}
 
 
@@ -81,7 +81,7 @@ def verify(path: Path) -> str:
 
 
 def check_recording(path: Path) -> None:
-    """Raise Refused (BAD_VALUE) for a file that does not begin as a recording."""
+    """Raise Refused (BAD_VALUE) for a file that cannot be read or does not begin as a recording does."""
     try:
         with path.open("rb") as file:
             begin = file.read(len(MAGIC))
@@ -115,12 +115,12 @@ def answers(port: int) -> bool:
 
 
 def address(port: int) -> str:
-    """Address to which data for the viewer on this port are sent."""
+    """Return the URL to which data for the viewer on this port are sent."""
     return f"rerun+http://{HOST}:{port}/proxy"
 
 
 def free_port() -> int:
-    """A free port of this computer."""
+    """Return a free port of this computer."""
     with socket.socket() as probe:
         probe.bind((HOST, 0))
         port: int = probe.getsockname()[1]
@@ -134,7 +134,7 @@ class Viewer:
         """Start the viewer; `words` are further options of the program and files to show.
 
         Raises:
-            Refused: BAD_VALUE, Rerun is not installed, or the port is taken.
+            Refused: BAD_VALUE, Rerun is not installed or the port is taken.
         """
         if answers(port):
             raise Refused(
@@ -145,7 +145,7 @@ class Viewer:
         tool("analytics", "disable")
         self.port = port
         where = ("--bind", HOST, "--port", str(port), "--server-memory-limit", SERVER_MEMORY)
-        # An unread pipe would block the viewer when it is full.
+        # A file, not a pipe: nothing reads this output, and a full pipe would block the viewer.
         self._words = tempfile.TemporaryFile()  # noqa: SIM115 # closed by `end`
         self._process = subprocess.Popen(
             [str(program()), *where, *words],
@@ -193,7 +193,7 @@ class Viewer:
         self._words.close()
 
     def ending(self) -> str:
-        """Message about a viewer that has failed, with its last output."""
+        """Return a message about a viewer that has failed, with its last output."""
         if self.code is not None and self.code < 0:
             return f"The Rerun viewer was ended by signal {-self.code}."
         self._words.seek(0)

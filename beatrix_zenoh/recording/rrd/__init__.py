@@ -1,8 +1,8 @@
-"""Streams, layout and files of Rerun; no other package imports it."""
+"""Streams, layout and files of Rerun; no other package imports `rerun`."""
 
 from __future__ import annotations
 
 import os
 
-# Rerun reads this when it is imported. BEATRIX reports errors itself.
+# Rerun reads this variable when it is imported. BEATRIX reports errors itself, so Rerun need not log them.
 os.environ.setdefault("RUST_LOG", "off")

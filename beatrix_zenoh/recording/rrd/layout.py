@@ -15,7 +15,7 @@ from beatrix_zenoh.recording.rrd.read import TIME
 from beatrix_zenoh.recording.rrd.scene import solids_of
 
 WINDOW_S: Final = 20.0
-"""Time span of the plots in live mode."""
+"""Time span of the plots."""
 BACKGROUND: Final = (236, 239, 243)
 EYE: Final = (0.46, -0.28, 0.13)
 """Position of the viewpoint (m): in front of the head, to its right."""
@@ -30,7 +30,7 @@ Part = rrb.Container | rrb.View
 
 
 def layout(shown: RobotSet) -> rrb.Blueprint:
-    """The layout for these robots."""
+    """Return the layout for these robots."""
     overlays = [overlay(shown, name) for name in shown.names]
     besides = [beside(shown, name) for name in shown.names]
     plots = [plots_of(shown, name) for name in shown.names]
@@ -38,7 +38,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
         rrb.Tabs(
             tiled(overlays, "one over the other"),
             tiled(besides, "side by side"),
-            # Three plots of one robot fill a screen, so several robots get one tab each.
+            # The plots of one robot fill a screen, so each of several robots gets a tab of its own.
             rrb.Tabs(*plots, name="plots") if len(plots) > 1 else tiled(plots, "plots"),
             rrb.Vertical(states(), log(), row_shares=[2, 3], name="log and states"),
             active_tab=0,
@@ -58,7 +58,7 @@ def tiled(parts: Sequence[Part], name: str) -> rrb.Container:
 
 
 def overlay(shown: RobotSet, name: str) -> rrb.View:
-    """The hardware with the simulation as a ghost over it, or the only robot."""
+    """Return a view of the hardware with the simulation as a ghost over it, or of the only twin."""
     twins = shown.twins(name)
     contents = []
     for place in twins:
@@ -72,7 +72,7 @@ def overlay(shown: RobotSet, name: str) -> rrb.View:
 
 
 def beside(shown: RobotSet, name: str) -> rrb.Container:
-    """Both robots, and below them the pictures of their eyes."""
+    """Return views of both twins, and below them the pictures of their eyes."""
     twins = shown.twins(name)
     robots = []
     for place in twins:
@@ -99,16 +99,16 @@ def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
 
 
 def eye_view(place: Place, side: str) -> rrb.View:
-    """Pictures of one eye; the left eye of the robot is on the left."""
+    """Return a view of the pictures of one eye."""
     return rrb.Spatial2DView(
         origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TITLES[place[1]]}"
     )
 
 
 def plots_of(shown: RobotSet, name: str) -> rrb.Container:
-    """Plots of arms, head, and the difference between hardware and simulation."""
+    """Return plots of arms and head, and with both twins also of the difference between hardware and simulation."""
     twins = shown.twins(name)
-    # Each gets half of the screen's height, because the viewer leaves out the numbers of lower axes.
+    # Two plots share the screen's height; with more the viewer would leave out the numbers on their axes.
     curves = rrb.Vertical(
         plot([of_robot(place, "arms") for place in twins], f"arms (°){STYLES * (len(twins) > 1)}", ARMS_DEG),
         plot([of_robot(place, "head") for place in twins], f"head (°){STYLES * (len(twins) > 1)}", HEAD_DEG),
@@ -123,7 +123,7 @@ def plots_of(shown: RobotSet, name: str) -> rrb.Container:
 
 
 def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.View:
-    """Curves over the last 20 s, with fixed axes."""
+    """Return a plot of curves over 20 s, with a fixed vertical axis."""
     return rrb.TimeSeriesView(
         origin="/",
         contents=[f"+ /{path}" for path in paths],
@@ -141,12 +141,12 @@ def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.Vie
 
 
 def states() -> rrb.View:
-    """The states of all robots as bars."""
+    """Return a view of the states of all robots as bars."""
     return rrb.StateTimelineView(origin="/", contents="/**", name="states")
 
 
 def log() -> rrb.View:
-    """Requests, refusals, STOPs and warnings of all robots."""
+    """Return a log of the requests, refusals, STOPs and warnings of all robots."""
     return rrb.TextLogView(
         origin="/",
         contents="/**",
@@ -160,5 +160,5 @@ def log() -> rrb.View:
 
 
 def titled(place: Place) -> str:
-    """The title of a robot."""
+    """Return the title of a robot."""
     return f"{place[0]}: {TITLES[place[1]]}"

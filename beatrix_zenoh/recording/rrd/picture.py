@@ -13,14 +13,14 @@ from beatrix_zenoh.recording.viewer import Viewer, address, free_port
 
 SIZE: Final = "1456x819"
 SETTLE_S: Final = 2.5
-"""Data arrive in a view some time after it is first shown; no event reports when."""
+"""Pause before each picture: data arrive in a view some time after it is first shown, and no event reports when."""
 NOTICE_S: Final = 5.0
 """Time for which the viewer covers the picture with a notice after its start."""
 TABS: Final = ("overlay", "side-by-side", "plots", "log")
 
 
 def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
-    """PNG pictures of a recording, in the order of `shots`: each a tab (0 to 3) and a moment (s since 1970).
+    """Return PNG pictures of a recording, one for each of `shots`: a tab (0 to 3) and a moment (s since 1970).
 
     Raises:
         Refused, NoAnswer: the viewer cannot be started here.
@@ -55,6 +55,6 @@ def bring_to_front(blueprint: dict[str, dict[str, dict[str, object]]], tab: int)
 
 
 def parts_of(container: dict[str, object]) -> list[object]:
-    """The parts of a container; the viewer writes a single part without a list."""
+    """Return the parts of a container as a list; the viewer writes a single part without one."""
     contents = container.get("contents", [])
     return contents if isinstance(contents, list) else [contents]

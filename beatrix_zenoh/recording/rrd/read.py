@@ -39,7 +39,7 @@ def read(path: Path) -> Recorded:
     """Read a recording, even if its recorder was killed.
 
     Raises:
-        Refused: BAD_VALUE, the file is not a recording of BEATRIX, or is damaged.
+        Refused: BAD_VALUE, the file is missing, damaged, or not a recording of BEATRIX.
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
@@ -63,7 +63,7 @@ def read(path: Path) -> Recorded:
 
 
 def holds_samples(path: Path) -> bool:
-    """Return whether a recording contains positions of any robot."""
+    """Return whether a recording contains positions of any robot; False if it cannot be read."""
     try:
         return bool(read(path).robots)
     except Refused:
@@ -111,7 +111,7 @@ def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
 
 
 def _samples(columns: Columns, root: str) -> Samples:
-    """The complete samples of one robot.
+    """Return the complete samples of one robot; incomplete ones are left out.
 
     A node without new telemetry publishes the same time stamp twice: both are samples.
     """
@@ -130,7 +130,7 @@ def _samples(columns: Columns, root: str) -> Samples:
 
 
 def _at(column: Column, other: Column) -> Floats:
-    """The column's values at the rows of another column; NaN where it has no row."""
+    """Return the column's values at the times of another column; NaN where it has no row of the same times."""
     rows = {
         stamp: row
         for row, stamp in enumerate(zip(column.time_ns.tolist(), column.robot_ns.tolist(), strict=True))
@@ -158,7 +158,7 @@ def _texts(columns: Columns, entity: str, component: str) -> Texts:
 
 
 def _parts(entity: str) -> tuple[str, str, str]:
-    """Name, twin and the rest of an entity's path."""
+    """Return name, twin and the rest of an entity's path."""
     name, _, rest = entity.strip("/").partition("/")
     twin, _, what = rest.partition("/")
     return name, twin, what

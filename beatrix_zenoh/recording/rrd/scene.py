@@ -60,7 +60,7 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
 
 
 def curves(place: Place) -> Iterator[Item]:
-    """Names and styles of one robot's curves: the hardware wide and pale, the simulation thin and opaque."""
+    """Yield names and styles of one robot's curves: the hardware wide and pale, the simulation thin and opaque."""
     twin = place[1]
     for what, names, colours in (
         ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
@@ -97,7 +97,7 @@ def thinner(solid: Solid) -> Solid:
 
 
 def shape(form: Form, solids: Sequence[Solid], colours: Sequence[tuple[int, ...]]) -> rr.AsComponents:
-    """Solids of one form as one entity."""
+    """Return the components of one entity that shows solids of one form."""
     places = [solid.position for solid in solids]
     turns = [rr.Quaternion(xyzw=solid.quaternion) for solid in solids]
     if form is Form.ELLIPSOID:
@@ -124,5 +124,5 @@ def shape(form: Form, solids: Sequence[Solid], colours: Sequence[tuple[int, ...]
 
 
 def solids_of(place: Place, bodies: tuple[Body, ...], kind: str) -> list[str]:
-    """Paths of the solids or ghosts of all bodies."""
+    """Return Rerun's path patterns for the solids of all bodies; `kind` is `solid` or `ghost`."""
     return [f"/{of_model(place, body.path)}/{kind}/**" for body in bodies]

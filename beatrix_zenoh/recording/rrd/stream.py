@@ -68,7 +68,7 @@ class Stream:
         self._stream.send_blueprint(layout(robots))
 
     def send(self, rows: Sequence[Row]) -> None:
-        """Send rows, in the order of time within each entity."""
+        """Send rows; the rows of each entity keep their order."""
         entities: dict[str, list[Row]] = defaultdict(list)
         for row in rows:
             entities[row.path].append(row)
@@ -79,7 +79,7 @@ class Stream:
             self._stream.send_columns(path, indexes, columns(part))
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until everything is written or sent; return False after the time limit, or if `broken`."""
+        """Wait until everything is written or sent; return False after the time limit, or if the connection is lost."""
         try:
             self._stream.flush(timeout_sec=timeout_s)
         except (RuntimeError, ValueError) as error:
@@ -88,7 +88,7 @@ class Stream:
         return True
 
     def close(self) -> None:
-        """Complete the file, or disconnect; may block on a frozen viewer."""
+        """Complete the file, or disconnect; may block while the viewer does not respond."""
         with contextlib.suppress(RuntimeError):
             self._stream.disconnect()
 
