@@ -1,1 +1,1 @@
-"""The hardware node: a robot's board on a serial port, or the firmware on a virtual one."""
+"""The hardware node: a robot's board on a serial port, or a virtual board."""

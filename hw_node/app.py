@@ -41,8 +41,8 @@ def hw(
 ) -> None:
     """Serve a real robot, or a virtual board. Ends with Ctrl-C; reconnects board and cameras after they were unplugged.
 
-    --camera selects the camera of each eye; the default is camera_left and camera_right in beatrix.toml. Without these
-    the eyes of a virtual board show a test picture.
+    --camera selects the camera of each eye; the default is camera_left and camera_right in beatrix.toml. If neither
+    names a camera, the eyes of a virtual board show a test picture.
     """
     if port == VIRTUAL.rstrip(":"):
         raise WrongUsage(
@@ -69,5 +69,5 @@ def hw(
 
 
 def main(words: list[str] | None = None) -> int:
-    """Entry point of group `beatrix.processes`; returns the exit code."""
+    """Run `beatrix hw`, and return the exit code; an entry point of group `beatrix.processes`."""
     return run_command(hw, "beatrix hw", words)

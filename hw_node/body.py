@@ -1,4 +1,4 @@
-"""A real robot: the firmware counts the positions of the arms."""
+"""A real robot, or a virtual board in its place: the firmware counts the positions of the arms."""
 
 from __future__ import annotations
 
@@ -55,11 +55,11 @@ class Hardware:
         return Fault.NONE
 
     def close(self) -> None:
-        """Do nothing: the board closes the port."""
+        """Do nothing: the board's connection closes the port."""
 
 
 class VirtualHardware(Hardware):
-    """A robot whose firmware runs on a virtual board in real time; its eyes show a test picture."""
+    """A robot whose firmware runs on a virtual board in real time; by default its eyes show a test picture."""
 
     def __init__(
         self, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None

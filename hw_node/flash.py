@@ -35,17 +35,17 @@ HALF_WRITTEN = "The board contains an incomplete firmware and will not start it.
 COMPLETE = "The firmware is written and verified. Press the reset button to start it."
 
 Progress = Callable[[str, int, int], None]
-"""Takes the name of the step, the bytes done, and the total number of bytes."""
+"""A function of the name of the step, the bytes done, and the total number of bytes."""
 SetState = Callable[[str], None]
-"""Takes the sentence that describes the board from now on."""
+"""A function of the sentence that describes the board from now on."""
 
 
 def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) -> None:
     """Reset the board, write and verify the firmware, and start it.
 
     The first page contains an endless loop until all others are verified, so a board that loses its connection or power
-    in between does not start. One gap remains: for a few milliseconds at the beginning and at the end the first page is
-    blank, and a board that starts during that time executes the middle of the old or the new firmware.
+    meanwhile does not start the firmware. One gap remains: for a few milliseconds at the beginning and at the end the
+    first page is blank, and a board that starts at that time executes the middle of the old or the new firmware.
 
     Raises:
         NoAnswer: the boot loader fails.
@@ -95,10 +95,12 @@ def signals_as_interrupt() -> Iterator[None]:
 
 @contextmanager
 def report_board_state() -> Iterator[SetState]:
-    """Add the state of the board to every error and interrupt inside this block.
+    """Yield a function that sets the state of the board; if the block fails, report that state.
+
+    A NoAnswer or OSError gets it in its message; it is printed before a KeyboardInterrupt.
 
     Raises:
-        NoAnswer: the error of the block with that state; BOARD_LOST instead of an OSError.
+        NoAnswer: the error of the block; BOARD_LOST instead of an OSError.
     """
     state = UNTOUCHED
 
@@ -120,10 +122,10 @@ def report_board_state() -> Iterator[SetState]:
 
 
 def firmware(path: Path | None) -> bytes:
-    """Return the image of a file, or by default of the firmware in this package.
+    """Return the image in a file, by default that of the firmware in this package.
 
     Raises:
-        WrongUsage: the file has no image for this board.
+        WrongUsage: the file contains no image for this board.
     """
     if path is not None:
         return hexfile.read(path)
@@ -168,7 +170,7 @@ def flash(
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """Show progress on stderr: a bar on a terminal, otherwise a line for each step."""
+    """Yield a function that shows progress on stderr: a bar on a terminal, otherwise a line for each step."""
     console = Console(stderr=True)
     if not console.is_terminal:
         begun: set[str] = set()
@@ -197,5 +199,5 @@ def progress() -> Iterator[Progress]:
 
 
 def main(words: list[str] | None = None) -> int:
-    """Entry point of group `beatrix.processes`; returns the exit code."""
+    """Run `beatrix flash`, and return the exit code; an entry point of group `beatrix.processes`."""
     return run_command(flash, "beatrix flash", words)

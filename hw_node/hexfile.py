@@ -114,5 +114,5 @@ def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
 
 
 def wrong(path: Path, number: int, why: str) -> WrongUsage:
-    """The error for a line."""
+    """Return the error for a line."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}, line {number} {why}.")

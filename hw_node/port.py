@@ -54,10 +54,11 @@ class SerialPort:
             raise NoAnswer(Reason.BOARD_LOST, f"{device} {why_not(error)}.") from error
 
     def reset_board(self) -> None:
-        """Reset the board with DTR and RTS, as Arduino's tools do, and discard received bytes. Raises OSError.
+        """Reset the board with DTR and RTS, as Arduino's tools do, and discard received bytes.
 
         Raises:
             NoAnswer: BOARD_LOST, the device has no reset line.
+            OSError: the device is gone.
         """
         try:
             with as_os_error():
@@ -86,9 +87,9 @@ class SerialPort:
         """Do nothing: a real board runs by itself."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Wait up to `timeout_s` for the first byte and return all received; raises OSError if the device is gone."""
+        """Wait up to `timeout_s` for a byte, and return all received bytes; raises OSError if the device is gone."""
         with as_os_error():
-            if self._serial.timeout != timeout_s:  # setting it configures the whole port again
+            if self._serial.timeout != timeout_s:  # avoid setting it, which configures the whole port again
                 self._serial.timeout = timeout_s
             first: bytes = self._serial.read(1)
             return first + self._serial.read(self._serial.in_waiting) if first else b""
@@ -100,7 +101,7 @@ class SerialPort:
 
 @contextmanager
 def as_os_error() -> Iterator[None]:
-    """Turn the exceptions of a port that disappears, which pyserial does not wrap, into OSError."""
+    """Turn the exceptions of a port that has disappeared, was closed, or accepts no bytes into OSError."""
     try:
         yield
     except TerminalError as error:

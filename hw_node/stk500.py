@@ -1,7 +1,7 @@
 """STK500 version 2, the protocol of the Arduino Mega's boot loader (Atmel AVR068, "STK500 Communication Protocol").
 
 A message consists of 0x1B, sequence number, size (2 bytes, big-endian), 0x0E, body, XOR of all bytes before. The reply
-to a command has the same number, and contains a status.
+to a command has the sequence number of the command, and contains a status.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Wire(Protocol):
         """Send all bytes."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Wait up to `timeout_s` for the first byte, and return all received ones."""
+        """Wait up to `timeout_s` for a byte, and return all received bytes."""
 
     def reset_board(self) -> None:
         """Reset the board; the boot loader starts."""
@@ -108,13 +108,14 @@ class Programmer:
         self._command(bytes([LEAVE, 1, 1]))
 
     def _at(self, at: int, body: bytes) -> bytes:
-        """Send a command for this address.
+        """Set the address and send a command for it; return the reply.
 
-        If a reply is lost, send both again: the boot loader has advanced its address.
+        If a reply is lost, both are sent again, because the boot loader may have advanced its address.
         """
         for _ in range(TRIES):
             if at == 0 and body[0] == PROGRAM:
-                # After each write, the boot loader erases the following page of its own counter: reset that counter.
+                # At each write, the boot loader erases the page at a counter of its own, and advances that counter.
+                # This command sets the counter to 0.
                 self._reply(bytes([ERASE, 0, 0, 0, 0, 0, 0]))
             self._command(bytes([LOAD_ADDRESS]) + (FAR | at // 2).to_bytes(4, "big"))
             reply = self._try(body, REPLY_S)
@@ -129,7 +130,7 @@ class Programmer:
         return reply
 
     def _reply(self, body: bytes) -> bytes:
-        """Return the reply, whatever its status: the boot loader executes the erase command but reports a failure."""
+        """Send a command and return its reply, whatever its status: for ERASE the boot loader reports a failure."""
         for _ in range(TRIES):
             reply = self._try(body, REPLY_S)
             if reply is not None:
@@ -155,7 +156,7 @@ class Programmer:
 
 
 def lost() -> NoAnswer:
-    """The error for a boot loader that stops replying."""
+    """Return the error for a boot loader that no longer replies."""
     return NoAnswer(Reason.BOARD_LOST, "The boot loader does not answer any more.")
 
 

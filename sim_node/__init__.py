@@ -1,7 +1,7 @@
 """The simulated robot: the node of `beatrix_zenoh` with a virtual board and a MuJoCo model of the neck.
 
-Importing this package imports MuJoCo without its OpenGL part: with MUJOCO_GL=egl or osmesa and without that
-library, `import mujoco` would fail, although physics does not need it. The module `gl` loads OpenGL itself.
+Importing this package imports MuJoCo without its OpenGL part: if MUJOCO_GL is `egl` or `osmesa` and this library is
+missing, `import mujoco` would fail, although physics does not need OpenGL. The module `gl` loads OpenGL itself.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from beatrix_zenoh.cli.app import process
 
 
 def work() -> int:
-    """Import the rest and serve; returns the exit code."""
+    """Import the node and run it; return the exit code."""
     from sim_node.app import main  # noqa: PLC0415 - `process` handles Ctrl-C during this import
 
     return main()

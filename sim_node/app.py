@@ -58,5 +58,5 @@ def sim(
 
 
 def main(words: list[str] | None = None) -> int:
-    """Entry point of group `beatrix.processes`; returns the exit code."""
+    """Run `beatrix sim`, and return the exit code; an entry point of group `beatrix.processes`."""
     return run_command(sim, "beatrix sim", words)

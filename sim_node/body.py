@@ -24,7 +24,7 @@ from sim_node.viewer import Viewer, ViewerFeed
 ASSEMBLY_CHECK_TURNS = 5
 """Turns of the thread's loop between two checks of the assembly while arms move: every 30 ms."""
 RESTING_STEPS = 4
-"""Physics steps made together while the arms rest: a motion makes less than a microstep in its first 8 ms."""
+"""Physics steps made together while the arms rest; no microstep is late, as a motion makes none in its first 8 ms."""
 FAULT_SHOWN_S = 5.0
 EYES_HZ = 15.0
 EYES_HZ_MAX = 30.0
@@ -44,7 +44,7 @@ class Simulation:
         target: TargetPath = TargetPath.STILL,
         viewer: Viewer | None = None,
     ) -> None:
-        """Start physics.
+        """Create the robot and start its physics.
 
         Args:
             name: name of the robot.
@@ -72,7 +72,7 @@ class Simulation:
     def _run(self) -> None:
         turn, written = 0, False
         while not self._closed.is_set():
-            # A frame that was just written moves the arms from the next step on.
+            # A frame that was just written may move the arms from the next step on, so wait only for the usual period.
             resting = self._resting and not written
             written = self._board.woken.wait(self._clock.wait_s(time.monotonic(), resting=resting))
             self._board.woken.clear()
@@ -88,7 +88,7 @@ class Simulation:
         self._advance(self._clock.due(time.monotonic(), host_is_late=self._board.host_is_late))
 
     def _advance(self, steps: int) -> None:
-        """Advance board and plant in turn.
+        """Advance board and plant in turn, by `steps` physics steps.
 
         While the arms rest the board makes several steps in one call, which halves the load.
         """
@@ -121,7 +121,7 @@ class Simulation:
             self._plant.straighten()
 
     def components(self, context: Context) -> list[Component]:
-        """The components that only a simulation has: previews, the person, rendered eyes, and the viewer."""
+        """Return the components that only a simulation has: previews, the person, rendered eyes, and the viewer."""
         parts: list[Component] = [
             PreviewHandler(context, self.preview),
             TargetHandler(context, self._target, time.monotonic),
@@ -141,7 +141,7 @@ class Simulation:
         return SceneState(round(reached_s * 1e9), posture, self._target.place(reached_s))
 
     def preview(self, move: Move | MoveStraight) -> Preview:
-        """Carry out the motion on a copy of firmware and plant."""
+        """Carry out the motion on a copy of firmware and plant, and return its samples."""
         with self._lock, self._board.lock:
             memory, plant = self._firmware.snapshot(), self._plant.copy()
         copy = Firmware(boot=1, name="preview")

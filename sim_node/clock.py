@@ -1,4 +1,4 @@
-"""Keep simulated time in step with wall time by absolute deadlines; late steps are made up, stalls skipped."""
+"""Keeps simulated time in step with wall time by absolute deadlines: late steps are still made, stalls are skipped."""
 
 from __future__ import annotations
 
@@ -59,9 +59,10 @@ class StepClock:
         return max(PAUSE_S, self._due_s + self._period_s - now_s)
 
     def real_time_factor(self, now_s: float) -> float:
-        """Simulated seconds per second over the last WINDOW_S."""
+        """Return the simulated seconds per second over the last WINDOW_S."""
         then_s, simulated_s = self._marks[0]
-        # The last turn of the thread ends the period, because no time is lost between two turns unless one is overdue.
+        # The period ends with the last turn of the thread, because the next turn makes the steps since then. If the
+        # next turn is overdue, the period ends now, because the time since the last turn is lost.
         overdue = now_s - self._turned_s > STALL_S
         elapsed_s = (now_s if overdue else self._turned_s) - then_s
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s

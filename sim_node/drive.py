@@ -42,7 +42,7 @@ class StepperDrive:
 
     @property
     def on(self) -> bool:
-        """Whether the motors hold the arms."""
+        """Whether the motors are switched on and so hold the arms."""
         return self._on
 
     @property
@@ -59,7 +59,7 @@ class StepperDrive:
         return x, y, z
 
     def step(self, pulses: Counts, arms: Sequence[float], *, on: bool) -> bool:
-        """Follow the board for one physics step; returns True if the set points or the motor switch changed.
+        """Follow the board for one physics step; return True if the set points or the motor switch changed.
 
         `pulses` are microsteps since the board's start, `arms` the measured angles (rad).
         """
@@ -79,7 +79,7 @@ class StepperDrive:
         return changed
 
     def set_home(self) -> None:
-        """Declare the present step counts home and reset the slip."""
+        """Declare the present step counts to be home, and reset the slip."""
         self._home = self._pulses
         self._cycles = [0, 0, 0]
         self._lost = [0, 0, 0]

@@ -42,7 +42,7 @@ NO_RENDERER: Final = (
 GL_FAILURES: Final = 3
 """After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
 SOON_S: Final = 60.0
-"""Failures further apart than this are not counted together. A start that hangs fails in a shorter time."""
+"""Failures further apart than this are not counted together; a start that hangs fails sooner, and so is counted."""
 _log = logging.getLogger(__name__)
 
 
@@ -135,14 +135,14 @@ class Eyes(Component):
         return renderer
 
     def _source(self) -> str:
-        """The method of drawing: OpenGL if it works, else ray casting."""
+        """Return the method of drawing: OpenGL if it works, else ray casting."""
         steady = self._gl_failures < GL_FAILURES
         return (gl.backend() if steady else None) or RayPainter.source
 
     def _fail(self, error: OSError) -> None:
         """Close a drawing process that has failed or hangs, and report it.
 
-        The next picture starts a new process, for ray casting after a pause of RETRY_S.
+        The next picture starts a new process. If that would use ray casting, wait for RETRY_S now.
         """
         self._end_renderer()
         if self._closed.is_set():

@@ -32,9 +32,11 @@ os._exit(0)
 
 @cache
 def backend() -> str | None:
-    """Name of an OpenGL backend that works here, or None; the one of MUJOCO_GL is tried first, `off` means none.
+    """Return the name of an OpenGL backend that works here, or None.
 
-    Each is tried once, in a subprocess: a broken driver hangs or crashes, and a loaded library cannot be unloaded.
+    MUJOCO_GL names the first to try; with `off` the result is None.
+
+    Each is tried once, in a subprocess, because a broken driver hangs or crashes, and a library cannot be unloaded.
     """
     preferred = os.environ.get("MUJOCO_GL", "").lower().strip()
     if preferred in _OFF:
@@ -66,7 +68,7 @@ class GlPainter:
     def __init__(
         self, spec: mujoco.MjSpec, width: int, height: int, *, name: str, shadows: bool, samples: int
     ) -> None:
-        """Draw images of `width` x `height` pixels with backend `name`; shadows and samples per pixel take time."""
+        """Prepare images of `width` x `height` pixels with backend `name`; shadows and samples per pixel take time."""
         # Mesa's software driver would use all cores, and physics needs one.
         os.environ.setdefault("LP_NUM_THREADS", "0")
         model = spec.compile()
@@ -80,7 +82,7 @@ class GlPainter:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._render)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + 100)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = shadows
-        # Drawing a sky that walls hide would take a third of the time of a frame.
+        # Draw the sky only if the model has one: behind walls it would take a third of the time of a frame.
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = any(
             texture.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX for texture in spec.textures
         )
@@ -90,7 +92,7 @@ class GlPainter:
         self._size = mujoco.MjrRect(0, 0, width, height)
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """Like `PosedModel.pose`."""
+        """Set the posture and the person's place as `PosedModel.pose` does."""
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:

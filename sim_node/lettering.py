@@ -20,7 +20,7 @@ def cells(text: str) -> Cells:
 
 
 def plate(ink: Cells, cell: float, depth: float) -> Shape:
-    """The ink as blocks of `cell` x `cell` x `depth` (m) in the y-z plane, read from -x, centred in its frame."""
+    """Return the ink as blocks of `cell` x `cell` x `depth` (m) in the y-z plane, legible from -x, centred at 0."""
     rows, columns = ink.shape
     corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))

@@ -52,17 +52,17 @@ class Chain:
         rod = math.radians(geometry.rod_twist)
         tilt = math.radians(geometry.mount_angle)
         self.azimuth = math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing)
-        # From elbow . mount = cos(rod twist) at home.
+        # This follows from elbow . mount = cos(rod twist) at home.
         ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
         bearing = self.azimuth + geometry.hand * ahead
         self.elbow: Vector = _direction(self.azimuth, math.sin(arm), -math.cos(arm))
         self.mount: Vector = _direction(bearing, math.sin(tilt), math.cos(tilt))
 
     def rod_range(self) -> tuple[float, float]:
-        """Rod angles (rad) between the mechanical stops; 0 is home.
+        """Return the rod angles (rad) at the mechanical stops; 0 is home.
 
-        The home assembly ends where (elbow x mount)_z changes sign; as a function of the rod angle r that
-        is A cos r + B sin r, largest at atan2(B, A).
+        The home assembly ends where (elbow x mount)_z changes sign. As a function of the rod angle r this component is
+        A cos r + B sin r, which is largest at atan2(B, A), the middle of the range.
         """
         normal = np.cross(self.elbow, self.mount)
         sign = math.copysign(1.0, float(normal[2]))
@@ -70,7 +70,7 @@ class Chain:
         return middle - FOLD_MARGIN, middle + FOLD_MARGIN
 
     def rod_angle(self, arm: float, rotation: Vector) -> float:
-        """Angle of the rod (rad) for an arm angle (rad) and a head orientation, shape (3, 3)."""
+        """Return the angle of the rod (rad) for an arm angle (rad) and a head orientation, shape (3, 3)."""
         cos, sin = math.cos(arm), math.sin(arm)
         unturn = np.array(((cos, sin, 0.0), (-sin, cos, 0.0), (0.0, 0.0, 1.0)))
         mount = unturn @ rotation @ self.mount
@@ -84,17 +84,17 @@ def _direction(azimuth: float, across: float, up: float) -> Vector:
 
 
 def ratio(drive: Drive) -> float:
-    """Motor turns per arm turn."""
+    """Return the motor turns per arm turn."""
     return drive.gear_ring / drive.gear_pinion
 
 
 def chains(geometry: Geometry) -> tuple[Chain, Chain, Chain]:
-    """The chains of the short, middle and long arm."""
+    """Return the chains of the short, middle and long arm."""
     return Chain(geometry, 0), Chain(geometry, 1), Chain(geometry, 2)
 
 
 def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """The editable model; its `to_xml()` returns MJCF."""
+    """Return the editable model; its `to_xml()` returns MJCF."""
     spec = mujoco.MjSpec()
     spec.modelname = "beatrix"
     spec.compiler.degree = False
@@ -113,7 +113,7 @@ def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
 
 
 def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
-    """The compiled model: nq 10, nv 9, nu 3."""
+    """Return the compiled model: nq 10, nv 9, nu 3."""
     return build_spec(robot).compile()
 
 
@@ -125,7 +125,7 @@ def _set_options(spec: mujoco.MjSpec) -> None:
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.tolerance = 1e-10
-    # An automatic reset would move the neck to home, but not the drive.
+    # No automatic reset, which would move the neck to home, but not the drive.
     option.disableflags = mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
 
@@ -136,7 +136,7 @@ def _add_head(spec: mujoco.MjSpec, robot: RobotData) -> mujoco.MjsBody:
     skull = _add_solid(head, "skull", mujoco.mjtGeom.mjGEOM_ELLIPSOID, [0.075, 0.07, 0.08], size.mass)
     skull.pos = [0.0, 0.0, size.centre_height]
     for side, name in ((1, "eye_left"), (-1, "eye_right")):
-        # In front of the lenses, so that no eye sees its own housing.
+        # The cameras are in front of the lenses, so that no eye sees its own housing.
         head.add_camera(
             name=name,
             pos=[EYE_FORWARD, side * size.eye_baseline / 2, size.centre_height + EYE_UP],

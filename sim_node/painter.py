@@ -54,7 +54,7 @@ class PosedModel:
         mujoco.mj_camlight(self.model, data)
 
     def groups_seen_from(self, camera: str) -> npt.NDArray[np.integer]:
-        """Group of each geom for a picture from a camera: the body that carries the camera is hidden."""
+        """Return the group of each geom for a picture from a camera: the body that carries the camera is hidden."""
         carrier = int(self.model.camera(camera).bodyid[0])
         hidden = (self.model.geom_bodyid == carrier) & (carrier != _WORLD)
         groups: npt.NDArray[np.integer] = np.where(hidden, COLLISION, self._groups)
@@ -69,7 +69,7 @@ class Painter(Protocol):
         """The method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`."""
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """Like `PosedModel.pose`."""
+        """Set the posture and the person's place as `PosedModel.pose` does."""
 
     def paint(self, camera: str) -> Image:
         """Draw the picture from the camera of this name."""

@@ -13,7 +13,7 @@ from sim_node.visuals import VisualGeoms
 Place = tuple[float, float, float]
 """x forward, y left, z up (m), from the neck centre."""
 TARGET: Final = "target"
-"""The person's body; its origin is the middle between the eyes, its face points along x."""
+"""The person's body; its origin is the middle between the eyes, and its face points along x."""
 HOME: Final[Place] = (1.15, 0.0, 0.16)
 """The middle between the eyes (m) at the start: behind the desk, in front of the robot."""
 COLOURS: Final[dict[str, tuple[float, float, float]]] = {

@@ -1,7 +1,7 @@
 """Subprocesses of a simulation: programs of this package that communicate through pipes.
 
-Drawing is in subprocesses, because OpenGL drivers crash and hang, and because creating a context holds Python's global
-lock for 0.1 s, which would delay a STOP.
+Subprocesses draw, because OpenGL drivers crash and hang, and because creating a context holds Python's global lock for
+0.1 s, which would delay a STOP.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _CHUNK: Final = 65536
 
 
 def environment() -> dict[str, str]:
-    """Environment of a subprocess; it has the import path of this process."""
+    """Return the environment for a subprocess, with the import path of this process."""
     found = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     found.pop("PYOPENGL_PLATFORM", None)
     return found
@@ -106,5 +106,5 @@ class PipedProcess:
             self._process.wait(ENDING_S)
         except subprocess.TimeoutExpired:
             return
-        with contextlib.suppress(OSError):  # data that the process has not read are lost
+        with contextlib.suppress(OSError):  # raised if the process has not read all data
             self._in.close()

@@ -1,6 +1,6 @@
 """The neck in MuJoCo with its stepper drive: pulses in, measured arms and head out.
 
-It has neither clock nor thread; its owner controls the time.
+The neck has neither clock nor thread; its owner controls the time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 
 _UPRIGHT: Final[Arms] = (0.0, 0.0, 0.0)
 _ALL_MOTORS: Final = 1 << 0
-"""Actuators without a group of their own are in group 0."""
+"""Bit of actuator group 0, which contains all motors, because they have no group of their own."""
 
 
 class Plant:
@@ -64,17 +64,17 @@ class Plant:
         mujoco.mj_step(self.model, self.data)
 
     def arms(self) -> Arms:
-        """Arm angles (rad), measured at the joints."""
+        """Return the arm angles (rad), measured at the joints."""
         x, y, z = self._arms.tolist()
         return x, y, z
 
     def velocities(self) -> Arms:
-        """Arm velocities (rad/s), measured at the joints."""
+        """Return the arm velocities (rad/s), measured at the joints."""
         x, y, z = self._velocities.tolist()
         return x, y, z
 
     def rotation(self) -> Rotation:
-        """Rows of the head's orientation, measured at the head."""
+        """Return the rows of the head's orientation, measured at the head."""
         w, x, y, z = self._quaternion.tolist()
         return (
             (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
@@ -83,36 +83,36 @@ class Plant:
         )
 
     def head(self) -> Arms:
-        """Yaw, pitch, roll (rad), measured at the head; yaw follows the arms through any turns."""
+        """Return yaw, pitch, roll (rad), measured at the head; yaw includes the full turns that the arms have made."""
         yaw, pitch, roll = ypr_of(self.rotation())
         mean = sum(self.arms()) / 3
         return yaw + math.tau * round((mean - yaw) / math.tau), pitch, roll
 
     def tilt(self) -> float:
-        """Angle (rad) between the head's axis and the vertical."""
+        """Return the angle (rad) between the head's axis and the vertical."""
         _, x, y, _ = self._quaternion.tolist()
         return 2 * math.asin(min(1.0, math.hypot(x, y)))
 
     def gap(self) -> float:
-        """Smallest angle (rad) between neighbouring arms."""
+        """Return the smallest angle (rad) between neighbouring arms."""
         return min(self._neck.gaps(self._arms.tolist()))
 
     def posture(self) -> npt.NDArray[np.float64]:
-        """All joint positions, for a painter; a copy, shape (10,)."""
+        """Return a copy of all joint positions, for a painter; shape (10,)."""
         posture: npt.NDArray[np.float64] = self.data.qpos.copy()
         return posture
 
     def closure_error(self) -> float:
-        """Largest distance (m) between the end of a rod and its mount on the head, at the last step."""
+        """Return the largest distance (m) between the end of a rod and its mount on the head, at the last step."""
         sites = self.data.site_xpos
         return float(np.linalg.norm(sites[self._rod_ends] - sites[self._mounts], axis=1).max())
 
     def set_points(self) -> Arms:
-        """Angles that the motors pull the arms to (rad): the counted steps minus the slip."""
+        """Return the angles that the motors pull the arms to (rad): the counted steps minus the slip."""
         return self._drive.set_points
 
     def slipped(self) -> Counts:
-        """Full steps that each motor has slipped since the neck was straightened."""
+        """Return the full steps that each motor has slipped since the neck was straightened."""
         return self._drive.slipped
 
     def home_assembly_left(self) -> bool:
@@ -166,6 +166,6 @@ class Plant:
 
 
 def _stride(addresses: Sequence[int]) -> slice:
-    """Return a slice for three equally spaced addresses: an index slice makes a view, an index list a copy."""
+    """Return a slice of three equally spaced indices, because a slice gives a view and a list of indices a copy."""
     first, second, third = addresses
     return slice(first, third + 1, second - first)

@@ -46,8 +46,8 @@ _SEQ_PING: Final = 2
 def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> Preview:
     """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
 
-    `plant` and `firmware` are copies that are changed. Raises Refused if the firmware refuses the motion, stops it
-    before its end, or needs more than LONGEST_MS, or if the neck would leave its home assembly.
+    This changes `plant` and `firmware`, which must be copies. Raises Refused if the firmware refuses the motion, stops
+    it before its end, or needs more than LONGEST_MS, or if the neck would leave its home assembly.
     """
     run = _MotionSimulation(plant, firmware)
     run.send(move.kind, _SEQ_MOVE, move.pack())
@@ -108,7 +108,7 @@ class _MotionSimulation:
         self._read_frames()
 
     def at_rest(self) -> bool:
-        """Return whether the firmware makes no more steps and the arms are at rest, or _SETTLE_MS have passed since."""
+        """Return whether the firmware has made its last step, and the arms rest or _SETTLE_MS have passed since."""
         telemetry = self._telemetry
         if telemetry is None or telemetry.state & State.MOVING:
             return False

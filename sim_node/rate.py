@@ -37,11 +37,14 @@ class FrameRate:
         return self.period_s > self._requested_s
 
     def wait_s(self, now_s: float) -> float:
-        """Seconds until the next picture is due."""
+        """Return the seconds until the next picture is due."""
         return max(0.0, self._due_s - now_s)
 
     def drawn(self, begin_s: float, end_s: float, *, late: bool) -> None:
-        """Record how long a picture of each camera took to draw; `late`: whether physics steps were late meanwhile."""
+        """Record how long a picture of each camera took to draw, and schedule the next.
+
+        `late`: whether physics steps were late meanwhile.
+        """
         cost_s = end_s - begin_s
         self._cost_s = MEMORY * self._cost_s + (1 - MEMORY) * cost_s if self._cost_s else cost_s
         self._held_back = self._held_back * SLOWER if late else max(1.0, self._held_back * FASTER)

@@ -24,7 +24,7 @@ class RayPainter:
     source: Final = "rays"
 
     def __init__(self, spec: mujoco.MjSpec, width: int, height: int, *, cell: int = 1) -> None:
-        """Draw images of `width` x `height` pixels with a ray for each square of `cell` x `cell` pixels."""
+        """Prepare images of `width` x `height` pixels with a ray for each square of `cell` x `cell` pixels."""
         model = _compile_for_rays(spec)
         self._posed = PosedModel(model)
         self._shape, self._cell = (height // cell, width // cell), cell
@@ -35,7 +35,7 @@ class RayPainter:
         self._colours: Vector = colours[:, :3].astype(np.float64)
 
     def pose(self, posture: Vector, target: Place | None = None) -> None:
-        """Like `PosedModel.pose`."""
+        """Set the posture and the person's place as `PosedModel.pose` does."""
         self._posed.pose(posture, target)
 
     def paint(self, camera: str) -> Image:
@@ -60,13 +60,13 @@ class RayPainter:
         distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         ahead = -data.camera(camera).xmat.reshape(3, 3)[:, 2]
         angle = np.arccos(np.clip(away @ ahead / distance, -1.0, 1.0))
-        # An infinite plane has a bounding radius of 0 in MuJoCo.
+        # In MuJoCo a bounding radius of 0 means an infinite plane, which may be visible everywhere.
         radius = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)
         seen = angle - np.arcsin(np.minimum(radius / distance, 1.0)) < cone
         model.geom_group[:] = np.where(seen, self._posed.groups_seen_from(camera), COLLISION)
 
     def _cast(self, eye: Vector, rays: Vector) -> tuple[npt.NDArray[np.int32], Vector, Vector]:
-        """Geom (-1: none), distance (m) and normal at the hit of each ray."""
+        """Return geom (-1: none), distance (m) and normal at the hit of each ray."""
         count = len(rays)
         geoms, distances = np.empty(count, dtype=np.int32), np.empty(count)
         normals = np.zeros(3 * count)
@@ -99,7 +99,7 @@ class RayPainter:
         return image
 
     def _light(self, rays: Vector, normals: Vector) -> Vector:
-        """Brightness at the hit of each ray in the lights of the model, shape (rays, 3)."""
+        """Return the brightness at the hit of each ray in the lights of the model, shape (rays, 3)."""
         model = self._posed.model
         head = model.vis.headlight
         light = np.maximum(-(rays * normals).sum(axis=1), 0)[:, None] * head.diffuse + head.ambient
@@ -109,7 +109,7 @@ class RayPainter:
         return bright
 
     def _rays(self, camera: str) -> Vector:
-        """Unit directions through the centres of the pixels, shape (pixels, 3)."""
+        """Return unit directions through the centres of the pixels, shape (pixels, 3)."""
         height, width = self._shape
         half = math.tan(math.radians(float(self._posed.model.camera(camera).fovy[0])) / 2)
         across = (2 * (np.arange(width) + 0.5) - width) / height * half

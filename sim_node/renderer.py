@@ -62,7 +62,7 @@ class Renderer:
             raise OSError(f"{self.source} cannot draw on this computer")
 
     def draw(self, state: SceneState, views: Sequence[str]) -> Iterator[tuple[str, bytes]]:
-        """Yield each of these views with its picture, a JPEG file; raises OSError if the process has ended or hangs."""
+        """Yield each of `views` with its picture, a JPEG file; raises OSError if the process has ended or hangs."""
         wanted = (view in views for view in names.VIEWS)
         self._process.write(_REQUEST.pack(*wanted, *state.posture, *state.target))
         for view in names.VIEWS:

@@ -19,7 +19,7 @@ ROOM: Final = ((-2.2, 2.6), (-2.3, 2.3), (FLOOR - 0.74, FLOOR + 1.71))
 DESK: Final = ((-0.38, 1.0), (-0.78, 0.78))
 """Smallest and largest x, y (m) of the desk on which the robot stands."""
 SIGNS: Final = tuple(range(-150, 181, 30))
-"""Directions (deg of yaw) of the signs on the walls, which show the direction."""
+"""Directions (deg of yaw) of the signs on the walls; each sign shows its direction."""
 SIGN_HEIGHT: Final = 0.72
 """Height of the middle of the signs (m)."""
 _CELL: Final = 0.024
@@ -103,7 +103,7 @@ def add_room(spec: mujoco.MjSpec) -> None:
 
 
 def _light(spec: mujoco.MjSpec) -> None:
-    """Lights without shadows that shine through walls, so that each wall has its own brightness."""
+    """Replace the lights by some without shadows that shine through walls, so that each wall has its own brightness."""
     for light in list(spec.lights):
         spec.delete(light)
     for direction, brightness in _LAMPS:
@@ -114,7 +114,7 @@ def _light(spec: mujoco.MjSpec) -> None:
 
 
 def _shell(visuals: VisualGeoms) -> None:
-    """Floor, ceiling, four walls and skirting boards."""
+    """Add floor, ceiling, four walls and skirting boards."""
     (x0, x1), (y0, y1), (z0, z1) = ROOM
     x, y, z = (x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2
     half_x, half_y, half_z, thick = (x1 - x0) / 2, (y1 - y0) / 2, (z1 - z0) / 2, 0.02
@@ -131,7 +131,7 @@ def _shell(visuals: VisualGeoms) -> None:
 
 
 def _signs(visuals: VisualGeoms) -> None:
-    """A sign for each direction, on the wall that a ray from the neck axis in this direction hits."""
+    """Add a sign for each direction, on the wall that a ray from the neck axis in this direction hits."""
     for yaw in SIGNS:
         place, inward = wall_at(yaw)
         letters = cells(str(yaw))
@@ -148,7 +148,7 @@ def _signs(visuals: VisualGeoms) -> None:
 
 
 def wall_at(yaw: float) -> tuple[Vector, Vector]:
-    """The point where a ray from the neck axis (deg of yaw) hits a wall, and the normal of that wall into the room."""
+    """Return the point where a ray from the neck axis (deg of yaw) hits a wall, and the wall's normal into the room."""
     (x0, x1), (y0, y1), _ = ROOM
     ahead = np.array((math.cos(math.radians(yaw)), math.sin(math.radians(yaw))))
     hits = [
@@ -171,7 +171,7 @@ def _turned(shape: Shape, inward: Vector) -> Shape:
 
 
 def _front(visuals: VisualGeoms) -> None:
-    """A window on the left, a picture on the right."""
+    """Add a window on the left and a picture on the right."""
     x = ROOM[0][1]
     visuals.primitive(WORLD, "paper", _BOX, (0.020, 0.46, 0.42), (x, 1.25, -0.08))
     for y in (1.25 - 0.22, 1.25 + 0.22):
@@ -185,7 +185,7 @@ def _front(visuals: VisualGeoms) -> None:
 
 
 def _sides(visuals: VisualGeoms) -> None:
-    """A door and a clock on the left, shelves with books on the right."""
+    """Add a door and a clock on the left, and shelves with books on the right."""
     left, right, ground = ROOM[1][1], ROOM[1][0], ROOM[2][0]
     visuals.primitive(WORLD, "dark_wood", _BOX, (0.44, 0.020, 0.96), (0.15, left, ground + 0.96))
     visuals.primitive(WORLD, "wood", _BOX, (0.38, 0.026, 0.90), (0.15, left, ground + 0.92))
@@ -205,7 +205,7 @@ def _sides(visuals: VisualGeoms) -> None:
 
 
 def _back(visuals: VisualGeoms) -> None:
-    """A blackboard with three drawings."""
+    """Add a blackboard with two drawings, a square and a triangle."""
     x = ROOM[0][0]
     visuals.primitive(WORLD, "wood", _BOX, (0.020, 0.86, 0.48), (x, 0.0, -0.10))
     visuals.primitive(WORLD, "board", _BOX, (0.026, 0.82, 0.44), (x, 0.0, -0.10))
@@ -249,7 +249,7 @@ def _pyramid(visuals: VisualGeoms, thing: DeskObject) -> None:
 
 
 def _books(visuals: VisualGeoms, thing: DeskObject) -> None:
-    """A pile of three books."""
+    """Add a pile of three books."""
     x, y, z = thing.place
     for row, (colour, half_x, half_y) in enumerate(
         ((thing.colour, 0.080, 0.11), ("orange", 0.070, 0.10), ("paper", 0.075, 0.085))
@@ -258,7 +258,7 @@ def _books(visuals: VisualGeoms, thing: DeskObject) -> None:
 
 
 def _plant(visuals: VisualGeoms, thing: DeskObject) -> None:
-    """A pot with leaves."""
+    """Add a pot with leaves."""
     x, y, z = thing.place
     visuals.primitive(WORLD, "clay", _CYLINDER, (0.055, 0.055), (x, y, FLOOR + 0.055))
     visuals.primitive(WORLD, "clay", _CYLINDER, (0.062, 0.012), (x, y, FLOOR + 0.10))

@@ -17,7 +17,7 @@ from sim_node.room import add_room
 from sim_node.visuals import add_camera
 
 OUTSIDE: Final = ((0.655, 0.235, 0.13), (0.0, 0.0, 0.058), 32.0)
-"""The outside camera: its place and the point in its middle (m), vertical angle of view (deg)."""
+"""The outside camera: its place and the point that it looks at (m), and its vertical angle of view (deg)."""
 
 
 def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
@@ -30,7 +30,7 @@ def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
 
 
 def eye_scene(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """Return the same model for published pictures, simplified to save time."""
+    """Return the model of `scene_spec` for published pictures, simplified to save time."""
     spec = scene_spec(robot)
     quality = spec.visual.quality
     # All light is directional, so one quad for each wall is enough.

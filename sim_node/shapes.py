@@ -43,7 +43,7 @@ def superellipsoid(size: Sequence[float], roundness: float, across: int = 40, up
 
 
 def skin(rings: Vector) -> Shape:
-    """Closed hull through rings of points, shape (rings, points, 3), counter-clockwise seen from the last."""
+    """Return a closed hull through rings of points, shape (rings, points, 3), counter-clockwise seen from the last."""
     count, around, _ = rings.shape
     vertices = np.concatenate((rings.reshape(-1, 3), [rings[0].mean(axis=0)], [rings[-1].mean(axis=0)]))
     faces = []
@@ -58,7 +58,7 @@ def skin(rings: Vector) -> Shape:
 
 
 def twisted_rod(start: Vector, end: Vector, radius: float, width: float, thickness: float) -> Shape:
-    """A flat bar along the great circle from direction `start` to `end`, twisted by 90 deg; lengths in m."""
+    """Return a flat bar along the great circle from direction `start` to `end`, twisted by 90 deg; lengths in m."""
     angle = math.acos(float(np.clip(start @ end, -1.0, 1.0)))
     side = np.cross(start, end) / math.sin(angle)
     rings = []
@@ -73,7 +73,7 @@ def twisted_rod(start: Vector, end: Vector, radius: float, width: float, thickne
 
 
 def internal_gear(outer: float, pitch: float, height: float, teeth: int) -> Shape:
-    """A ring with teeth on its inside, centred in its frame; radii and height in m."""
+    """Return a ring with teeth on its inside, centred in its frame; radii and height in m."""
     points = 4 * teeth
     azimuth = np.linspace(0.0, math.tau, points, endpoint=False)
     depth = pitch * 2.0 / teeth

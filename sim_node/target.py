@@ -19,7 +19,7 @@ from sim_node.person import HOME, Place
 BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
 """Allowed place of the person's eyes (m): inside the room."""
 NEAREST: Final = 0.35
-"""Smallest distance (m) of the person's eyes from the neck's axis; closer, person and robot would overlap."""
+"""Smallest allowed distance (m) of the person's eyes from the neck's axis, so that person and robot do not overlap."""
 PERIOD_S: Final = 12.0
 """Period of a path."""
 _SWAY: Final = math.radians(40.0)
@@ -35,7 +35,7 @@ class TargetPath(StrEnum):
 
 
 def on_path(path: TargetPath, t_s: float) -> Place:
-    """Place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
+    """Return the place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
     x, z = HOME[0], HOME[2]
     turn = math.tau * t_s / PERIOD_S
     match path:
@@ -75,7 +75,7 @@ class Target:
         self._set: Place | None = None
 
     def place(self, t_s: float) -> Place:
-        """Place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
+        """Return the place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
         chosen = self._set
         return on_path(self._path, t_s - self._start_s) if chosen is None else chosen
 

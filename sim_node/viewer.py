@@ -1,4 +1,4 @@
-"""MuJoCo's viewer, in a subprocess: it needs the main thread and a display, and crashes when it ends."""
+"""MuJoCo's viewer, in a subprocess because it needs the main thread and a display, and crashes when it ends."""
 
 from __future__ import annotations
 

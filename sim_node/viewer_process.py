@@ -48,7 +48,7 @@ class StateReader:
 
 
 def main(words: list[str]) -> int:
-    """Show the window until it is closed or the input ends; returns the exit code."""
+    """Show the window until it is closed or the input ends; return the exit code."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the simulation handles Ctrl-C and ends this process
     with contextlib.suppress(AttributeError, OSError):
         os.nice(NICE)

@@ -66,7 +66,7 @@ _COLOURS: Final[dict[str, tuple[float, float, float]]] = {
 
 
 def ring_height(index: int) -> float:
-    """Height (m) of an arm's ring gear; the short arm's is on top."""
+    """Return the height (m) of an arm's ring gear; the short arm's is on top."""
     return -0.068 - 0.019 * index
 
 
@@ -110,7 +110,7 @@ class VisualGeoms:
             self._geom(body, material, type=shape, size=[radius, 0.0, 0.0], fromto=[*start, *end])
 
     def mesh(self, body: str, material: str, name: str, shape: Shape, pos: Point = (0.0, 0.0, 0.0)) -> None:
-        """Add a mesh; a shape of the same name is defined once."""
+        """Add a mesh; `shape` is used only for the first mesh of this name."""
         if not any(mesh.name == name for mesh in self._spec.meshes):
             self._spec.add_mesh(
                 name=name,
@@ -191,7 +191,7 @@ def _surroundings(spec: mujoco.MjSpec) -> None:
 
 
 def add_camera(world: mujoco.MjsBody, name: str, place: Point, target: Point, fovy: float) -> None:
-    """Add an upright camera at `place` with `target` in its middle (m); `fovy` is the vertical angle of view (deg)."""
+    """Add an upright camera at `place` that looks at `target` (m); `fovy` is the vertical angle of view (deg)."""
     ahead = np.asarray(target) - np.asarray(place)
     ahead /= np.linalg.norm(ahead)
     right = np.cross(ahead, (0.0, 0.0, 1.0))

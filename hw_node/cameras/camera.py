@@ -48,7 +48,8 @@ class Camera(Component):
         seen: str | None = None
         while not self._closed:
             trouble = self._source.trouble()
-            # This check cannot find a problem of taking pictures, which must be reported until a picture arrives.
+            # Report only changes: this check does not find problems with taking pictures, and must not end the report
+            # of such a problem before a picture arrives.
             if trouble != seen:
                 self._publisher.report(trouble)
             seen = trouble
@@ -94,7 +95,7 @@ class Camera(Component):
 
 
 def no_picture() -> NoAnswer:
-    """The error for a camera that is present and delivers no pictures."""
+    """Return the error for a camera that is present and delivers no pictures."""
     return NoAnswer(
         Reason.TIMED_OUT,
         f"The camera is plugged in but has delivered no picture for {SILENT_S:g} s. Unplug it, and plug it in again.",

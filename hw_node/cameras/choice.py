@@ -36,7 +36,7 @@ class CameraChoice:
             return Pattern(self.eye)
         if self.source.startswith(FILE):
             return Files(Path(self.source.removeprefix(FILE)))
-        # Each library is an extra for one operating system.
+        # Each library is an extra for one operating system, so only the one that is needed is imported.
         if on_linux():
             from hw_node.cameras import v4l2  # noqa: PLC0415
 
@@ -47,15 +47,15 @@ class CameraChoice:
 
 
 def on_linux() -> bool:
-    """Return whether USB cameras have paths and linuxpy reads them.
+    """Return whether this is Linux, where USB cameras have paths and linuxpy reads them.
 
-    On other systems they have numbers and OpenCV reads them.
+    On other systems they have numbers, and OpenCV reads them.
     """
     return sys.platform.startswith("linux")
 
 
 def examples() -> str:
-    """Examples of --camera on this system."""
+    """Return examples of values of --camera on this system."""
     return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
 
 
@@ -65,7 +65,7 @@ def same_for_both(source: str) -> list[CameraChoice]:
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:
-    """Convert words of the form `EYE=SOURCE`.
+    """Convert words of the form `EYE=SOURCE` to checked choices.
 
     Raises:
         WrongUsage: BAD_VALUE, with the mistake and the allowed values.
@@ -99,7 +99,7 @@ def check(word: str, choice: CameraChoice, others: Sequence[CameraChoice]) -> No
 
 
 def check_usb(word: str, source: str) -> None:
-    """Raise WrongUsage for a name that is invalid on this system, or without the library for USB cameras."""
+    """Raise WrongUsage if the name is invalid on this system, or the library for USB cameras is missing."""
     if on_linux() and not source.startswith("/"):
         raise wrong(word, f"{quoted(source)} is not a path that begins with /. Choose {examples()}")
     if not on_linux() and not (source.isascii() and source.isdigit()):
@@ -123,5 +123,5 @@ def same(one: str, other: str) -> bool:
 
 
 def wrong(word: str, what: str) -> WrongUsage:
-    """The error for an invalid value of --camera."""
+    """Return the error for an invalid value of --camera."""
     return WrongUsage(Reason.BAD_VALUE, f"camera {word}: {what}.")

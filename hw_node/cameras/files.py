@@ -25,9 +25,9 @@ Range = tuple[int, int]
 
 
 class Files:
-    """The pictures of a folder in the order of their names, or of a film, repeated and not encoded again.
+    """The pictures of a folder in the order of their names, or those of a film, or one picture.
 
-    The rate is 30 pictures a second, or that of an AVI film, at most HZ_MAX.
+    They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI film, at most HZ_MAX.
     """
 
     name: Final = "file"
@@ -54,7 +54,7 @@ class Files:
         self._timer = FrameTimer(hz)
 
     def _open(self) -> float:
-        """Find the pictures; returns their rate (Hz)."""
+        """Find the pictures, and return their rate (Hz)."""
         if self._path.is_dir():
             self._pictures = sorted(p for p in self._path.iterdir() if p.suffix.lower() in PICTURES)
             return HZ
@@ -99,7 +99,10 @@ class Files:
 
 
 def avi(film: mmap.mmap) -> tuple[list[Range], float]:
-    """Ranges of the pictures in an AVI film in motion JPEG, and their rate (Hz); raises ValueError for other films."""
+    """Return the ranges of the pictures in an AVI film, and their rate (Hz).
+
+    Raises ValueError if they are not motion JPEG.
+    """
     pictures, hz = [], float(HZ)
     for kind, begin, end in chunks(film, 0, len(film)):
         if kind == b"avih":

@@ -44,7 +44,7 @@ def segments(picture: bytes | mmap.mmap, at: int = 0) -> Iterator[Segment]:
 
 
 def size(picture: bytes) -> tuple[int, int]:
-    """Width and height in pixels; raises ValueError if it is not a JPEG picture."""
+    """Return width and height in pixels; raises ValueError if it is not a JPEG picture."""
     for marker, begin, _ in segments(picture):
         if marker in SIZES:
             height, width = (int.from_bytes(picture[begin + n : begin + n + 2], "big") for n in (5, 7))
@@ -55,7 +55,7 @@ def size(picture: bytes) -> tuple[int, int]:
 def complete(picture: bytes) -> bytes:
     """Add the standard Huffman tables, which a JPEG file must have and cameras omit.
 
-    Returns a picture with tables unchanged; raises ValueError if it is not a JPEG picture.
+    A picture that has tables is returned unchanged. Raises ValueError if it is not a JPEG picture.
     """
     head = list(segments(picture))
     if any(segment.marker == DHT for segment in head):
@@ -66,7 +66,7 @@ def complete(picture: bytes) -> bytes:
 
 @cache
 def standard_tables() -> bytes:
-    """The Huffman tables of ITU T.81, annex K.3, as the encoder writes them into every colour picture."""
+    """Return the Huffman tables of ITU T.81, annex K.3, which the encoder writes into every colour picture."""
     picture = simplejpeg.encode_jpeg(np.zeros((16, 16, 3), np.uint8), colorspace="RGB")
     return b"".join(picture[begin:end] for marker, begin, end in segments(picture) if marker == DHT)
 

@@ -78,7 +78,7 @@ class UsbCamera:
         return ""
 
     def open(self) -> None:
-        """Start a thread that takes pictures; `next` raises its errors."""
+        """Start a thread that takes pictures, whose errors `next` raises; raises NoAnswer if the driver blocks."""
         if self._reader is not None and self._reader.alive:
             raise self._stuck()
         self._reader = Reader(self._number, self._opencv)
@@ -86,7 +86,10 @@ class UsbCamera:
             raise self._stuck()
 
     def next(self, timeout_s: float) -> Frame | None:
-        """Return the next picture with its time of arrival, as OpenCV gives none of exposure; None if none arrives."""
+        """Return the next picture; None if none arrives within `timeout_s`.
+
+        Its time is that of its arrival, because OpenCV does not report the time of exposure.
+        """
         if self._reader is None:
             return None
         try:
@@ -130,7 +133,7 @@ class Reader:
         return self._thread.is_alive()
 
     def end(self) -> bool:
-        """End the thread; returns False if a call of OpenCV blocks it."""
+        """End the thread; return False if a call of OpenCV blocks it."""
         self._ended.set()
         self._thread.join(END_S)
         return not self.alive
@@ -149,7 +152,10 @@ class Reader:
             self.begun.set()
 
     def _begin(self, capture: Capture) -> None:
-        """Request motion JPEG, without which a USB bus has no bandwidth for two cameras; a driver may ignore this."""
+        """Request motion JPEG, without which a USB bus has no bandwidth for two cameras; a driver may ignore this.
+
+        Raises NoAnswer if the camera could not be opened.
+        """
         if not capture.isOpened():
             raise NoAnswer(Reason.FAULT, missing(self._number))
         cv = self._opencv
@@ -188,13 +194,13 @@ class Reader:
 
 
 def backend(opencv: OpenCv) -> int:
-    """The backend of this system that opens cameras fast and reports when they are unplugged."""
+    """Return the backend of this system that opens cameras fast and reports when they are unplugged."""
     found = {"win32": opencv.CAP_DSHOW, "darwin": opencv.CAP_AVFOUNDATION}
     return found.get(sys.platform, opencv.CAP_ANY)
 
 
 def missing(number: int) -> str:
-    """The message for a camera that cannot be opened or read: OpenCV gives no reason."""
+    """Return the message, with all possible reasons, for a camera that fails: OpenCV does not report the reason."""
     permission = {
         "darwin": "macOS does not allow this terminal to use it (System Settings, Privacy & Security, Camera)",
         "win32": "Windows does not allow programs to use it (Settings, Privacy & security, Camera)",

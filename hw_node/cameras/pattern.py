@@ -38,7 +38,7 @@ BARS: Final = (
 
 
 def letters() -> dict[str, Pixels]:
-    """Pictures of the letters, with a gap of one point to their right, white on black."""
+    """Return pictures of the letters, with a gap of one point to their right, white on black."""
     pictures = {}
     for letter in CHARACTERS:
         points = np.pad(lettering.points(letter), ((0, 0), (0, 1)))
@@ -48,7 +48,7 @@ def letters() -> dict[str, Pixels]:
 
 
 def background(eye: str) -> Pixels:
-    """Colour bars, in reverse order in the right eye, above a black field for text and blocks."""
+    """Return colour bars, in reverse order for the right eye, above a black field for text and blocks."""
     image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     order = BARS if eye == "left" else BARS[::-1]
     image[:SWEEP_Y] = np.repeat(np.array(order, np.uint8), -(-WIDTH // len(BARS)), axis=0)[:WIDTH]
@@ -102,7 +102,7 @@ class Pattern:
         self._image[y : y + line.shape[0], TEXT_X : TEXT_X + line.shape[1]] = line
 
     def _sweep(self) -> None:
-        """Draw a bar that moves with every picture, so that people see whether pictures still come."""
+        """Draw a bar that moves with every picture, so that people see whether pictures still arrive."""
         stripe = self._image[SWEEP_Y : SWEEP_Y + SWEEP_HEIGHT]
         stripe[:] = 32
         at = self._number * SWEEP_STEP % WIDTH
@@ -114,7 +114,7 @@ class Pattern:
 
 
 def number_and_time(image: Pixels) -> tuple[int, int]:
-    """Number and monotonic time (ms) in the blocks of a decoded picture; both modulo 2**32."""
+    """Return number and monotonic time (ms) from the blocks of a decoded picture, both modulo 2**32."""
     number, t_ms = (_value(image[y : y + BLOCK, BLOCKS_X : WIDTH - BLOCKS_X]) for y in (NUMBER_Y, TIME_Y))
     return number, t_ms
 

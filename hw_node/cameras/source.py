@@ -42,7 +42,7 @@ class FrameTimer:
         self._due_s = time.monotonic()
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait for the next deadline; returns False if it is later than `timeout_s` from now."""
+        """Wait for the next deadline; return False after `timeout_s` if it is later."""
         left_s = self._due_s - time.monotonic()
         if left_s > timeout_s:
             time.sleep(timeout_s)

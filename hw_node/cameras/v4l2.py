@@ -76,7 +76,7 @@ class UsbCamera:
         self._capture.open()
 
     def next(self, timeout_s: float) -> Frame | None:
-        """Return the next picture with the time of its exposure; None if none arrives in time or it is damaged."""
+        """Return the next picture with the time of its exposure; None if it is damaged or does not arrive in time."""
         if self._device is None or self._capture is None:
             return None
         try:
@@ -108,7 +108,7 @@ class UsbCamera:
                 log.debug("%s: %s", self._path, error)
 
     def _why_not(self, number: int | None, said: str = "") -> str:
-        """The reason why there are no pictures, and what to do."""
+        """Return the reason why there are no pictures, and what to do."""
         if number in GONE:
             return f"{self._path} is not there: plug the camera in. The node finds it."
         if number == errno.EACCES:
@@ -123,7 +123,7 @@ class UsbCamera:
 
 
 def to_frame(one: v4l2.Frame) -> Frame:
-    """The picture as a JPEG file; raises ValueError if it is damaged."""
+    """Return the picture as a JPEG file; raises ValueError if it is damaged."""
     if v4l2.BufferFlag.ERROR in one.flags:
         raise ValueError("the camera has marked it as damaged")
     picture = jpeg.complete(bytes(one.data))
@@ -132,7 +132,7 @@ def to_frame(one: v4l2.Frame) -> Frame:
 
 
 def exposed_ns(one: v4l2.Frame) -> int:
-    """The monotonic time of the exposure of a picture; now if the driver uses another clock."""
+    """Return the monotonic time of the exposure of a picture; now if the driver uses another clock."""
     if v4l2.BufferFlag.TIMESTAMP_MONOTONIC not in one.flags:
         return time.monotonic_ns()
     stamp = one.buff.timestamp
