@@ -57,7 +57,7 @@ def stolen_time() -> tuple[int, int]:
 
 
 def stolen_share(before: tuple[int, int]) -> float:
-    """Share of the processor time since `before` that the host gave to other virtual machines."""
+    """Return the share of the processor time since `before` that the host gave to other virtual machines."""
     stolen, total = stolen_time()
     return (stolen - before[0]) / (total - before[1])
 

@@ -54,7 +54,7 @@ class Program:
         print(text, file=self._process.stdin, flush=True)
 
     def cpu_s(self) -> float:
-        """Processor time used so far (s)."""
+        """Return the processor time used so far (s)."""
         return cpu_s(self._process.pid)
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class Program:
 
 
 def started(commands: Iterable[tuple[str, ...]]) -> list[Program]:
-    """Start robots or seats, a few at a time, because on one computer they delay each other."""
+    """Start and return robots or seats, a few at a time, because on one computer they delay each other."""
     programs: list[Program] = []
     for words in commands:
         programs.append(Program(PROGRAM, *words))
@@ -122,7 +122,7 @@ class Crowd:
         self._seats = started(("seat", seat) for _, seat in places)
 
     def begin(self, *, all_robots: bool, lasts_s: float = LASTS_S) -> None:
-        """Make each seat subscribe to its own robot, or to all robots, for a time (s)."""
+        """Make each seat subscribe to its own robot, or to all robots, for `lasts_s` (s)."""
         for seat, key in zip(self._seats, self._keys, strict=True):
             seat.say(f"{EVERYONE if all_robots else key} {lasts_s}")
 

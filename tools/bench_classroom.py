@@ -73,7 +73,7 @@ class School:
 
     @contextlib.contextmanager
     def robot(self, seat: str) -> Iterator[Robot]:
-        """Yield the robot, with a session of this seat's account."""
+        """Yield the robot NAME, with a session of this seat's account."""
         account = accounts.load(self.path(seat))
         with Client(Settings(NAME, account.connect, seat, account=account)) as client:
             yield Robot(NAME, "hw", client=client, timeout_s=PATIENCE_S)
@@ -83,14 +83,14 @@ class School:
 
 
 def stops(what: str, robot: Robot, bare: Bare) -> Iterator[Row]:
-    """Measure the time from STOP of the teacher to the reply of a robot at rest, alternating with a bare query."""
+    """Yield the times from STOP of the teacher to the reply of a robot at rest, and of bare queries sent in between."""
     reference: list[float] = []
 
     def ask() -> None:
         began = time.perf_counter()
         try:
             robot.stop()
-        except BeatrixError:  # on a busy computer; the published STOP may have stopped the robot all the same
+        except BeatrixError:  # the reply is late on a busy computer, although STOP may have stopped the robot
             unanswered.append(time.perf_counter() - began)
         else:
             took.append(time.perf_counter() - began)
@@ -145,7 +145,7 @@ def recording(school: School) -> bytes:
 
 
 def stop_rows(school: School, count: int) -> Iterator[Row]:
-    """Measure STOP without load, beside a flooding seat, under attack, and while all seats subscribe to all robots."""
+    """Yield the times of STOP without load, beside a flooding seat, under attack, and while all seats subscribe."""
     hostile, recorded = str(ROOT / "tools/hostile.py"), school.folder / "recorded"
     recorded.write_bytes(recording(school))
     attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
@@ -186,7 +186,7 @@ def handover(robot: Robot, seat: str, fault: Callable[[], object]) -> tuple[floa
 
 
 def lease_rows(school: School) -> Iterator[Row]:
-    """Measure how long a robot takes to go to the next seat in the queue."""
+    """Yield the times until the next seat in the queue holds the robot, after its holder gave it back or was lost."""
     with school.robot("seat01") as first, school.robot("seat02") as following:
         first.make_ready()
         took = []
@@ -209,7 +209,7 @@ def lease_rows(school: School) -> Iterator[Row]:
 
 
 def lost(school: School, following: Robot, what: str, number: int) -> tuple[float, float]:
-    """Return the times of `handover` when the holder is killed, frozen or unplugged during a motion."""
+    """Return the times of `handover` after the holder was killed, suspended or unplugged during a motion."""
     account = accounts.load(school.path("seat03"))
     with Cable("127.0.0.1", school.classroom.port) as cable:
         path = school.folder / "seat03-relayed.toml"
@@ -244,7 +244,7 @@ def restart_rows(school: School) -> Iterator[Row]:
     """Kill and restart the router while one robot moves and another rests.
 
     The rows are the time until all clients work again, the time until the moving robot rests, and the largest angle by
-    which a robot moved after that or although it was at rest.
+    which it moved after that, or the robot at rest moved at all.
     """
     back_s, stopped_s, moved = [], [], []
     with contextlib.ExitStack() as stack:

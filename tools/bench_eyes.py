@@ -39,7 +39,7 @@ class Run:
 
 
 def tree_cpu_s(process: int) -> float:
-    """Processor time of a process and its running children so far (s)."""
+    """Return the processor time of a process and its running children so far (s)."""
     children = [
         int(number)
         for listing in Path(f"/proc/{process}/task").glob("*/children")

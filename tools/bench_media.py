@@ -54,7 +54,7 @@ def watched(robot: Robot, seconds: float) -> dict[str, list[CameraImage]]:
 
 
 def lost(pictures: list[CameraImage]) -> int:
-    """Return the number of pictures missing by their headers, plus those whose drawn number differs from the header."""
+    """Return the number of pictures that are missing by sequence number, or show another number than their header."""
     by_header = pictures[-1].seq - pictures[0].seq + 1 - len(pictures)
     numbers = [number_and_time(simplejpeg.decode_jpeg(one.jpeg))[0] for one in pictures]
     wrong = sum(number != one.seq for number, one in zip(numbers, pictures, strict=True))

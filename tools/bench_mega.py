@@ -42,8 +42,7 @@ FAST: Final = "[drive]\nmicrosteps = 32\n[limits]\nspeed_max = 313.0\naccelerati
 PHASES: Final = 25
 FLOOD_MS: Final = 500
 LATER: Final = 8
-"""Delay (cycles) of a step that STOP has caused: steps of two runs differ by less if only the coincidence of interrupts
-differs."""
+"""A step that is late by more than this (cycles) was delayed by STOP: coincident interrupts delay steps by less."""
 
 T = TypeVar("T")
 
@@ -136,7 +135,7 @@ def make(target: str, build: Path, *settings: str) -> tuple[Path, str]:
 
 
 def fast_robot(target: str, folder: Path) -> Robot:
-    """Build the firmware for arms that are as fast as the processor allows."""
+    """Build the firmware for arms that are as fast as the processor allows, and return its robot."""
     folder.mkdir()
     (folder / "fast.toml").write_text(FAST, encoding="utf-8")
     firmware, _ = make(target, folder, f"ROBOT={folder / 'fast.toml'}")
@@ -306,7 +305,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--sketch", action="store_true", help="as the Arduino IDE compiles it")
+    parser.add_argument("--sketch", action="store_true", help="measure the sketch instead of the hex file")
     target = "arduino" if parser.parse_args().sketch else "mega"
     seen = Seen()
     with tempfile.TemporaryDirectory() as held:

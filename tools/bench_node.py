@@ -58,11 +58,11 @@ class Served:
         return self._process.pid
 
     def cpu_s(self) -> float:
-        """Processor time used so far (s)."""
+        """Return the processor time used so far (s)."""
         return cpu_s(self._process.pid)
 
     def rss_mib(self) -> float:
-        """Resident memory (MiB)."""
+        """Return the resident memory (MiB)."""
         pages = int(Path(f"/proc/{self._process.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
 
@@ -75,13 +75,13 @@ class Served:
 
 
 def cpu_s(pid: int) -> float:
-    """Processor time that a process has used so far (s)."""
+    """Return the processor time that a process has used so far (s)."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICK
 
 
 def free_endpoint() -> str:
-    """Address of a router that is not running, on a free port of this computer."""
+    """Return an endpoint for a new router, on a free port of this computer."""
     return f"tcp/127.0.0.1:{free_port()}"
 
 
@@ -105,7 +105,7 @@ with zenoh.open(config) as session:
     print("ready", flush=True)
     sys.stdin.read()
 """
-"""Program of a queryable that only replies: its latency is that of a query over the same router."""
+"""Program of a queryable that only replies, so that a query measures the latency of Zenoh and the router alone."""
 
 
 class Bare:
@@ -156,7 +156,7 @@ def against_bare(robot: Robot, endpoint: str) -> tuple[list[float], list[float]]
 
 
 def accepted(robot: Robot, count: int = 500, between: Callable[[], None] = lambda: None) -> list[float]:
-    """Times from pose queries to their acceptance (s), 5 ms apart, as the window sends them."""
+    """Return the times (s) from pose queries, like those of the window and 5 ms apart, to their acceptance."""
     key = keys.pose(NAME, robot.twin, robot.client.settings.who)
     took = []
     for number in range(count):
@@ -185,7 +185,7 @@ def paced(ask: Callable[[], object], count: int = 300) -> list[float]:
 
 
 def first_movement(robot: Robot, count: int = 100) -> list[float]:
-    """Times from a query to the first published position that has changed (s)."""
+    """Return the times (s) from a query to the first published position that has changed."""
     stream = robot.positions_stream()
     took = []
     for number in range(count):
@@ -223,7 +223,7 @@ def regularity(got: list[Positions]) -> str:
 
 @contextmanager
 def flood(robot: Robot) -> Iterator[Callable[[], int]]:
-    """Send targets as fast as Zenoh accepts them; yields a function that returns their rate (Hz)."""
+    """Send targets as fast as Zenoh accepts them; yield a function that returns their rate (Hz)."""
     over, sent, began = threading.Event(), [0], time.monotonic()
     key = keys.pose(NAME, robot.twin, robot.client.settings.who)
     payloads = [codec.encode(PoseQuery(yaw=yaw)) for yaw in (0.9, 1.0)]
@@ -246,7 +246,7 @@ def flood(robot: Robot) -> Iterator[Callable[[], int]]:
 
 
 def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
-    """Measure the latency of a command and of a STOP of another client during a flood of targets."""
+    """Yield the latencies of a command and of a STOP of another client during a flood of targets."""
     with flood(robot) as rate:
         time.sleep(1.0)
         began = time.perf_counter()
@@ -325,7 +325,7 @@ class Mega:
 
 
 def round_trips(port: Path) -> list[float]:
-    """Times from a request to its answer without a node (s): serial line, firmware, pyserial."""
+    """Return the times (s) from a request to its answer without a node: serial line, firmware, pyserial."""
     board = Board(lambda: SerialPort(str(port)), lambda _: None, lambda: None)
     board.start()
     while not board.link.connected:
@@ -355,7 +355,7 @@ def lost_s(mega: Mega, robot: Robot, word: str) -> float:
 
 
 def on_a_board(endpoint: str) -> Iterator[Row]:
-    """Measure latencies through a node and the Mega's firmware, simulated cycle by cycle, at the real baud rate."""
+    """Yield latencies through a node and the Mega's firmware, simulated cycle by cycle, at the real baud rate."""
     with TemporaryDirectory() as folder:
         port = Path(folder) / "board"
         mega = Mega(port)

@@ -57,7 +57,7 @@ class Bench:
 
 @dataclass(frozen=True)
 class Rest:
-    """Number of motions, and largest errors at rest: arms from the command, head from the kinematics of the arms."""
+    """Number of motions, largest errors at rest (arms from the command, head from the arms), number of reassemblies."""
 
     motions: int
     arms_deg: float
@@ -66,7 +66,7 @@ class Rest:
 
 
 def random_poses(count: int, seed: int) -> Rest:
-    """Carry out `count` accepted motions to random poses at random speeds; return the largest errors."""
+    """Carry out `count` accepted motions to random poses at random speeds; return the measurements."""
     bench, rng = Bench(), random.Random(seed)
     done, arms_deg, head_deg = 0, 0.0, 0.0
     while done < count:

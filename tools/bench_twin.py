@@ -42,7 +42,7 @@ class Timed(Robot):
         self.brackets: list[tuple[float, float]] = []
 
     def begin(self, query: MotionQuery | PoseQuery) -> Motion:
-        """Begin a motion like `Robot.begin`, and record its times."""
+        """Begin a motion as `Robot.begin` does, and record its times."""
         sent_s = time.monotonic()
         motion = super().begin(query)
         self.brackets.append((sent_s, time.monotonic()))
@@ -78,7 +78,7 @@ def begins(positions: Sequence[Positions], brackets: Sequence[tuple[float, float
         ways = np.abs(recorded.commanded[coming] - recorded.commanded[rest])
         way = ways[:, int(np.argmax(ways[-1]))]
         early = (way > EARLY_DEG[0]) & (way < EARLY_DEG[1])
-        # The step counter leads in the direction of travel by half a microstep on average.
+        # Subtract half a microstep, by which the step counter leads in the direction of travel on average.
         microstep = (
             360
             / ROBOT.drive.full_steps

@@ -34,7 +34,10 @@ PATIENCE_S: Final = 10.0
 
 
 class Times:
-    """Times (monotonic clock, s) of sent requests, shown outcomes and drawn pictures, from wrapped methods."""
+    """Times (monotonic clock, s) of sent requests and shown outcomes, and ages (s) of drawn pictures.
+
+    Wrappers around methods of the window and the client record them.
+    """
 
     def __init__(self, window: Window) -> None:
         self.sent: list[float] = []
@@ -103,7 +106,7 @@ def click(widget: QWidget) -> float:
 
 
 def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
-    """Press Space during motions; return the times (s) until STOP was sent, and until resting arms were shown."""
+    """Press Space during motions; return the times (s) until STOP was sent, and until arms at rest were shown."""
     sent, shown = [], []
     window.handle(SetIncrement(60.0))
     window.handle(SetSpeed(30.0))

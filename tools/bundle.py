@@ -2,7 +2,7 @@
 
 python tools/bundle.py [--platform windows-x86_64] [--python 3.12] [--extras cli,gui] [--out FOLDER]
 
-The archive holds the wheels of the versions in constraints.txt, the program install.py, which needs only Python, and
+The archive contains the wheels of the versions in constraints.txt, the program install.py, which needs only Python, and
 a README.txt. The firmware of the board is inside the wheel of BEATRIX.
 """
 
@@ -122,7 +122,7 @@ def names_of(requirements: Sequence[Requirement], values: dict[str, str]) -> set
         names.add(name)
         try:
             needs = metadata.requires(name) or []
-        except metadata.PackageNotFoundError:  # needed on the other platform only
+        except metadata.PackageNotFoundError:  # not installed here, so needed only on that platform
             continue
         extras = ["", *requirement.extras]
         waiting += [need for need in map(Requirement, needs) if applies(need, values, extras)]

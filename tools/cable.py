@@ -32,7 +32,7 @@ class Cable:
         self._plugged.clear()
 
     def plug(self) -> None:
-        """Pass on everything again."""
+        """Pass data on again."""
         self._plugged.set()
 
     def cut(self) -> None:

@@ -50,7 +50,7 @@ def positions(number: int) -> bytes:
 
 
 class Ours:
-    """A session of an account."""
+    """A session with an account of a class."""
 
     def __init__(self, path: str) -> None:
         account = accounts.load(Path(path))
@@ -79,7 +79,7 @@ class Ours:
 
 
 class Bare:
-    """A session of Zenoh alone."""
+    """A session of Zenoh without BEATRIX."""
 
     def __init__(self, endpoint: str) -> None:
         config = zenoh.Config()
@@ -91,12 +91,12 @@ class Bare:
         self._rest = bytes(len(positions(0)) - STAMP.size)
 
     def publish(self, key: str) -> Callable[[int], None]:
-        """Like `Ours.publish`."""
+        """Return a function that publishes one message, as `Ours.publish` does."""
         publisher = self._session.declare_publisher(key)
         return lambda number: publisher.put(STAMP.pack(number, time.monotonic_ns()) + self._rest)
 
     def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
-        """Like `Ours.subscribe`."""
+        """Subscribe as `Ours.subscribe` does."""
 
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), *STAMP.unpack_from(sample.payload.to_bytes()))

@@ -133,7 +133,7 @@ def flood(robot: str) -> None:
 
 
 def attack(host: str, port: str, recorded: str) -> None:
-    """Attack a router's port until the end of the input."""
+    """Attack a router's port until the end of the input, then print the number of attacks of each kind."""
     with Attack(host, int(port), Path(recorded).read_bytes()) as begun:
         print("ready", flush=True)
         sys.stdin.read()

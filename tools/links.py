@@ -30,7 +30,7 @@ def anchors(page: Path) -> set[str]:
 
 
 def broken_links(page: Path) -> Iterator[str]:
-    """Yield a message for each link of a page whose target does not exist; web addresses are not checked."""
+    """Yield a message for each link of a page whose target does not exist; links to the web are not checked."""
     for target in LINK.findall(prose(page)):
         if "://" in target or target.startswith("mailto:"):
             continue

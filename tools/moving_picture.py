@@ -104,7 +104,7 @@ def titled() -> Image.Image:
 
 
 def reduced(images: list[Image.Image]) -> list[Image.Image]:
-    """Return the images with one palette, computed from the middle of six of them, where head and neck are."""
+    """Return the images with one palette, computed from the middle (head and neck) of about six of them."""
     some = images[:: len(images) // 6]
     sample = Image.new("RGB", (WIDTH // 2, len(some) * HEIGHT))
     for index, image in enumerate(some):

@@ -1,4 +1,4 @@
-"""Mutation testing within a time limit: change one expression at a time and check whether a test fails.
+"""Mutation testing within a time limit: change one expression or statement at a time; check whether a test fails.
 
     .venv/bin/python tools/mutate.py --minutes 10 --sample 60 beatrix_zenoh/node/planner.py
 
@@ -9,8 +9,8 @@ pass:
 
     beatrix_zenoh/node/planner.py:107  roll + here[2] -> roll - here[2]
 
-A survivor is not always a defect of the tests: some mutants are equivalent to the original.
-The same --seed selects the same mutants in the same order.
+A survivor does not always show a defect of the tests: some mutants are equivalent to the original. Runs with the same
+--seed select the same mutants in the same order.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def _expression(node: ast.expr) -> str:
         case ast.Constant(value=bool(value)):
             text = str(not value)
         case ast.Constant(value=int(number)):
-            text = str(number - 1 if number == 2 else number + 1)  # 2 is often the last of three axes
+            text = str(number - 1 if number == 2 else number + 1)  # 2 is often the last of three indices
         case ast.Constant(value=float(number)):
             text = str(number * 2 / 3 if number else 1.0)
     return text
@@ -264,9 +264,8 @@ class Copy:
         command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words]
         environment = dict(os.environ, COVERAGE_FILE=str(self._contexts), PYTHONPATH=str(self.root))
         environment.pop("COVERAGE_PROCESS_CONFIG", None)  # set if coverage measures this program
-        environment["PYTHONDONTWRITEBYTECODE"] = (
-            "1"  # Python would reuse bytecode for a source of the same size and second
-        )
+        # Otherwise Python would reuse bytecode for a source of the same size and second.
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"
         with subprocess.Popen(
             command,
             cwd=self.root,
@@ -286,7 +285,7 @@ class Copy:
 
 
 def main(words: Sequence[str] | None = None, root: Path = ROOT) -> int:
-    """Print all mutants that were not killed, and the numbers of mutants made, tested and killed."""
+    """Print all mutants that were not killed, and the numbers of mutants made, tested, and with each verdict."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

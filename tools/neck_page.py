@@ -1,4 +1,4 @@
-"""Write the table and the tree of docs/explanation/neck.md: `python tools/neck_page.py`.
+"""Write the table and the tree into docs/explanation/neck.md: `python tools/neck_page.py`.
 
 A test checks that the page is up to date.
 """

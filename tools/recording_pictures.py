@@ -27,7 +27,7 @@ LARGEST = 300_000
 
 
 def lesson(endpoint: str) -> tuple[float, float]:
-    """Carry out motions with a lead, a refused and a stopped one; return the times (s since 1970) of the pictures."""
+    """Make motions with a lead, a refused motion and a stopped one; return the times (s since 1970) of the pictures."""
     with Twin(NAME, connect=endpoint, who="ana") as twin:
         twin.enable()
         twin.calibrate()
@@ -50,7 +50,7 @@ def lesson(endpoint: str) -> tuple[float, float]:
 
 
 def small(png: bytes) -> bytes:
-    """Return the picture with so few colours that it is at most LARGEST bytes long, but with at least 16."""
+    """Return the picture with so few colours, but at least 16, that it is at most LARGEST bytes long."""
     picture, smaller, colours = Image.open(io.BytesIO(png)).convert("RGB"), png, 512
     while len(smaller) > LARGEST and colours > 16:
         colours //= 2

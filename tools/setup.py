@@ -1,6 +1,6 @@
-"""Make .venv and install the Debian packages: `python tools/setup.py demo` or `test`.
+"""Make .venv, and install the Debian packages that it or the tests need: `python tools/setup.py demo` or `test`.
 
-A stamp file in .venv records its inputs, so that nothing is done twice. This program needs only Python 3.11.
+A stamp file in .venv records the inputs of .venv, so that nothing is done twice. This program needs only Python 3.11.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def missing_packages(purpose: str) -> list[str]:
 
 
 def install_debian_packages(purpose: str) -> None:
-    """Install the missing Debian packages; without the rights, or if apt-get fails, exit with a message."""
+    """Install the missing Debian packages, or exit with a message if that fails; on other systems print their names."""
     if not shutil.which("dpkg-query"):
         print(
             f"This system is not Debian. Install the equivalents of these packages yourself: {', '.join(wanted_packages(purpose))}."

@@ -23,7 +23,7 @@ SIZES = ((1366, 768), (1024, 768), (1024, 600))
 
 
 def draw(view: View, size: tuple[int, int], file: Path) -> None:
-    """Save a picture of the window that shows a view."""
+    """Save a picture of the window that shows a view, and print the present and the smallest size of the window."""
     window = QMainWindow()
     panels = Panels(Texts(view.language))
     window.setCentralWidget(panels)

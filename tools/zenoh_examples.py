@@ -1,6 +1,7 @@
 """Control both robots with Zenoh's example programs: `python tools/zenoh_examples.py FOLDER`.
 
-FOLDER contains the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. Prints every call and its output.
+FOLDER contains the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. The program prints every call and its
+output.
 """
 
 from __future__ import annotations
