@@ -52,7 +52,7 @@ ENGLISH: Final[dict[str, str]] = {
     "sending.both_text": "Motions are previewed; then the simulation moves, and {seconds:.1f} s later the hardware.",
     "sending.together_text": "Motions are previewed; then both move at the same time.",
     "sending.trying": "Preview",
-    "sending.trying_text": "A copy of the simulation tries the motion.",
+    "sending.trying_text": "The motion is tried on a copy of the simulation.",
     "sending.possible": "Possible, {seconds:.1f} s",
     "sending.leading_text": "Until the hardware follows, you can change or abort the motion.",
     "sending.sent": "Both move, {seconds:.1f} s",
@@ -70,7 +70,7 @@ ENGLISH: Final[dict[str, str]] = {
     "command.home": "Home",
     "command.home_tip": "Turn all arms to 0°.",
     "command.enable": "Enable",
-    "command.enable_tip": "Switch the motors on. Set the head upright first, calibrate afterwards.",
+    "command.enable_tip": "Switch the motors on. Set the head upright first, and calibrate afterwards.",
     "command.disable": "Disable",
     "command.disable_tip": "Switch the motors off. The head may sink, and home is lost.",
     "command.disable_question": (
@@ -81,12 +81,12 @@ ENGLISH: Final[dict[str, str]] = {
     "command.undo": "Undo",
     "command.undo_tip": "Go back to short {short:z.1f}°, middle {middle:z.1f}°, long {long:z.1f}° (Ctrl+Z)",
     "stop": "STOP",
-    "stop_tip": "Stop both robots at once, even if not checked (Space, Esc, Pause)",
+    "stop_tip": "Stop both robots at once, even if they are not checked (Space, Esc, Pause)",
     # -- refusals
     "alternative.head": "Look to {yaw:z.1f}°/{pitch:z.1f}°/{roll:z.1f}°",
     "alternative.arms": "Move to {short:z.1f}°/{middle:z.1f}°/{long:z.1f}°",
     "alternative.speed": "Use {speed:z.1f}°/s",
-    "alternative.tip": "The robot has checked that it accepts this from its present position.",
+    "alternative.tip": "The robot has checked that it accepts this motion from its present position.",
     # -- history
     "who.you": "you",
     "who.none": "robot",
@@ -150,7 +150,7 @@ ENGLISH: Final[dict[str, str]] = {
     "eye.waiting": "The window is waiting for pictures.",
     # -- recording
     "record.begin": "Record",
-    "record.begin_tip": "Record both robots into a file (Ctrl+R)",
+    "record.begin_tip": "Record both robots in a file (Ctrl+R)",
     "record.end": "End recording",
     "record.end_tip": "End the recording and keep its file (Ctrl+R)",
     "record.ending_tip": "The recorder is completing the file.",
@@ -245,7 +245,7 @@ ENGLISH: Final[dict[str, str]] = {
     "tip.copy_command_line": "Copy a line for a terminal.",
     "tip.repeat": "Send this request again.",
     "tip.dismiss": "Hide this message.",
-    "tip.pose_name": "The name has no spaces, because Space is STOP. Enter saves the pose.",
+    "tip.pose_name": "The name cannot contain spaces, because Space is STOP. Enter saves the pose.",
     "tip.menu": "Colours and sizes, language, keys.",
     "label.keys_yaw": "Page up, Page down: turn the target to the left or right",
     "label.keys_press": "Enter on a button: press it",
@@ -261,5 +261,5 @@ ENGLISH: Final[dict[str, str]] = {
     "label.file_overwrite": "Overwrite",
     "label.file_save": "Save",
     "label.file_open": "Open",
-    "label.file_missing": "There is no file {file} here. Choose one in the list, or type its name.",
+    "label.file_missing": "There is no file {file} here. Choose a file in the list, or type its name.",
 }

@@ -51,8 +51,8 @@ CLASS: Final[dict[str, str]] = {
     "what.stop_all": "stop all robots",
     "what.for": "{what}, {robots}",
     "what.for_all": "{what}, all robots",
-    "result.done_robots": "done at {count:.0f} robots",
-    "result.done_partly": "done at {done:.0f} of {count:.0f} robots, not at {robots}: {text}",
+    "result.done_robots": "done by {count:.0f} robots",
+    "result.done_partly": "done by {done:.0f} of {count:.0f} robots, not by {robots}: {text}",
     "of.robots": "{robots}: {text}",
     # -- the page of the class
     "stop_all": "STOP ALL",

@@ -7,7 +7,7 @@ from typing import Final
 ROBOTS: Final[dict[str, str]] = {
     # -- why something is off, or cannot be sent
     "off.unchecked": "Check Simulation, Hardware or both first: motions and commands go to the checked robots.",
-    "off.no_plan": "No motion waits for its lead.",
+    "off.no_plan": "No motion waits to be sent to the hardware.",
     "off.no_undo": "There is no motion to undo.",
     "off.no_pose": "There is no saved pose. Save one first.",
     "off.one_pose": "Save two poses or more to play them one after the other.",
@@ -64,9 +64,9 @@ ROBOTS: Final[dict[str, str]] = {
     ),
     "reason.stale": "The last positions are {seconds:.1f} s old. Wait a moment; if nothing changes, restart the robot.",
     "reason.disabled_sim": "The motors are off. Press Make ready: it enables and calibrates the simulation.",
-    "reason.disabled_hw": "The motors are off. Set the head upright by hand, then enable.",
-    "reason.not_calibrated": "Home is unknown. If the head stands upright and looks straight ahead, calibrate.",
-    "reason.driven_moving": "{holder} is moving the robot. Wait for the end; you can always press STOP.",
+    "reason.disabled_hw": "The motors are off. Set the head upright by hand, then press Enable.",
+    "reason.not_calibrated": "Home is unknown. If the head stands upright and looks straight ahead, press Calibrate.",
+    "reason.driven_moving": "{holder} is moving the robot. Wait until the motion ends; you can always press STOP.",
     "reason.driven": "{holder} drives the robot until two seconds after the last motion; you can always press STOP.",
     "reason.assembly_left": "The neck snapped out of its home assembly and was put back. Calibrate when it rests.",
     "next.start": "Start simulation",

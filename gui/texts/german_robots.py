@@ -9,7 +9,7 @@ ROBOTS: Final[dict[str, str]] = {
     "off.unchecked": (
         "Hake zuerst Simulation, Hardware oder beide an: Bewegungen und Befehle gehen dorthin, wo ein Haken ist."
     ),
-    "off.no_plan": "Keine Bewegung wartet auf ihren Vorlauf.",
+    "off.no_plan": "Keine Bewegung wartet auf das Senden an die Hardware.",
     "off.no_undo": "Es gibt keine Bewegung, die rückgängig gemacht werden kann.",
     "off.no_pose": "Es gibt keine gespeicherte Pose. Speichere zuerst eine.",
     "off.one_pose": "Speichere zwei oder mehr Posen, um sie nacheinander abzuspielen.",

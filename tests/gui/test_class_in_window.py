@@ -43,7 +43,7 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     panels, page = user.window.panels, teacher.window.panels.class_page
     moves(user, robots)
     teacher.press(page.freeze_all)
-    teacher.until(lambda: "done at 3 robots" in page.result.text(), "all are frozen")
+    teacher.until(lambda: "done by 3 robots" in page.result.text(), "all are frozen")
     user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
     assert all(robot.status().frozen and robot.positions().arms.long < 55 for robot in robots.values())
     user.until(lambda: "frozen by the teacher" in panels.header.pills["hw"].state.text(), "the pill shows it")
@@ -96,6 +96,6 @@ def test_the_teacher_limits_the_speed_and_stops_all_robots(
     )
     moves(user, robots)
     teacher.press(teacher.window.panels.stop_bar)
-    teacher.until(lambda: "stop all robots: done at 3 robots" in page.result.text(), "all have stopped")
+    teacher.until(lambda: "stop all robots: done by 3 robots" in page.result.text(), "all have stopped")
     assert not any(robot.status().moving for robot in robots.values())
     assert all(robot.positions().arms.long < 55 for robot in robots.values())

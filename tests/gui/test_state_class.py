@@ -105,7 +105,7 @@ def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
     state.handle(GovernClass(LeaseAction.FREEZE), TEACHER)
     assert page(state).good is None
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
-    assert (page(state).result, page(state).good) == ("freeze, all robots: done at 8 robots", True)
+    assert (page(state).result, page(state).good) == ("freeze, all robots: done by 8 robots", True)
     state.handle(LimitClass("20"), TEACHER)
     state.report(
         Outcome(
@@ -120,7 +120,7 @@ def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
         )
     )
     assert page(state).result == (
-        "speed limit 20 °/s, all robots: done at 6 of 8 robots, not at bea3 (hw), bea4 (hw): It did not answer."
+        "speed limit 20 °/s, all robots: done by 6 of 8 robots, not by bea3 (hw), bea4 (hw): It did not answer."
     )
     assert page(state).good is False
 
@@ -137,7 +137,7 @@ def test_stop_on_the_page_of_the_class_stops_all_robots() -> None:
     assert state.view(TEACHER).stop.text == "STOP ALL"
     assert state.handle(Stop(), TEACHER) == [StopAll(1)]
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
-    assert state.view(TEACHER).last == "last: stop all robots done at 8 robots"
+    assert state.view(TEACHER).last == "last: stop all robots done by 8 robots"
     assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
     assert state.handle(Stop(), TEACHER) == [StopBoth(2)]
     assert state.handle(intents.Repeat(1), TEACHER) == [StopAll(3)]

@@ -40,7 +40,7 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
         view = state_after(BOTH).view(now).sending
         assert [view.send_now.enabled, view.change.enabled] == [False] * 2
         assert view.abort.enabled is (now.plan is not None), "the button stops both robots"
-        assert view.send_now.tooltip == "No motion waits for its lead."
+        assert view.send_now.tooltip == "No motion waits to be sent to the hardware."
 
 
 def test_a_warning_of_the_preview_is_shown() -> None:
