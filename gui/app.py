@@ -27,7 +27,7 @@ PROBE_S = 20.0
 
 
 def known(code: str | None) -> str | None:
-    """Return the code of a language, or None; raises BadParameter if the window has no texts in that language."""
+    """Return the language code, or None if none was given; raises BadParameter if the window has no such language."""
     if code is None or code in LANGUAGES:
         return code
     raise typer.BadParameter(
@@ -62,7 +62,10 @@ def gui(
 
 
 def check_display() -> None:
-    """Raise Refused if no window can be opened; otherwise Qt would end the process with a core dump."""
+    """Remove the plugin path of opencv-python from the environment; raise Refused if no window can be opened.
+
+    Without this check Qt would end the process with a core dump.
+    """
     if "cv2" in os.environ.get(PLUGINS, ""):  # set by opencv-python, whose plugins do not fit PyQt's Qt
         del os.environ[PLUGINS]
     platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
@@ -74,10 +77,10 @@ def check_display() -> None:
         raise Refused(
             Reason.BAD_VALUE,
             "No window can be opened because there is no display. Start `beatrix gui` on a computer with a screen; "
-            "the other verbs of `beatrix` need no display.",
+            "most other verbs of `beatrix` need no display.",
         ) from None
 
 
 def main(words: list[str] | None = None) -> int:
-    """Entry point of group `beatrix.processes`; returns the exit code."""
+    """Run `beatrix gui`, as an entry point of group `beatrix.processes`; return the exit code."""
     return run_command(gui, "beatrix gui", words)

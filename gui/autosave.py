@@ -15,7 +15,7 @@ class Autosave:
     """Writes the changes of this window, and keeps those that other windows have saved in the meantime."""
 
     def __init__(self, state: State) -> None:
-        """Take the present choices as the saved ones."""
+        """Treat the present choices as already saved."""
         self._state, self._file = state, saved.path()
         self._kept: Saved = state.saved
 

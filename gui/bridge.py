@@ -9,7 +9,7 @@ from PyQt5.QtCore import QObject, pyqtSignal
 
 
 class Bridge(QObject):
-    """Runs calls of other threads in the thread that created this object, Qt's.
+    """Runs calls of other threads in the thread that created this object, which is Qt's thread.
 
     `post` queues every call. `post_latest` keeps only the newest call of a slot, for pictures: a slow window skips
     pictures and never falls behind.
@@ -30,7 +30,7 @@ class Bridge(QObject):
             self._queued.emit(call)
 
     def post_latest(self, slot: Hashable, call: Callable[[], None]) -> None:
-        """Like `post`, but replace a waiting call of the same slot."""
+        """Run `call` as `post` does, but replace a waiting call of the same slot."""
         with self._lock:
             waiting = slot in self._newest
             self._newest[slot] = call

@@ -15,7 +15,7 @@ SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
 class Keys(QObject):
     """Filters the events of the whole application before any widget receives them.
 
-    Qt's shortcuts are not enough: a button acts 0.1 s after its shortcut, and text fields and popups consume keys.
+    Qt's shortcuts are not enough: a shortcut takes 0.1 s to click its button, and text fields and popups consume keys.
     """
 
     stop = pyqtSignal()
@@ -26,7 +26,7 @@ class Keys(QObject):
     page = pyqtSignal()
 
     def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
-        """Create the filter, not yet installed.
+        """Create the filter without installing it.
 
         `stop_bar` returns the STOP button, which also works while a popup is open.
         """

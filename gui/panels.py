@@ -29,13 +29,13 @@ from gui.widgets.stop_bar import StopBar
 from gui.widgets.trouble import Trouble
 
 LOW_PX = 680
-"""Windows lower than this, at 100 % type, show history and poses as tabs of the middle column."""
+"""Window height at scale 1 below which history and poses are tabs of the middle column."""
 ROOMY_PX = 768
-"""Windows lower than this, at 100 % type, keep no room for the countdown while no motion waits."""
+"""Window height at scale 1 below which `Sending` has no heading and reserves no room for the countdown."""
 
 
 class Panels(QWidget):
-    """All widgets of the window; shows a view and reports intents."""
+    """All widgets of the window; they show a view and report intents."""
 
     intent = pyqtSignal(object)
 
@@ -127,7 +127,10 @@ class Panels(QWidget):
         self._show_notice()
 
     def _arrange(self) -> None:
-        """Show history and poses at the side, or in a low window in the middle, where they leave the pad more width."""
+        """Arrange the widgets for the height of the window.
+
+        In a low window, history and poses move to the middle column, so that the pad has more width.
+        """
         colours = style_of(self._theme)
         self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
         low = self.height() < colours.px(LOW_PX)
@@ -184,7 +187,7 @@ class Panels(QWidget):
             (self.class_page.list if shows_class else self.head.pad).setFocus()
 
     def show_outcome(self, rows: tuple[HistoryRowView, ...], last: str) -> None:
-        """Show history and last line after an outcome, and nothing else."""
+        """Update only the history and the last line, after an outcome."""
         self.history.show_view(rows)
         self.stop_bar.show_last(last)
 
@@ -206,7 +209,7 @@ class Panels(QWidget):
             self.refusal.show_view(shown, place)
 
     def _place(self, name: str) -> QWidget:
-        """Return the widget that a refusal is shown beside."""
+        """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
         return {"head": self.head, "commands": self.commands}.get(name, self.head)

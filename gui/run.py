@@ -28,7 +28,7 @@ from gui.window import Window
 SAVE_MS = 1000
 """Period of saving changed choices."""
 SIGNAL_MS = 100
-"""Period of checking for Ctrl-C: Python runs signal handlers only between its own instructions, and Qt's loop has
+"""Period of checking for Ctrl-C: Python runs signal handlers only between Python instructions, and Qt's loop executes
 none."""
 SIZE = (1366, 768)
 logger = logging.getLogger("beatrix.window")
@@ -95,7 +95,7 @@ def qt_application() -> QApplication:
 
 
 def chosen_state(theme: Theme | None, language: str | None) -> State:
-    """Return a state with the saved choices; options take precedence."""
+    """Return a state with the saved choices; options of the command line take precedence."""
     choices, notice = saved.load(saved.path())
     if theme is not None:
         choices = msgspec.structs.replace(choices, theme=theme)
@@ -106,7 +106,7 @@ def chosen_state(theme: Theme | None, language: str | None) -> State:
 
 @contextlib.contextmanager
 def errors_shown(show: Callable[[str], None]) -> Iterator[None]:
-    """Show and log unhandled errors of all threads; otherwise PyQt would end the process with a core dump."""
+    """Show and log unhandled errors of all threads in the block; PyQt alone would end the process with a core dump."""
 
     def report(error: BaseException | None) -> None:
         logger.error("unhandled error", exc_info=error)

@@ -11,7 +11,7 @@ from gui.state.intents import Theme
 from gui.state.views import Condition
 
 BASE_PX = 13
-"""Type size at 100 %."""
+"""Type size at scale 1."""
 STOP_PX = 72
 """Height of the STOP bar in every theme."""
 
@@ -49,7 +49,7 @@ class Style:
     stop_text: str
 
     def px(self, pixels: float) -> int:
-        """Return a length (px) in this theme, from one at 100 %."""
+        """Return a length (px) multiplied by the scale of this theme."""
         return round(pixels * self.scale)
 
     def twin(self, twin: str) -> str:

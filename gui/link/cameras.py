@@ -1,4 +1,4 @@
-"""Subscriptions to the pictures that are visible in the window, of the selected robot."""
+"""Subscriptions to those pictures of the selected robot that are visible in the window."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Cameras(Worker):
         self.put(apply)
 
     def follow(self, session: Session) -> None:
-        """Subscribe to the robots of this session from now on; returns at once."""
+        """Subscribe to the pictures of this session's robots from now on; returns at once."""
 
         def apply() -> None:
             self._end()

@@ -16,7 +16,7 @@ class Children(Worker):
     """Starts child processes on a thread of its own; methods except `join` return at once."""
 
     def __init__(self, started: Callable[[], None]) -> None:
-        """Start no process yet; `started` is called when there is a router."""
+        """Start the thread but no process; `started` is called when the router runs."""
         super().__init__("window-children")
         self._started = started
         self._serving: Processes | None = None
@@ -73,7 +73,7 @@ class Children(Worker):
             simulation = serving.start("simulation", *words)
             serving.wait_ready()
         except BeatrixError:
-            serving.forget_ended()  # the error already describes how a child has ended
+            serving.forget_ended()  # so that `trouble` does not report the same failure again
             raise
         self._simulation = simulation
 

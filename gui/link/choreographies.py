@@ -20,7 +20,7 @@ from gui.link.playing import POSES
 from gui.state.actions import Play
 
 LARGEST_BYTES = 1 << 19
-"""Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, and only then can STOP end
+"""Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, in which STOP cannot end
 the play."""
 
 
@@ -32,8 +32,8 @@ def prepared(
     `check` is called many times a second during the play; an error that it raises ends the play.
 
     Raises:
-        WrongUsage: the file cannot be read.
-        Refused: a robot would refuse part of it.
+        WrongUsage: the file is too large or cannot be read.
+        Refused: a robot would refuse a part of the play.
         NoAnswer: a robot does not answer.
     """
     found = read(action)
@@ -55,7 +55,7 @@ def prepared(
 
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
-    """Return the choreography (also for poses) or the path (a time for each point) to play; raises WrongUsage."""
+    """Return the choreography or path to play; raises WrongUsage if the file is too large or cannot be read."""
     if action.file is None:
         # All times are 0, so that each pose begins when the previous one is reached.
         steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]
@@ -65,8 +65,8 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
         if size > LARGEST_BYTES:
             raise WrongUsage(
                 Reason.BAD_VALUE,
-                f"{action.file} has {size / 1e6:.1f} MB; the window plays files of up to {LARGEST_BYTES / 1e6:.1f} MB. "
-                "Play a part of it, or use `beatrix play`.",
+                f"{action.file} is {size / 1e6:.1f} MB large; at most {LARGEST_BYTES / 1e6:.1f} MB is allowed "
+                "in the window. Play a part of it, or use `beatrix play`.",
             )
         found = motion_file.read(action.file)
     except OSError as error:

@@ -25,12 +25,12 @@ RETRY_S = 1.0
 LOOK_S = 0.25
 """Period of reading the names of robots on line, until one is selected."""
 EVENTS = 200
-"""Events kept of each robot."""
+"""Number of events kept for each robot."""
 
 
 @dataclass(frozen=True)
 class Session:
-    """A session with the router, and the monitor and twin that use it."""
+    """A session with the router, and the objects that use it."""
 
     client: Client
     monitor: Monitor
@@ -42,7 +42,7 @@ class Session:
 
 
 class Connection:
-    """Looks for the router in a thread until there is a session, which stays until `close`.
+    """Looks for the router in a thread until there is a session, which stays open until `close`.
 
     A session whose router is lost recovers by itself when the router returns.
     """
@@ -50,12 +50,12 @@ class Connection:
     def __init__(
         self, settings: Settings, on_session: Callable[[Session], None], *, name_given: bool
     ) -> None:
-        """Connect to nothing yet.
+        """Store the arguments; `start` begins to look for the router.
 
         Args:
             settings: robot, router and seat.
             on_session: called when there is a session, and when another robot is selected; must not wait.
-            name_given: the user chose the robot, so that it stays even if only another one is on line.
+            name_given: whether the user chose the robot, which then stays selected even if only another one is on line.
         """
         self.settings = settings
         self.robot = settings.robot
@@ -85,7 +85,7 @@ class Connection:
             return self._trouble
         return (
             f"The router at {self.settings.connect} is lost or does not answer, so the robots stop their motions. The window "
-            "reconnects when it returns."
+            "reconnects when the router returns."
         )
 
     def start(self) -> None:
@@ -108,7 +108,7 @@ class Connection:
             return
         session = self.session = replace(old, twin=Twin(robot, client=old.client))
         self._on_session(session)
-        self._tasks.put(old.twin.close)  # on the connection's thread, because it may wait for a robot
+        self._tasks.put(old.twin.close)  # on the connection's thread, because closing may wait for a robot
 
     def states(self) -> tuple[RobotState, RobotState]:
         """Return the states of simulation and hardware of the selected name."""
@@ -168,9 +168,10 @@ class Connection:
         self._router_present = present
 
     def _choose(self) -> None:
-        """Select a name on line, once, if the user chose none: the only one, or for the teacher one of several.
+        """Select a name once, if the user chose none: the only one on line or, for the teacher, one of several.
 
-        No robot has the teacher's name, so the first hardware is selected: simulations belong to students.
+        Usually no robot has the default name of the teacher's window. Then the first hardware is selected, because
+        simulations belong to students.
         """
         with self._lock:
             session = None if self._chosen else self.session

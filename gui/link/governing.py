@@ -13,7 +13,7 @@ from gui.link.worker import Worker
 from gui.state.actions import Govern, Outcome
 
 PERIOD_S = 0.2
-"""Period of reading the states of all robots: decoding 60 of them takes milliseconds."""
+"""Period of reading all states: decoding 60 of them takes milliseconds, too long for each refresh of the window."""
 
 
 class ClassStates:

@@ -39,7 +39,7 @@ CLOSE_S = 2.8
 
 
 class Link:
-    """The window's connection to router and robots; no method except `close` waits for either."""
+    """The window's connection to router and robots; no method except `close` waits for either of them."""
 
     def __init__(
         self, settings: Settings, on_outcome: OnOutcome, on_image: OnImage, *, name_given: bool = True
@@ -108,7 +108,7 @@ class Link:
         match action:
             case actions.StopBoth():
                 self._stopping.press(action.row)
-                self._drop_all()  # in this thread, so that requests after STOP are not dropped
+                self._drop_all()  # in this thread, so that requests made after STOP are not dropped
             case actions.StopAll():
                 self._stopping.press_all(action.row)
                 self._drop_all()

@@ -38,7 +38,7 @@ def failed(row: int, twin: str, error: BeatrixError) -> Outcome:
 
 
 def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> Outcome:
-    """Return the outcome of a request to several robots (`robots`: their number), from the errors of some of them."""
+    """Return the outcome of a request to `robots` robots; `failed` contains the errors of those that failed."""
     if not robots:
         return Outcome(row, "", accepted=False, done=True, reason=Reason.NO_ANSWER, message=NO_ROBOT)
     error = next(iter(failed.values()), None)

@@ -1,4 +1,4 @@
-"""Subscriptions to exactly the visible pictures: cameras work only while a client subscribes."""
+"""Subscriptions to exactly the visible pictures, because cameras are on only while a client subscribes."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ CLOSE_S: Final = 1.0
 
 
 class Pictures:
-    """Pictures of one robot's cameras; only one thread may call the methods."""
+    """Camera pictures of the robots of one name; only one thread may call the methods."""
 
     def __init__(self, client: Client, robot: str, on_image: OnImage) -> None:
-        """Subscribe to nothing yet.
+        """Create the object without subscriptions.
 
         Args:
             client: provides the session for pictures.
-            robot: name of the robot.
+            robot: name of the robots.
             on_image: called on threads of this object, for each picture; must return at once.
         """
         self._client, self._robot, self._on_image = client, robot, on_image
@@ -39,7 +39,8 @@ class Pictures:
     def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
         """Subscribe to exactly these cameras, pairs of twin and eye; does not wait for router or robot.
 
-        Absent robots and cameras are included as soon as they appear. After the return no other picture is delivered.
+        Absent robots and cameras are included as soon as they appear. After the return no other camera's picture is
+        delivered.
         """
         for place in self._streams.keys() - wanted:
             self._streams.pop(place).end()
@@ -85,7 +86,7 @@ class Stream:
         pictures = images(self._client, robot, twin, eye, timeout_s=None, length=1)
         with self._lock:
             self._subscription = pictures
-            if self._ended.is_set():  # `end` was called before
+            if self._ended.is_set():  # `end` was called too early to close it
                 pictures.close()
         return pictures
 

@@ -18,7 +18,7 @@ from gui.state.actions import Outcome
 from gui.state.world import PlanPhase, PlanProgress
 
 BOTH = ""
-"""The twin in outcomes of motions of both robots."""
+"""`Outcome.twin` of a motion of both robots."""
 ABORTED = "Aborted in this window."
 
 
@@ -50,7 +50,7 @@ class Job:
 
 
 class Plans(Worker):
-    """Carries out the newest motion of both robots; methods return at once, and any thread may call them."""
+    """Carries out the newest motion of both robots; methods except `join` return at once. Any thread may call them."""
 
     def __init__(self, report: Callable[[Outcome], None]) -> None:
         super().__init__("window-plans")
@@ -99,7 +99,7 @@ class Plans(Worker):
         self.drop_trying(why)
         moving = self._moving
         if moving is not None:
-            moving.cancel(why)  # reported at its end
+            moving.cancel(why)  # `_ended` reports the outcome
 
     def drop_trying(self, why: BeatrixError) -> None:
         """End the plan that is still being previewed."""
@@ -110,7 +110,7 @@ class Plans(Worker):
             self._finish(job, failed(job.row, BOTH, why))
 
     def drop_leading(self, why: BeatrixError) -> None:
-        """End a plan whose hardware motion was not sent yet; others go on."""
+        """End the committed plan, unless its motion was sent to the hardware already."""
         moving = self._moving
         if moving is not None and moving.motion is not None and not moving.motion.hardware_sent:
             moving.cancel(why)
@@ -145,7 +145,7 @@ class Plans(Worker):
             self._moving = job
             if self._trying is job:
                 self._trying = None
-        if job.dropped is not None:  # by another thread during the commit
+        if job.dropped is not None:  # another thread dropped it during the commit
             job.cancel(job.dropped)
         if not job.reported:
             self._report(accepted(job.row, BOTH, job.plan.verdict, job.plan.duration + job.lead_s))

@@ -1,4 +1,4 @@
-"""Choreographies, played on a separate thread until the end, a newer request or STOP."""
+"""Plays of choreographies, files and poses, on a thread of their own until the end, a newer request or STOP."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from gui.state.actions import Outcome, Play
 
 POSES = "poses"
 END_S = 1.0
-"""Longest wait of a newer motion for the play that it ends."""
+"""Longest time that a newer motion waits for the end of the play that it replaces."""
 
 
 @dataclass(eq=False)
@@ -68,7 +68,7 @@ class Playing(Worker):
         self.put(lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError) -> None:
-        """End the current play; its robots are stopped, unless a newer request replaces it."""
+        """End the current play; its robots are stopped, unless a newer request replaces the play."""
         job = self._job
         if job is not None:
             job.ending = job.ending or why

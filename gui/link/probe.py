@@ -31,7 +31,7 @@ class Probe:
         """Start the thread; `session` returns the present session, or None."""
         self._twin, self._session = twin, session
         self.round_trip_s: float | None = None
-        """None: the last query was not answered, or none was sent."""
+        """duration (s) of the last query of the clock; None: the robot did not answer, or no query was sent"""
         self._limits: tuple[Place, LimitInfo] | None = None
         self._end: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._thread: threading.Thread = threads.start(self._run, f"window-probe-{twin}")

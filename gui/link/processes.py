@@ -1,4 +1,4 @@
-"""Child processes that end in the time that a window has for closing."""
+"""Child processes that end within the time limit for closing the window."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ class Recordings(Worker):
         with self._lock:
             if self._lasted_s is None:
                 self._lasted_s = 0.0 if self._began_s is None else time.monotonic() - self._began_s
-                # A recording that the user ends while it is starting is empty, which is no failure.
+                # A recording that the user ends while it is starting is empty, which is not a failure.
                 accepted = (0, NO_ROBOT) if self._ending else (0,)
                 if child is not None and processes is not None and child.code not in accepted:
                     self._trouble = processes.failure()
@@ -109,7 +109,7 @@ class Recordings(Worker):
 
 
 def folder() -> Path:
-    """Return `recordings/` in the working directory, or in the user's Documents if that is read-only."""
+    """Return `recordings/` in the working directory, or in the user's Documents if the former is read-only."""
     here = Path.cwd()
     root = here if os.access(here, os.W_OK) else Path.home() / "Documents"
     return root / FOLDER

@@ -1,4 +1,4 @@
-"""Requests to one robot, on a thread of its own, so that a silent robot does not delay the other one."""
+"""Requests to one robot, sent by a thread of its own, so that a silent robot does not delay the other one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LIMIT = 8
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A request that waits for its turn."""
+    """A request in the queue."""
 
     row: int
     robot: Robot
@@ -37,7 +37,7 @@ class Task:
 
 
 class RequestQueue(Worker):
-    """Sends requests to one robot in their order; a newer motion replaces one that still waits."""
+    """Sends requests to one robot one after the other; a newer motion replaces one that still waits."""
 
     def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
         super().__init__(f"window-{twin}")
@@ -70,7 +70,7 @@ class RequestQueue(Worker):
         self._put(Task(row, robot, lambda robot: lease.ask(robot, action).message))
 
     def make_ready(self, row: int, robot: Robot) -> None:
-        """Queue `Robot.make_ready`."""
+        """Queue a call of `Robot.make_ready`."""
 
         def do(robot: Robot) -> str:
             robot.make_ready()
@@ -109,7 +109,10 @@ class RequestQueue(Worker):
             if not full:
                 self._waiting.append(task)
         if full:
-            text = f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot hangs."
+            text = (
+                f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot "
+                "responds."
+            )
             self._report(failed(task.row, self._twin, Refused(Reason.BUSY, text)))
         else:
             self.put(self._next)
@@ -135,7 +138,7 @@ class RequestQueue(Worker):
         began_s = time.monotonic()
         motion = task.robot.begin(query)
         self._running = task.robot, motion
-        if self._stops != stops:  # STOP was sent meanwhile and may have arrived before the motion
+        if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
             task.robot.client.put_stop(*task.robot.place)
         task.begun()
         self._report(accepted(task.row, self._twin, motion.accepted.message, motion.duration))

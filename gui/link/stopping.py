@@ -20,13 +20,13 @@ from gui.link.outcomes import done, failed, of_several
 from gui.link.worker import Worker, show_error
 from gui.state.actions import Outcome
 
-NO_REPLY = "No answer: the robot or its connection is frozen. Switch the robot's power off if it moves."
+NO_REPLY = "No answer: the robot's node hangs or is not connected. Switch the robot's power off if it moves."
 YIELD_S = 0.002
 """Longest time that Qt's thread yields to the thread that sends STOP."""
 
 
 class SentStop(NamedTuple):
-    """A STOP that was sent to one robot, and the function that waits until its arms rest."""
+    """A STOP that was sent to one robot, and the function that waits until the robot's arms rest."""
 
     row: int
     wait: Callable[[], CommandReply]
@@ -57,7 +57,7 @@ class StopReplies:
             self._report_all(all_pressed)
 
     def _report_all(self, all_pressed: list[SentStop]) -> None:
-        """Report the reply to the newest STOP for all: if a robot is silent, the waits for each reply would add up."""
+        """Report the reply to the newest STOP for all, because for a silent robot the waits would add up."""
         began_s = time.monotonic()
         try:
             reply = all_pressed[-1].wait()
@@ -81,7 +81,7 @@ class AllStopReplies(Worker):
         self._report = report
 
     def expect(self, row: int, request: GroupRequest[CommandReply], present: Sequence[Place]) -> None:
-        """Report which of the robots that were on line have stopped; returns at once."""
+        """Report, after the replies, which robots have stopped; those in `present` should reply. Returns at once."""
         self.put(lambda: self._report(self._outcome(row, request, present)))
 
     def _outcome(self, row: int, request: GroupRequest[CommandReply], present: Sequence[Place]) -> Outcome:
@@ -111,8 +111,8 @@ class Stopping:
         Args:
             robots: returns hardware and simulation; empty without a session.
             session: returns the present session, or None.
-            no_session: returns the outcome of a row without a session.
-            report: takes outcomes.
+            no_session: returns the outcome of the STOP of a row if there is no session.
+            report: receives the outcomes.
         """
         self._robots, self._session = robots, session
         self._no_session, self._report = no_session, report
@@ -134,7 +134,7 @@ class Stopping:
     def _press(self, send: Callable[[], None]) -> None:
         before = self._sent
         self._pressed.put(send)
-        # Otherwise Python would run this thread for 5 ms before it switches to the other one.
+        # Without this wait Python would run this thread for 5 ms before it switches to the thread that sends.
         self._wakeup.wait_for(lambda: self._sent != before, YIELD_S)
 
     def _run(self) -> None:

@@ -12,7 +12,7 @@ from beatrix_zenoh import threads
 
 
 def show_error(error: Exception) -> None:
-    """Pass an unexpected error to `threading.excepthook`, which shows it in the window, and let the thread go on."""
+    """Pass an unexpected error to `threading.excepthook`, which shows it in the window, and let the thread continue."""
     values = type(error), error, error.__traceback__, threading.current_thread()
     threading.excepthook(threading.ExceptHookArgs(values))
 

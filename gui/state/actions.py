@@ -88,7 +88,7 @@ class WatchClass(Action):
 
 @dataclass(frozen=True)
 class SendPlanNow(Action):
-    """Send the hardware the motion that waits for its lead."""
+    """Send the waiting motion of both robots to the hardware now."""
 
 
 @dataclass(frozen=True)

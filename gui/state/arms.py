@@ -1,4 +1,4 @@
-"""The arms: one row each and one for all, and the motions of + and -."""
+"""The rows of the arms, one for each and one for all, and the motions of + and -."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _effect(memory: Memory, world: World, jog: Jog) -> str:
 
 
 def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
-    """Send the motion of + or - in the chosen mode; for all arms it is one motion."""
+    """Return the action for + or - in the chosen mode: one motion, also for all arms; none if it is refused."""
     choices = memory.choices
     by = intent.sign * choices.increment
     chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)

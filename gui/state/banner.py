@@ -15,7 +15,7 @@ from gui.state.world import LinkPhase, World
 from gui.texts import Texts
 
 CHOICES = 3
-"""Largest number of robots that the banner offers; the list of robots has all."""
+"""Largest number of robots that the banner offers; the list of robots contains all."""
 
 
 def view(memory: Memory, world: World) -> BannerView | None:

@@ -83,7 +83,7 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
             | intents.SetLanguage()
             | intents.AimHead()
         ):
-            new = choices  # no widget can report such a value
+            new = choices  # no widget reports such a value, so it is ignored
         case _:
             new = None
     return new

@@ -75,7 +75,7 @@ def _limits(world: World) -> set[int]:
 
 
 def _limit_now(limits: set[int], texts: Texts) -> str:
-    """Return the speed limit of the class."""
+    """Return a sentence about the speed limit of all robots."""
     if len(limits) > 1:
         return texts("class.limit_differs")
     limit = max(limits, default=0)
@@ -83,7 +83,7 @@ def _limit_now(limits: set[int], texts: Texts) -> str:
 
 
 def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
-    """Return the outcome of the last request of this page, or why it was not sent, and whether it is good."""
+    """Return the outcome of this page's last request, or why it was not sent, and whether it succeeded (None: open)."""
     refused = refusals.at(memory, (PLACE,))
     sent = [row for row in memory.rows if isinstance(row.request, Govern | StopAll) and row.place == PLACE]
     if refused is not None and memory.refusal is not None and memory.refusal.key:
@@ -102,7 +102,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     found = pills.problem(robot, texts)
     if found is None and status is not None:
         found = _working(status, texts)
-    assert found is not None  # a robot without a status is silent
+    assert found is not None  # without a status, `problem` returns SILENT
     place = (robot.robot, robot.twin)
     named = f"{robot.robot} ({texts(f'twins.{robot.twin}')})"
     frozen = status is not None and status.frozen
@@ -177,7 +177,7 @@ def _button(key: str, named: str, intent: GovernClass | ChooseRobot, texts: Text
 
 
 def handle(memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass) -> list[Action]:
-    """Show the other page, or send a request to robots; do nothing if this window is not the teacher's."""
+    """Return the actions of an intent about the page; none if this window is not the teacher's."""
     if not world.is_teacher:
         return []
     match intent:
@@ -190,7 +190,7 @@ def handle(memory: Memory, world: World, intent: TogglePage | GovernClass | Limi
 
 
 def show(memory: Memory, page: Page) -> list[Action]:
-    """Show a page; pictures are received only while the robot is shown."""
+    """Choose the page to show; return the actions after which only the data of this page are received."""
     if page is memory.choices.page:
         return []
     memory.choices = replace(memory.choices, page=page)
@@ -198,7 +198,7 @@ def show(memory: Memory, page: Page) -> list[Action]:
 
 
 def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
-    """Limit the speed of all robots to the number (deg/s) that the user typed; an empty text ends the limit."""
+    """Return the action that limits the speed of all robots to the typed number (deg/s); no text ends the limit."""
     text = typed.strip().removesuffix("°/s").strip().replace(",", ".")
     try:
         speed = limit_of(float(text)) if text else 0.0

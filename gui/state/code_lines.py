@@ -27,7 +27,7 @@ VERBS = {
 
 
 def python(request: Request) -> str:
-    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is none."""
+    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is no such line."""
     line = ""
     match request:
         case Send(query=query, twins=twins, lead_s=lead_s):
@@ -47,7 +47,7 @@ def python(request: Request) -> str:
 
 
 def command_line(request: Request, world: World) -> str:
-    """Return a command for the terminal that sends the request; empty if there is none."""
+    """Return a command for the terminal that sends the request; empty if there is no such command."""
     match request:
         case Send(query=query, twins=twins, lead_s=lead_s):
             words = [*_motion_words(query), *_where(twins, world), *_lead(twins, lead_s)]

@@ -70,7 +70,7 @@ def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady |
 
 
 def stop(memory: Memory, world: World) -> list[Action]:
-    """Send STOP to both robots, or on the page *Class* to all robots, even if none is on line."""
+    """Return the action that stops both robots, or on the page *Class* all robots, even if none is on line."""
     memory.mark_dropped()
     if memory.choices.page is Page.CLASS:
         return begin(memory, world, StopAll(memory.next_row()), CLASS)
@@ -78,7 +78,7 @@ def stop(memory: Memory, world: World) -> list[Action]:
 
 
 def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
-    """Send a command to one robot or to the checked ones; HOME is sent as a motion, with the lead."""
+    """Return the action for a command to one robot or to the checked ones; HOME becomes a motion, with the lead."""
     if intent.command is Command.HOME:
         return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
     twins = (intent.twin,) if intent.twin else memory.choices.twins
@@ -89,14 +89,14 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
 
 
 def make_ready(memory: Memory, world: World, twin: str) -> list[Action]:
-    """Enable and calibrate a robot."""
+    """Return the action that enables and calibrates a robot."""
     if unreachable(memory, world, (twin,), PLACE):
         return []
     return begin(memory, world, Ready(memory.next_row(), twin), PLACE)
 
 
 def repeat(memory: Memory, world: World, number: int) -> list[Action]:
-    """Send the request of a row again: a motion to the checked robots, a command to the same robots."""
+    """Return the request of a row as a new action: a motion for the checked robots, a command for the same robots."""
     row = memory.row(number)
     if row is None:
         return memory.refuse(PLACE, "cannot.row")

@@ -1,4 +1,4 @@
-"""The pictures: subscriptions, titles, and the reason of a missing picture."""
+"""The pictures: subscriptions, titles, and the reason for a missing picture."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _reason(memory: Memory, world: World, twin: str, eye: str) -> str:
 def _outside(status: Status, texts: Texts) -> str:
     """Return why there is no outside view; empty if there is one.
 
-    The status lists only the eyes, but a simulation draws both or neither.
+    The status lists only the eyes, but a simulation that draws them also draws the outside view.
     """
     if not status.cameras:
         return texts("eye.not_drawn")
@@ -75,10 +75,10 @@ def _outside(status: Status, texts: Texts) -> str:
 
 
 def _trouble(camera: CameraStatus | None, texts: Texts) -> str:
-    """Return why a camera gives no picture; empty if it does."""
+    """Return why a camera delivers no pictures; empty if it delivers them."""
     if camera is None:
         return texts("eye.none")
-    if camera.trouble and not camera.connected:  # `streaming` may still be true for two seconds
+    if camera.trouble and not camera.connected:  # first, as `streaming` may still be true for two seconds
         return camera.trouble
     if camera.streaming:
         return ""

@@ -40,7 +40,7 @@ def _head(world: World, twin: str) -> Orientation | None:
 
 
 def target(memory: Memory, world: World) -> Orientation:
-    """Return the target of the user; if there is none, the head's orientation, so that Send moves nothing."""
+    """Return the target of the user, else the head's orientation, so that Send moves nothing, else upright."""
     if memory.choices.target is not None:
         return memory.choices.target
     here = _head(world, (memory.choices.twins or ("sim",))[0]) or UPRIGHT

@@ -70,9 +70,9 @@ def last(memory: Memory, world: World) -> str:
         return memory.notice or texts("last.none")
     row = memory.rows[-1]
     text, _ = result(row, texts)
-    first, _, _ = text.partition(". ")  # the advice is shown beside the control and in the history
+    first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
     shown = {"what": what(row, texts), "result": first.removesuffix(".")}
-    if not row.twins:  # a file, for example
+    if not row.twins:  # a request without robots, such as a file to write
         return texts("last.here", **shown)
     return texts("last", twins=twins_text(row.twins, texts), **shown)
 
@@ -124,7 +124,7 @@ def _foreign_result(group: other_seats.Group, texts: Texts) -> tuple[str, bool |
 
 
 def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> tuple[str, bool | None]:
-    """Return the text of a request that was refused or, if `began`, did not reach its goal."""
+    """Return the result, and False, of a request that was refused or, if `began`, did not reach its goal."""
     if reason is Reason.REPLACED:
         return texts("result.replaced"), False
     if began and reason is Reason.STOPPED:
@@ -143,14 +143,14 @@ def clock(wall_s: float) -> str:
 
 
 def twins_text(twins: tuple[str, ...], texts: Texts) -> str:
-    """Return the names of the robots."""
+    """Return the robots in a word or two."""
     if len(twins) > 1:
         return texts("twins.both")
     return texts(f"twins.{twins[0]}") if twins else texts("twins.none")
 
 
 def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
-    """Return the result of a request and whether it is good; None while it has not ended."""
+    """Return the result of a request as text, and whether it succeeded (None: it has not ended)."""
     bad = [outcome for outcome in row.outcomes.values() if not outcome.accepted]
     if bad:
         return _bad(row, bad, texts)
@@ -168,9 +168,9 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
 
 
 def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
-    """Return the text of the first cause.
+    """Return the cause of a failure as text, and False.
 
-    If one robot refuses, the window stops the other robot; that STOP is no cause.
+    If one robot refuses, the window stops the other robot; that STOP is not the cause.
     """
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
@@ -192,7 +192,7 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
 
 
 def _what_of(row: Row, texts: Texts) -> str:
-    """Return a request in a few words, with the robot if it is for one."""
+    """Return a request in a few words, with the robot if the request is for one robot."""
     text = what(row, texts)
     return texts("what.of", what=text, twin=texts(f"twins.{row.twins[0]}")) if len(row.twins) == 1 else text
 

@@ -81,7 +81,7 @@ class SetRelative(Intent):
 
 @dataclass(frozen=True)
 class SetIncrement(Intent):
-    """Choose how far + and - go (deg)."""
+    """Choose how far + and - turn an arm (deg)."""
 
     degrees: float
 
@@ -178,12 +178,12 @@ class LimitClass(Intent):
 
 @dataclass(frozen=True)
 class SendNow(Intent):
-    """Send the hardware the motion that waits for its lead."""
+    """Send the waiting motion of both robots to the hardware now."""
 
 
 @dataclass(frozen=True)
 class Change(Intent):
-    """Keep the hardware unmoved and restore the target on the pad."""
+    """End the motion before the hardware moves, and restore its target on the pad."""
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ class Abort(Intent):
 
 @dataclass(frozen=True)
 class TakeAlternative(Intent):
-    """Send the alternative of the shown refusal."""
+    """Send the alternative or next step of the shown refusal."""
 
 
 @dataclass(frozen=True)
@@ -203,7 +203,7 @@ class DismissRefusal(Intent):
 
 @dataclass(frozen=True)
 class Undo(Intent):
-    """Go back to the previous pose."""
+    """Turn the arms back to their angles before the last motion."""
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ class Repeat(Intent):
 
 @dataclass(frozen=True)
 class SavePose(Intent):
-    """Keep the present arm angles under a name."""
+    """Save the present arm angles under a name."""
 
     name: str
 
@@ -230,7 +230,7 @@ class DeletePose(Intent):
 
 @dataclass(frozen=True)
 class GoToPose(Intent):
-    """Send a saved pose."""
+    """Turn the arms to a saved pose."""
 
     name: str
 
@@ -266,7 +266,7 @@ class OpenRecording(Intent):
 
 @dataclass(frozen=True)
 class ChooseRobot(Intent):
-    """Show another robot of the router."""
+    """Show and drive the robots of this name."""
 
     name: str
 

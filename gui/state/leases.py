@@ -132,7 +132,7 @@ def _is_frozen(world: World, twin: str) -> bool:
 
 
 def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> list[Action]:
-    """Hide the notice; send a lease query to one robot, if that is the intent."""
+    """Hide the notice and, for a lease query, return its action; none if the robot is unreachable."""
     if isinstance(intent, AskLease) and unreachable(memory, world, (intent.twin,), PLACE):
         return []
     memory.lease_notice = None
@@ -142,7 +142,7 @@ def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> li
 
 
 def give_back_all(memory: Memory, world: World) -> list[Action]:
-    """Give back all robots that this window has taken or waits for; called before another robot is shown."""
+    """Clear the leases; return the action that gives back all robots that this window has taken or waits for."""
     places = tuple(
         place
         for place, now in memory.standings.items()

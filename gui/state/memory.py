@@ -43,7 +43,7 @@ class Row:
     before: ArmAngles | None
     """set point of the arms at the time of the request (deg); None: unknown, or no motion"""
     undoes: int | None = None
-    """row of the motion that this request undoes; None: it is no undo"""
+    """row of the motion that this request undoes; None: it is not an undo"""
     dropped: bool = False
     """whether this window has aborted or stopped the request"""
     aborted: bool = False
@@ -160,7 +160,7 @@ class Memory:
         return self.numbers
 
     def row(self, number: int) -> Row | None:
-        """Return the row of this number; None if it was dropped."""
+        """Return the row of this number; None if the history no longer contains it."""
         return next((row for row in self.rows if row.number == number), None)
 
     def add_row(self, row: Row) -> list[Action]:
@@ -180,6 +180,6 @@ class Memory:
         self.rows = tuple(changed if row.number == changed.number else row for row in self.rows)
 
     def refuse(self, place: str, key: str, **slots: str) -> list[Action]:
-        """Show why nothing was sent; returns no action."""
+        """Show why nothing was sent; return an empty list of actions."""
         self.refusal = Refusal(place, key, slots)
         return []

@@ -27,7 +27,7 @@ def send_arms(
     relative: bool = False,
     undoes: int | None = None,
 ) -> list[Action]:
-    """Turn the arms to angles, or by angles (deg), at the chosen speed."""
+    """Return the action that turns the arms to, or by, angles (deg) at the chosen speed; none if it is refused."""
     speed = memory.choices.speed
 
     def query() -> Query:
@@ -37,7 +37,7 @@ def send_arms(
 
 
 def send_head(memory: Memory, world: World, target: Orientation, place: str) -> list[Action]:
-    """Turn the head to an orientation (deg) at the chosen speed."""
+    """Return the action that turns the head to an orientation (deg) at the chosen speed; none if it is refused."""
     speed = memory.choices.speed
 
     def query() -> Query:
@@ -80,7 +80,7 @@ def begin(
     memory.troubles = troubles(world)
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
     if not looks and not isinstance(request, SendLease | Govern):
-        # The target of the pad is out of date after another motion, so it follows the head again.
+        # The target of the pad is out of date after another request, so it follows the head again.
         memory.choices = replace(memory.choices, target=None)
     return memory.add_row(Row(request, place, world.wall_s, _before(world, request), undoes))
 

@@ -29,10 +29,10 @@ WHATS: Final = {
 }
 """Text key of each action in events."""
 STREAM_S: Final = 1.0
-"""Equal requests at one robot, each within this time after the previous one, are one row."""
+"""Equal requests to one robot, each within this time after the previous one, form one row."""
 LEAD_S: Final = 3.0
-"""If a seat sends equal requests to simulation and hardware within this time, they are one row: the hardware may follow
-with a lead."""
+"""Equal requests of a seat to simulation and hardware within this time form one row: the second may follow after a
+lead."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def _own(event: Event, world: World) -> bool:
 
 
 def _place(found: list[Group], event: Event, twin: str) -> int | None:
-    """Return the index of the group of an event; None if it begins one."""
+    """Return the index of the group that an event belongs to; None if the event begins a new group."""
     for index in range(len(found) - 1, -1, -1):
         group = found[index]
         if group.seat != event.seat or group.action != event.action:
@@ -126,7 +126,7 @@ def _joined(group: Group, event: Event, twin: str) -> Group:
     new, first = _group(event, twin), next(iter(group.motions))
     if event.phase is Phase.DONE:
         if group.motions.get(twin) != event.motion:
-            return group  # the end of an earlier motion of a stream
+            return group  # the event is the end of an earlier motion of a stream
         new = replace(new, newest_s=group.newest_s, count=group.count)
     else:
         new = replace(new, count=group.count + event.count * (twin == first))

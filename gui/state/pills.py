@@ -27,7 +27,7 @@ SYMBOLS: Final = {
     Condition.FAULT: "▲",
 }
 MAKE_READY: Final = "MAKE_READY"
-"""a next step like a command: ENABLE and CALIBRATE, unless that is done already"""
+"""a next step: ENABLE and CALIBRATE, each unless it is done already"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
 NEXT_STEPS: Final = {
@@ -49,7 +49,7 @@ FAULT_CONDITIONS: Final = {
 
 @dataclass(frozen=True)
 class Finding:
-    """The condition of a robot and what follows from it."""
+    """The condition of a robot, the reason for it, and the next step."""
 
     condition: Condition
     text: str
@@ -93,14 +93,14 @@ def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[s
 
 
 def finding(world: World, twin: str, texts: Texts) -> Finding:
-    """Return the first problem of a robot, in the order in which problems must be solved."""
+    """Return the first problem of a robot, in the order in which problems must be solved, or else MOVING or READY."""
     robot = world.twin(twin)
     if not on_line(world, twin):
         return _absent(world, twin, texts)
     found = problem(robot, texts)
     if found is None and robot.status is not None:
         found = _shared(robot.status, world, texts) or working(robot.status, texts)
-    assert found is not None  # a robot without a status is silent
+    assert found is not None  # without a status, `problem` returns SILENT
     return found
 
 
@@ -117,7 +117,7 @@ def problem(robot: RobotState, texts: Texts) -> Finding | None:
 
 def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
     if not status.enabled:
-        # The user sets the head upright between enabling and calibrating the hardware; a simulation stands upright.
+        # Between enabling and calibrating the hardware, the user sets its head upright, so these are two steps.
         next_step = MAKE_READY if twin == "sim" else Command.ENABLE.name
         return Finding(
             Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{twin}"), next_step
@@ -181,7 +181,7 @@ def fault_of(status: Status) -> Fault:
 
 
 def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
-    if fault not in FAULT_CONDITIONS:  # the robot has another version
+    if fault not in FAULT_CONDITIONS:  # unknown here, because the robot runs another version
         return Finding(Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), "")
     text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
     if fault is Fault.ASSEMBLY_LEFT:

@@ -133,13 +133,13 @@ def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
 
 
 def last_undo(memory: Memory) -> tuple[int, ArmAngles] | None:
-    """Return the row of the newest motion that no pending undo undoes, and the arms (deg) before it; or None."""
+    """Return the row of the newest motion without a pending undo, and the arms (deg) before it; None if none exists."""
     under_way = {row.undoes for row in memory.rows if row.undoes is not None and not row.outcomes}
     return next((entry for entry in reversed(memory.undo) if entry[0] not in under_way), None)
 
 
 def undo(memory: Memory, world: World) -> list[Action]:
-    """Turn the arms back to their angles before the last accepted motion."""
+    """Return the action that turns the arms back to their angles before the last accepted motion."""
     found = last_undo(memory)
     if found is None:
         return memory.refuse(PLACE, "off.no_undo")

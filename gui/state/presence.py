@@ -9,7 +9,7 @@ from gui.state.views import Orientation
 from gui.state.world import LinkPhase, World
 
 FURTHEST_DEG = 1e4
-"""larger angles come from a foreign publication, not from a robot"""
+"""larger angles (deg) do not come from a robot and are ignored"""
 STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 

@@ -32,7 +32,7 @@ def view(memory: Memory, world: World) -> RecordView:
 
 
 def handle(world: World, intent: Intent) -> list[Action]:
-    """Begin, end or open a recording."""
+    """Return the action that begins, ends or opens a recording; none if it is not possible now."""
     recording = world.recording
     if isinstance(intent, OpenRecording):
         return [] if recording is None or recording.running else [ViewRecording(recording.file)]

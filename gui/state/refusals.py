@@ -37,7 +37,7 @@ NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 
 
 def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
-    """Return the refusal to show at one of these places."""
+    """Return the refusal to show at one of these places; None if there is none."""
     refusal = memory.refusal
     if refusal is None or refusal.place not in places:
         return None
@@ -55,7 +55,7 @@ def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
 def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) -> str:
     """Return the sentence of a refusal in the language of the texts, made from `detail` if there is one.
 
-    Without `detail`, English texts use the message; the others contain it only for BAD_VALUE.
+    Without `detail`, the English sentence is the message; other languages contain the message only for BAD_VALUE.
     """
     if detail is not None:
         return sentences.render(reason, detail, texts.code)
@@ -70,7 +70,7 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
 
 
 def record(memory: Memory, row: Row, outcome: Outcome) -> None:
-    """Show a refusal; the end of an accepted motion is shown in the history only."""
+    """Store a refusal, to be shown; the end of an accepted motion is shown in the history only."""
     ended_elsewhere = outcome.twin in row.accepted or "" in row.accepted
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
@@ -103,7 +103,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
 
 
 def take_alternative(memory: Memory, world: World) -> list[Action]:
-    """Send the alternative or next step of the shown refusal, if it has one."""
+    """Return the actions that send the alternative or next step of the shown refusal; none if it has neither."""
     refusal = memory.refusal
     if refusal is None:
         return []

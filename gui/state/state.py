@@ -96,7 +96,7 @@ class State:
         """
         memory = self._memory
         if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
-            return []  # their keys work on every page, but their controls are only on the other one
+            return []  # ignore their keys here, because their controls are on the other page
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
             refusals.hide_answered(memory, intent)
@@ -144,17 +144,17 @@ class State:
         return poses.handle(self._memory, world, intent)
 
     def _choose(self, name: str, world: World) -> list[Action]:
-        """Show the robot of this name; give back the previous robot."""
+        """Return the actions that show the robot of this name and give back the previous one."""
         memory = self._memory
         memory.refusal = None
         given_back: list[Action] = []
         if name != world.robot:
-            memory.undo = ()  # its poses belong to the previous robot
+            memory.undo = ()  # the angles in it belong to the previous robot
             given_back = leases.give_back_all(memory, world)
         return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
 
     def report(self, outcome: Outcome) -> None:
-        """Record the outcome of an action."""
+        """Apply the outcome of an action to history, refusal and undo list."""
         row = self._memory.row(outcome.row)
         if row is not None:
             refusals.record(self._memory, row, outcome)

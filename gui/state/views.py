@@ -20,9 +20,9 @@ class Condition(StrEnum):
     READY = "ready"
     MOVING = "moving"
     DRIVEN = "driven"
-    """another seat drives it"""
+    """another seat is its holder"""
     FROZEN = "frozen"
-    """the teacher has frozen it, and this seat is not the teacher's"""
+    """the teacher has frozen it; in the teacher's window only on the page of the class"""
     FAULT = "fault"
 
 
@@ -150,7 +150,7 @@ class SendingView:
     cameras: bool
     lead_s: float
     lead_matters: bool
-    """whether Simulation and Hardware are checked, so that the lead has an effect"""
+    """whether Simulation and Hardware are both checked, so that the lead has an effect"""
     title: str
     """state of the motion in a few words"""
     text: str
@@ -243,7 +243,7 @@ class ClassRowView:
     place: Place
     """name and twin"""
     cells: tuple[str, ...]
-    """robot, twin, state, seat that drives, waiting seats, positions a second, age of the last positions, remarks"""
+    """robot, twin, state, holder, waiting seats, positions per second, age of the last positions, remarks"""
     condition: Condition
     details: str
     """text of the tooltip"""

@@ -80,7 +80,7 @@ class World:
     names: tuple[str, ...] = ()
     """robots on line, by name"""
     trouble: str = ""
-    """why there is no session; empty if there is one"""
+    """why there is no session or no router; empty if both exist"""
     latency_s: Mapping[str, float | None] = field(default_factory=dict)
     """by twin: round trip of the last query; None: it was not answered"""
     plan: PlanProgress | None = None
@@ -96,7 +96,7 @@ class World:
     wall_s: float = 0.0
     """wall clock at `now_s`, since 1970; 0: unknown"""
     session: str = ""
-    """Zenoh session of this window, as events name it; empty: unknown"""
+    """id of this window's Zenoh session, as in events; empty: unknown"""
     limits: LimitInfo | None = None
     """limits that the robot reports; None: unknown, so the defaults are shown"""
     seats: tuple[str, ...] = ()

@@ -1,7 +1,7 @@
 """All texts of the window, in each of its languages.
 
-A language is one table of templates by key. The keys that begin with `label.` and `tip.` are for widgets; `gui.state`
-fills in most of the others.
+A language is one table of templates by key. Widgets use the keys that begin with `label.` and `tip.`; `gui.state` uses
+most of the others.
 """
 
 from __future__ import annotations

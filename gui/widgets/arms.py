@@ -49,7 +49,7 @@ class ArmRow:
 
 
 class Arms(QFrame):
-    """The rows of all arms."""
+    """The rows of the arms, the mode of + and -, increment and speed."""
 
     intent = pyqtSignal(object)
 

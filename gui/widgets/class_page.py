@@ -24,7 +24,7 @@ COLUMNS = ("robot", "twin", "state", "driver", "waiting", "rate", "age", "remark
 STATE = COLUMNS.index("state")
 RIGHT = (COLUMNS.index("rate"), COLUMNS.index("age"))
 WIDTHS_PX = (90, 84, 124, 130, 120, 56, 50)
-"""Widths (px) of all columns but the last, at 100 % type."""
+"""Widths (px) of all columns but the last, at scale 1."""
 LIMIT_PX = 70
 
 

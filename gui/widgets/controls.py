@@ -340,7 +340,7 @@ def label(text: str = "", role: str = "", *, wrap: bool = False) -> QLabel:
 
 
 def set_role(widget: QWidget, name: str, value: str) -> None:
-    """Change a property that the style sheet selects by, and apply the style."""
+    """Change a property by which the style sheet selects widgets, and apply the style."""
     if widget.property(name) == value:
         return
     widget.setProperty(name, value)

@@ -20,7 +20,7 @@ from gui.theme import style_of
 PERIOD_MS: Final = 33
 """Shortest time between two drawings."""
 STALE_S: Final = 1.0
-"""Age from which a picture shows its age."""
+"""Age of the newest picture above which the title shows this age instead of the rate."""
 RATE_S: Final = 2.0
 """Time over which the rate of pictures is measured."""
 BAR_PX: Final = 5
@@ -42,7 +42,7 @@ def decode(jpeg: bytes) -> QImage | None:
 
 
 class Picture(QWidget):
-    """The newest picture of one camera under its title, or the reason of a missing picture.
+    """The newest picture of one camera under its title, or the reason why there is none.
 
     Pictures are decoded only when drawn: none while the widget is hidden, and at most 30 a second.
     """
@@ -128,7 +128,7 @@ class Picture(QWidget):
         return f"{(last - first) / (end_ns - begin_ns) * 1e9:.0f}/s" if end_ns > begin_ns else ""
 
     def _strip(self) -> int:
-        """Return the height of the title."""
+        """Return the height of the title (px)."""
         return self.fontMetrics().height() + self._style.px(6)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
@@ -151,7 +151,7 @@ class Picture(QWidget):
             painter.drawImage(place, image)
 
     def _shown(self) -> tuple[QImage | None, str]:
-        """Return the decoded picture, or the text in its place."""
+        """Return the decoded picture or None, and the text that replaces a missing picture."""
         text = "" if self._view is None else self._view.text
         if text or self._newest is None:
             return None, text

@@ -1,4 +1,4 @@
-"""The file dialog of choreographies; it never blocks the window, so that STOP always works."""
+"""The file dialog for choreographies; it never blocks the window, so that STOP always works."""
 
 from __future__ import annotations
 
@@ -80,7 +80,8 @@ class FileDialog(QFileDialog):
 def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
     """Return the first folder of the dialog.
 
-    For reading: the folder of the shipped choreographies. For writing: the working folder, or the home folder if it was deleted.
+    For reading: the folder of the shipped choreographies. For writing: the working folder or, if it was
+    deleted, the home folder.
     """
     if mode == QFileDialog.AcceptMode.AcceptOpen:
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))

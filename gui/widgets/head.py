@@ -83,7 +83,7 @@ class Head(QFrame):
             number.setMinimumWidth(number.fontMetrics().horizontalAdvance(WIDEST) + 2)
 
     def show_view(self, view: HeadView) -> None:
-        """Show the head."""
+        """Show the pad, the numbers and the Send button."""
         self.pad.show_view(view)
         if view == self._view:
             return

@@ -1,4 +1,4 @@
-"""The head pad: the user drags the target on a disc for pitch and roll, and on a ring for yaw around it."""
+"""The head pad: the user drags the target on a disc for pitch and roll, and on a ring around it for yaw."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class HeadPad(QWidget):
 
     @property
     def _line(self) -> float:
-        """Return the height of a line of the captions."""
+        """Height of a line of the captions (px)."""
         return self._style.px(LINE_PX)
 
     @property

@@ -23,13 +23,13 @@ from gui.theme import Style, style_of
 Samples = npt.NDArray[np.float64]
 
 SPAN_S: Final = 20.0
-"""Shown time."""
+"""Time that the plots show."""
 TICKS: Final = (-20, -15, -10, -5, 0)
 """Labels of the time axis (s)."""
 PERIOD_S: Final = 0.045
 """Shortest time between two drawings: 20 a second with some slack."""
 CAPACITY: Final = 1024
-"""Samples kept of each robot: 50 a second for 20 s."""
+"""Number of samples kept for each robot: 50 a second for 20 s."""
 GAP_S: Final = 1.0
 """A line is interrupted after this time without a sample."""
 FOREIGN_S: Final = 1.0
@@ -57,7 +57,7 @@ class History:
         return self._rows[self._end - self._size : self._end]
 
     def add(self, time_s: float, angles: tuple[float, float, float]) -> None:
-        """Add a sample if it is newer than the last; a clock that was set back clears the samples."""
+        """Add a sample if it is newer than the last; a clock set back by more than GAP_S clears the samples."""
         if self._size:
             last_s = float(self._rows[self._end - 1, 0])
             if time_s == last_s:
@@ -93,7 +93,7 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
 def difference(hw: Samples, sim: Samples) -> Samples:
     """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
 
-    NaN at times before or after the samples of the simulation; n is 0 if it has fewer than two.
+    NaN at times before or after the samples of the simulation; n is 0 if the simulation has fewer than two samples.
     """
     if len(sim) < 2 or len(hw) == 0:
         return np.empty((0, 1 + len(ARMS)))

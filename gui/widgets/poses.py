@@ -25,7 +25,7 @@ class AskingButton(IntentButton):
 
 
 class Poses(QWidget):
-    """The list of poses, with buttons to go to, save and delete one, and to play all or a file."""
+    """The list of poses, with buttons to go to, save and delete a pose, to play all or a file, and to write a file."""
 
     intent = pyqtSignal(object)
 

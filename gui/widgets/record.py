@@ -10,7 +10,7 @@ from gui.widgets.controls import IntentButton, label, set_text
 
 
 class Record(QWidget):
-    """Starts and ends recordings."""
+    """The buttons that begin, end and open a recording, and its duration."""
 
     intent = pyqtSignal(object)
 
@@ -28,7 +28,7 @@ class Record(QWidget):
             button.intent.connect(self.intent)
 
     def show_view(self, view: RecordView) -> None:
-        """Show whether a recording runs."""
+        """Show the buttons, and the duration while a recording runs."""
         if view == self._view:
             return
         self._view = view
