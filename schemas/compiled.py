@@ -1,6 +1,6 @@
-"""Values of the robot that are compiled into the firmware, in its units: microsteps, and Q26 microsteps per tick.
+"""Values of the robot that are compiled into the firmware, in its units of angle, speed and acceleration.
 
-Robots with the same values run the same firmware.
+Robots with equal values can run the same firmware.
 """
 
 from __future__ import annotations

@@ -17,14 +17,14 @@ MICROSTEPS = (1, 2, 4, 8, 16, 32)
 """Microsteps per step that drivers support. A DRV8825 supports all of them, an A4988 all but 32."""
 
 SPEED_TOP = 2**16 - 1
-"""Highest speed that a frame can hold, in quarter microsteps per second: the speeds of MOVE are u16."""
+"""Highest speed that fits into a frame, in quarter microsteps per second: the speeds of MOVE are u16."""
 
 Table = dict[str, dict[str, object]]
 
 
 @dataclass(frozen=True)
 class Contract:
-    """The four tables, and the hashes that two sides compare.
+    """The four tables, and the hashes by which two programs check that their contracts are equal.
 
     `bus_hash` covers messages and keys, `serial_hash` the serial link and the values compiled into the firmware.
     """
@@ -40,14 +40,14 @@ class Contract:
 def digest(*tables: object) -> int:
     """Return the first 32 bits of the SHA-256 of the tables as canonical JSON, without comments and `doc`.
 
-    A better explanation must not require every board to be flashed again. A change of meaning needs a change of name.
+    A better explanation must not require every board to be flashed again. A field with a new meaning gets a new name.
     """
     text = json.dumps(bare(tables), sort_keys=True, separators=(",", ":"))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
 
 
 def names_of(enums: Table) -> dict[str, list[str]]:
-    """Return the names of the values of all enumerations."""
+    """Return the names of the values of each enumeration."""
     return {enum: [name for name in table if name != "doc"] for enum, table in enums.items()}
 
 
@@ -88,7 +88,7 @@ def load(robot_file: Path | None = None) -> Contract:
 
 
 def change(robot: Table, given: dict[str, object]) -> None:
-    """Replace values of the robot; raises ValueError for an unknown name or a value that is not above 0."""
+    """Replace values of the robot; raises ValueError for an unknown table or field, or no number above 0."""
     for table, values in given.items():
         if table not in robot or not isinstance(values, dict):
             raise ValueError(f"{table!r} is not a table; the tables are {', '.join(robot)}")

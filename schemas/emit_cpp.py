@@ -38,7 +38,7 @@ inline void put_u32(uint8_t *p, uint32_t v) { put_u16(p, uint16_t(v)); put_u16(p
 
 
 def access(kind: str, at: str, value: str, *, write: bool) -> str:
-    """Return the C++ statement that reads a number of this type at an offset into `value`, or writes it there."""
+    """Return the C++ statement that reads a number of type `kind` at offset `at` into `value`, or writes it."""
     if kind in ("u8", "char"):
         return f"p[{at}] = uint8_t({value});" if write else f"{value} = {CTYPE[kind]}(p[{at}]);"
     if kind in UNSIGNED:

@@ -99,7 +99,7 @@ def messages(contract: Contract) -> str:
         out += f"    {name}: frozenset({quiet!r}),\n" if quiet else ""
     return (
         out
-        + '}\n"""Fields of Status and its parts whose change alone is not published: clocks and rates."""\n'
+        + '}\n"""Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""\n'
     )
 
 

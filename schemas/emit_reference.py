@@ -72,11 +72,11 @@ def keys(contract: Contract) -> str:
 
 RULES = """## Rules for a host
 
-- Three numbers belong to the short, the middle and the long arm. Positive angles are counter-clockwise, seen from above. Steps are microsteps of the motors; [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) give the number per turn.
+- In a field of three numbers these belong to the short, the middle and the long arm. Positive angles are counter-clockwise, seen from above. Steps are microsteps of the motors; [the values in the firmware](#values-in-the-firmware) and [the robot](robot.md) give the number per turn.
 - Opening a port resets most boards, and after a reset the boot loader runs for 0.9 s, and for 5 s more after each byte that it receives. Open the port, send nothing for 1.2 s, then begin. If a board becomes silent, it may have been reset: send nothing for 6 s, or until it sends a frame.
 - Begin with HELLO and compare the contract. If the contracts differ, send only STOP and EMERGENCY_STOP, which are the same in all versions, and ignore all other frames.
 - The board answers every request once: HELLO with HELLO_REPLY, the others with ACK. It does not answer an incomplete or incorrect frame, but counts it (`rejected` in TELEMETRY). It ignores frames of types from 0x40 on.
-- Repeat a request without an answer after reply_timeout, with the same seq. The board answers again. It does not restart a MOVE or MOVE_STRAIGHT that equals the previous one, including its motion number. Any other request has the same effect if it is repeated.
+- If a request gets no answer within reply_timeout, repeat it with the same seq. The board answers again. It does not restart a MOVE or MOVE_STRAIGHT that equals the previous one, including its motion number. Any other request has the same effect if it is repeated.
 - A motion has ended when TELEMETRY shows its number without MOVING; `outcome` shows how it ended. Before the first motion of a host, and during motions of the text port, the number is text_motion.
 - While arms move, send a frame at least every heartbeat_period, for example PING.
 """
@@ -141,7 +141,7 @@ def allowed(row: dict[str, object]) -> str:
 def robot(contract: Contract) -> str:
     out = (
         NOTE.format(source="robot.toml")
-        + "# The robot\n\nSource: known = stated by paper or makers; inferred = concluded from programs and measurements; open = a choice; your robot may differ.\n\n"
+        + "# The robot\n\nSource: known = stated by the paper or the makers of BEATRIX; inferred = concluded from programs and measurements; open = chosen by us; your robot may differ.\n\n"
         + "Allowed: range for [a file of your robot](../how-to/board.md#another-robot); as built: fixed by firmware or wiring.\n"
     )
     for group, values in contract.robot.items():

@@ -1,7 +1,7 @@
 """Golden bytes: schemas/vectors/*.json.
 
-The encoders here are written from the text of the contract and share nothing with
-`beatrix_zenoh`, so that the vectors check the library instead of repeating it.
+The encoders here are written from the text of the contract and share no code with
+`beatrix_zenoh`, so that the vectors do not repeat an error of the library.
 """
 
 from __future__ import annotations
@@ -234,7 +234,7 @@ def crc16(data: bytes) -> int:
 
 
 def cobs(data: bytes) -> bytes:
-    """Return the Consistent Overhead Byte Stuffing of less than 254 bytes, without delimiters."""
+    """Return the Consistent Overhead Byte Stuffing of fewer than 254 bytes, without delimiters."""
     return b"".join(bytes([len(run) + 1]) + run for run in data.split(b"\0"))
 
 

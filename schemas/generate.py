@@ -21,7 +21,7 @@ from contract import ROOT, load
 
 
 def formatted(path: str, text: str) -> str:
-    """Format Python text with the project's formatter, so that it equals the checked-in file."""
+    """Return the text of a file; Python is formatted by ruff, as the checked-in files are."""
     if not path.endswith(".py"):
         return text
     command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(ROOT / path), "-"]

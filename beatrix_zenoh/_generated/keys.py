@@ -50,7 +50,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Turn the arms. The two replies are accepted and done.",
+        "Turn the arms. A motion gets two replies: accepted and done.",
     ),
     "pose": KeyRow(
         "beatrix/{robot}/{twin}/cmd/{who}/pose",
@@ -62,7 +62,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Turn the head. The two replies are accepted and done.",
+        "Turn the head. A motion gets two replies: accepted and done.",
     ),
     "command": KeyRow(
         "beatrix/{robot}/{twin}/cmd/{who}/command",
@@ -122,7 +122,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "interactive_high",
         "drop",
-        "Position of the robot, always at 50 Hz; a query returns the newest.",
+        "Positions of the robot, always at 50 Hz; a query returns the newest.",
     ),
     "positions_json": KeyRow(
         "beatrix/{robot}/{twin}/state/positions/json",
@@ -134,7 +134,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "data",
         "drop",
-        "The same as JSON text, published only while a client subscribes.",
+        "Positions as JSON text, published only while a client subscribes.",
     ),
     "status": KeyRow(
         "beatrix/{robot}/{twin}/state/status",
@@ -146,7 +146,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "interactive_high",
         "drop",
-        "State, on change and once a second; a query returns the newest.",
+        "State of the robot, on change and once a second; a query returns the newest.",
     ),
     "status_json": KeyRow(
         "beatrix/{robot}/{twin}/state/status/json",
@@ -158,7 +158,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "data",
         "drop",
-        "The same as JSON text, published only while a client subscribes.",
+        "Status as JSON text, published only while a client subscribes.",
     ),
     "events": KeyRow(
         "beatrix/{robot}/{twin}/state/events",
@@ -182,7 +182,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "data",
         "drop",
-        "The same as JSON text, published only while a client subscribes.",
+        "Events as JSON text, published only while a client subscribes.",
     ),
     "camera": KeyRow(
         "beatrix/{robot}/{twin}/state/camera/{eye}",
@@ -278,7 +278,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: the motion ends at its goal, by STOP, or when the router is lost.",
+        "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.",
     ),
 }
 
@@ -286,7 +286,7 @@ KEYS: Final[dict[str, KeyRow]] = {
 def motion(robot: str, twin: str, who: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/cmd/{who}/motion`.
 
-    Turn the arms. The two replies are accepted and done.
+    Turn the arms. A motion gets two replies: accepted and done.
     """
     return f"beatrix/{robot}/{twin}/cmd/{who}/motion"
 
@@ -294,7 +294,7 @@ def motion(robot: str, twin: str, who: str) -> str:
 def pose(robot: str, twin: str, who: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/cmd/{who}/pose`.
 
-    Turn the head. The two replies are accepted and done.
+    Turn the head. A motion gets two replies: accepted and done.
     """
     return f"beatrix/{robot}/{twin}/cmd/{who}/pose"
 
@@ -334,7 +334,7 @@ def preview(robot: str, who: str) -> str:
 def positions(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/state/positions`.
 
-    Position of the robot, always at 50 Hz; a query returns the newest.
+    Positions of the robot, always at 50 Hz; a query returns the newest.
     """
     return f"beatrix/{robot}/{twin}/state/positions"
 
@@ -342,7 +342,7 @@ def positions(robot: str, twin: str) -> str:
 def positions_json(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/state/positions/json`.
 
-    The same as JSON text, published only while a client subscribes.
+    Positions as JSON text, published only while a client subscribes.
     """
     return f"beatrix/{robot}/{twin}/state/positions/json"
 
@@ -350,7 +350,7 @@ def positions_json(robot: str, twin: str) -> str:
 def status(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/state/status`.
 
-    State, on change and once a second; a query returns the newest.
+    State of the robot, on change and once a second; a query returns the newest.
     """
     return f"beatrix/{robot}/{twin}/state/status"
 
@@ -358,7 +358,7 @@ def status(robot: str, twin: str) -> str:
 def status_json(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/state/status/json`.
 
-    The same as JSON text, published only while a client subscribes.
+    Status as JSON text, published only while a client subscribes.
     """
     return f"beatrix/{robot}/{twin}/state/status/json"
 
@@ -374,7 +374,7 @@ def events(robot: str, twin: str) -> str:
 def events_json(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/state/events/json`.
 
-    The same as JSON text, published only while a client subscribes.
+    Events as JSON text, published only while a client subscribes.
     """
     return f"beatrix/{robot}/{twin}/state/events/json"
 
@@ -438,7 +438,7 @@ def claim(robot: str, twin: str, session: str) -> str:
 def seat(who: str, session: str) -> str:
     """Return the key `beatrix/@seat/{who}/{session}`.
 
-    Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. A query belongs to the session in its source info. Without source info the node cannot notice that the client has gone: the motion ends at its goal, by STOP, or when the router is lost.
+    Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.
     """
     return f"beatrix/@seat/{who}/{session}"
 

@@ -184,7 +184,7 @@ class LeaseAction(StrEnum):
     """The action of a lease query."""
 
     TAKE = "take"
-    """Hold the robot until it is given back, the session ends, or the holder is idle while others wait."""
+    """Hold the robot until it is given back or taken by the teacher, the session ends, or the holder is idle while other seats wait."""
     WAIT = "wait"
     """As take; while another seat holds the robot, wait in the queue."""
     GIVE_BACK = "give_back"
@@ -372,9 +372,9 @@ class Detail(Struct, frozen=True, kw_only=True):
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
     field: str = ""
-    """the wrong field or word of the request; the value speed_limit means that the teacher set the limit"""
+    """the wrong field or word of the request; speed_limit: the teacher set the limit; if there is no answer: the robot"""
     known: list[str] = []
-    """values that are allowed instead"""
+    """values that are allowed instead, or the robots on line"""
     holder: str = ""
     """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not on line, the account that may not start it"""
     wait_s: Float32 | None = None
@@ -389,7 +389,7 @@ class MotionReply(Struct, frozen=True, kw_only=True):
     """Sent twice for each motion: accepted at once, done when it has ended. A refused motion gets one reply."""
 
     result: bool
-    """accepted: the motion begins; done: the arms have reached the goal"""
+    """true in accepted: the motion begins; true in done: the arms have reached the goal"""
     phase: Phase
     """accepted or done"""
     reason: Reason
@@ -425,7 +425,7 @@ class LeaseReply(Struct, frozen=True, kw_only=True):
     """The outcome of a lease query."""
 
     result: bool
-    """true: done; wait: the seat has the lease or is in the queue"""
+    """true: the action was carried out; for wait: the seat has the lease or is in the queue"""
     reason: Reason
     """OK, or the reason of the refusal"""
     message: str
@@ -477,7 +477,7 @@ class Positions(Struct, frozen=True, kw_only=True):
     position: Vector3
     """arm angles; simulation: measured in the physics; hardware: counted steps [rad]"""
     velocity: Vector3
-    """speed of the arms [rad/s]"""
+    """velocity of the arms [rad/s]"""
     commanded: Vector3
     """the firmware's set point [rad]"""
     steps: Steps
@@ -546,7 +546,7 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
 
 
 class Status(Struct, frozen=True, kw_only=True):
-    """State of the robot; published once a second, and at once when a field changes, except those with on_change = false."""
+    """State of the robot; published once a second, and at once when a field changes, except clocks, rates and the physics."""
 
     t_mono_ns: int
     """monotonic clock of the source [ns]"""
@@ -642,7 +642,7 @@ class Event(Struct, frozen=True, kw_only=True):
     session: str = ""
     """Zenoh session that sent the request; empty: unknown"""
     phase: Phase | None = None
-    """for a motion: accepted (or refused), done"""
+    """of a motion: accepted (also if it was refused) or done"""
     reason: Reason = Reason.OK
     """OK, or the reason of the refusal or interruption"""
     message: str = ""
@@ -685,7 +685,7 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
     reply: str
     """message of the reply, empty: none"""
     doc_: str
-    """its purpose"""
+    """purpose of the key"""
 
 
 class LimitInfo(Struct, frozen=True, kw_only=True):
@@ -759,4 +759,4 @@ NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
     CameraStatus: frozenset(["hz"]),
     Status: frozenset(["t_mono_ns", "t_wall_ns", "plant"]),
 }
-"""Fields of Status and its parts whose change alone is not published: clocks and rates."""
+"""Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""

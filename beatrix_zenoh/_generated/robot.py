@@ -50,7 +50,7 @@ class Drive(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Limits(Struct, frozen=True, forbid_unknown_fields=True):
-    """The node checks these limits over the whole path before it accepts a motion; the firmware checks the guard values at every tick. A robot file may narrow the limits that the firmware checks, but not widen them; tilt_max may be up to one degree less than the tilt that the rods allow."""
+    """The node checks these limits over the whole path before it accepts a motion; the firmware checks the guard values at every tick. A robot file may narrow the limits that the firmware checks, but not widen them; tilt_max must be at least one degree less than the tilt that the rods allow."""
 
     tilt_max: float = 35.0
     """largest tilt of the head [deg]; open"""
