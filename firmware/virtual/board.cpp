@@ -1,7 +1,7 @@
 // Target of the virtual board: the firmware as a library, for WebAssembly and for the host.
 //
-// It has no imports. Only tick() advances time; receive() processes bytes at once, and replies are ready when it returns.
-// A copy of the library's memory is a copy of the board.
+// It has no imports. Only tick() advances time; receive() processes bytes at once, and replies are ready when it
+// returns. A copy of the library's memory is a copy of the board.
 #include "board.h"
 
 #include "../beatrix/src/core/machine.h"

@@ -10,7 +10,7 @@
 #define EXPORT(name) extern "C" __attribute__((visibility("default")))
 #endif
 
-// State after every call.
+// State of the board after the last call of start(), receive() or tick().
 struct Report {
   int64_t start[3];  // set points, Q26 microsteps, at the start of the last tick
   int64_t end[3];    // and at its end
@@ -21,24 +21,24 @@ struct Report {
   uint32_t waiting;  // 1: received bytes wait for room in the transmit buffer
 };
 
-// Robot name in non-volatile memory: 32 bytes; write it before start(), read it at any time.
+// Return the robot name in non-volatile memory: 32 bytes; write it before start(), read it at any time.
 EXPORT(name_buffer) char *name_buffer();
 EXPORT(report_buffer) Report *report_buffer();
 EXPORT(receive_buffer) uint8_t *receive_buffer();
 EXPORT(receive_size) uint32_t receive_size();
 EXPORT(transmit_buffer) uint8_t *transmit_buffer();
 
-// Resets the board. The caller counts its starts; this one has the number `boot_number`.
+// Reset the board. The caller counts its starts; this one has the number `boot_number`.
 EXPORT(start) void start(uint32_t boot_number);
 
-// Receives the first `length` bytes of the receive buffer and processes them; returns the number of bytes that fitted. If
+// Receive the first `length` bytes of the receive buffer and process them; return the number of bytes that fitted. If
 // some did not, or report.waiting is set, drain, move the others to the front and call again. No byte is lost.
 EXPORT(receive) uint32_t receive(uint32_t length);
 
-// Advances time.
+// Advance time by ticks of one millisecond, and process waiting bytes after each.
 EXPORT(tick) void tick(uint32_t milliseconds);
 
-// Empties the transmit buffer, after the caller has read report.transmit_length bytes of it.
+// Empty the transmit buffer, after the caller has read report.transmit_length bytes of it.
 EXPORT(drain) void drain();
 
 #endif

@@ -14,7 +14,7 @@ class Input {
   Input(const uint8_t *data, size_t size) : data_(data), left_(size) {}
 
   bool empty() const { return left_ == 0; }
-  // Returns the next byte, or 0 after the end.
+  // Return the next byte, or 0 after the end.
   uint8_t next() {
     if (empty()) return 0;
     left_--;
@@ -43,7 +43,7 @@ void send_frame(uint8_t type, const uint8_t *payload, uint8_t size) {
   send_bytes(wire, beatrix::encode(type, 0, payload, size, wire));
 }
 
-// Sends a correct frame of an existing type, or of a type near it.
+// Send a correct frame of an existing type, or of a type near it.
 void send_any_frame(Input &input, uint8_t how) {
   uint8_t payload[beatrix::MAX_PAYLOAD];
   uint8_t size = uint8_t(input.next() % (beatrix::MAX_PAYLOAD + 1));
@@ -51,7 +51,7 @@ void send_any_frame(Input &input, uint8_t how) {
   send_frame(uint8_t(how % 13), payload, size);
 }
 
-// Sends a move with mostly valid fields.
+// Send a move with mostly valid fields.
 void send_move(Input &input, uint8_t how) {
   beatrix::Move move;
   move.motion = input.next();
@@ -66,7 +66,7 @@ void send_move(Input &input, uint8_t how) {
   else send_frame(beatrix::FRAME_MOVE, payload, beatrix::Move::SIZE);
 }
 
-// Checks in each tick that the arms keep the limits and that arm X makes no step while the motors are off.
+// Run ticks; trap if the arms exceed the limits, or if arm X makes a step while the motors are off.
 void run_checked(uint8_t milliseconds) {
   const Report *report = report_buffer();
   for (uint8_t i = 0; i < milliseconds; i++) {
@@ -79,7 +79,7 @@ void run_checked(uint8_t milliseconds) {
   drain();
 }
 
-// Sends a line of text with a known or unknown word and arguments of any bytes.
+// Send a line of text with a known or unknown word and arguments of any bytes.
 void send_line(Input &input, uint8_t how) {
   static const char *const WORDS[] = {"@ENMOTORS ON", "@ENMOTORS OFF", "@CALNOW", "@STOPALL", "@GETALLPOS", "@GETXPOS",
                                       "@MOVHOME", "@MOVRALL ", "@MOVAALL ", "@MOVRX ", "@MOVAY ", "@MOVTOAPOS ", "@"};
@@ -91,7 +91,7 @@ void send_line(Input &input, uint8_t how) {
   send_bytes(line, size);
 }
 
-// Sends a text motion with mostly valid numbers.
+// Send a text motion with mostly valid numbers.
 void send_text_move(Input &input, uint8_t how) {
   uint8_t line[32] = "@MOVRALL +000 +000 +000\r";
   if (how & 1) line[4] = 'A';

@@ -78,7 +78,7 @@ void Axis::stop_at_once() {
   rest_ = position_;
 }
 
-// Choose the fastest speed from which the arm still stops before its target. If a new target lies within the stopping
+// Choose the highest speed from which the arm can still stop at its target. If a new target lies within the stopping
 // distance, there is no such speed, and the arm brakes.
 void Axis::plan() {
   next_direction_ = direction_;
@@ -97,8 +97,8 @@ void Axis::plan() {
   }
 }
 
-// Accelerate, or return false if the stopping distance would not fit. `present_rest` is the rest position at the present
-// speed.
+// Accelerate, or return false if the arm could then not stop at its target. `present_rest` is the rest position at the
+// present speed.
 bool Axis::plan_faster(const Fixed &present_rest) {
   Fixed speed = speed_ + ramp_.acceleration;
   bool top = speed >= ramp_.top;
@@ -138,7 +138,7 @@ void Axis::commit() {
   steps_ = rounded_ahead(position_, direction_);
 }
 
-// Return whether the target can be reached in one tick that changes the speed by at most the acceleration.
+// Return whether the motion can end at the target in the next tick without exceeding the acceleration.
 bool Axis::reaches_target() const {
   int32_t left_high = next_direction_ > 0 ? target_.high - position_.high : position_.high - target_.high;
   if (left_high < 0 || left_high > ramp_.acceleration.high + 1) return false;  // the cheap check first

@@ -11,19 +11,19 @@ namespace beatrix {
 struct Ramp {
   Fixed acceleration;  // per tick, > 0
   Fixed top;
-  Fixed stopping_distance;  // from top speed to rest, this tick included
+  Fixed stopping_distance;  // from top speed to rest, with one tick at top speed
 };
 
-// Estimate of speed / ACCELERATION in ticks; the error is at most one tick.
+// Return an estimate of speed / ACCELERATION in ticks; the error is at most one tick.
 uint16_t ticks_to_rest(const Fixed &speed);
 // Return v + (v - a) + (v - 2a) + ... down to rest. `ticks` estimates the number of terms; a loop corrects it, and
 // takes less time if the estimate is better.
 Fixed stopping_distance_of(const Fixed &speed, const Fixed &acceleration, uint16_t ticks);
 void set_ramp(const Fixed &top, const Fixed &acceleration, uint16_t ticks, Ramp *ramp);
 
-// Every tick is planned first (plan or brake), can be checked (next_rest, next_rest_steps) and is then committed (commit).
-// A tick needs only additions and comparisons, because the rest position is updated incrementally: it is constant while
-// the arm brakes, moves by v in a tick at constant speed v, and by v + (v + a) in a tick that accelerates by a.
+// Every tick is planned first (plan or brake), can be checked (next_rest, next_rest_steps) and is then committed
+// (commit). A tick needs only additions and comparisons, because the rest position is updated incrementally: it is
+// constant while the arm brakes, moves by v in a tick at constant speed v, and by v + (v + a) if it accelerates by a.
 class Axis {
  public:
   // Set the position to `steps`, at rest.
@@ -32,7 +32,7 @@ class Axis {
   void place_at_last_step() { place(steps_); }
   // Set the target: from rest, or in motion with an unchanged acceleration.
   void follow(int32_t target, const Ramp &ramp);
-  // Set the target in motion with another acceleration; `rest` must be rest_with() of that acceleration.
+  // Set the target in motion with another acceleration: pass what rest_with() returns for it to follow().
   Fixed rest_with(const Fixed &acceleration) const;
   void follow(int32_t target, const Ramp &ramp, const Fixed &rest);
 

@@ -6,7 +6,7 @@
 
 namespace beatrix {
 
-static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "within the limits no arm is further from the mean than a turn");
+static_assert(YAW_SUM_MAX / 3 + ARM_TURN <= 0x7FFF, "step counts within the limits fit in 16 bits");
 
 static bool known(uint8_t type) {
   return (type >= FRAME_HELLO && type <= FRAME_TEXT_OPEN) || type == FRAME_MOVE_STRAIGHT || type == FRAME_RESET;
@@ -77,7 +77,7 @@ void Machine::make_move(uint8_t type, const uint8_t *payload, uint8_t size) {
 }
 
 void Machine::start_motion(const Move &move, bool straight) {
-  last_move_type_ = 0;  // this motion may come from the text port
+  last_move_type_ = 0;  // the motion may come from the text port; make_move() sets the type after this
   uint32_t distance_to_go[ARMS];
   bool resting;
   {

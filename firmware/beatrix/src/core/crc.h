@@ -8,7 +8,7 @@ namespace beatrix {
 
 static const uint16_t CRC_START = 0xFFFF;
 
-// Return the CRC-16/MCRF4XX (polynomial 0x1021, reflected) with one more byte. It is computed with shifts, because a
+// Return a CRC-16/MCRF4XX (polynomial 0x1021, reflected) extended by one byte. It is computed with shifts, because a
 // table of 512 bytes would take a sixteenth of the AVR's RAM.
 inline uint16_t crc_add(uint16_t crc, uint8_t byte) {
   uint8_t x = uint8_t(byte ^ crc);

@@ -6,7 +6,7 @@
 
 namespace beatrix {
 
-// Computed from four products of 16 bits.
+// Return a * b, computed from four products of 16 bits.
 Fixed product(uint32_t a, uint32_t b) {
   uint16_t a_low = uint16_t(a), a_high = uint16_t(a >> 16), b_low = uint16_t(b), b_high = uint16_t(b >> 16);
   uint32_t low = multiply(a_low, b_low), one = multiply(a_low, b_high), other = multiply(a_high, b_low);

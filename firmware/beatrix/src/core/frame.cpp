@@ -94,7 +94,7 @@ Received Receiver::feed(uint8_t byte) {
       break;
     case FRAME: decode(byte); break;
     case TOO_LONG:
-      // Longer than any frame: the delimiter was noise before a line of text.
+      // No frame is this long: the delimiter was noise before a line of text, which ends here.
       if (ends_line(byte)) abandon();
       break;
   }
@@ -142,7 +142,7 @@ Received Receiver::end() {
   return RECEIVED_NOTHING;
 }
 
-// The CRC over data and CRC is 0. It is computed as the bytes arrive, so the reply does not wait for it.
+// The CRC over a correct frame, including its CRC, is 0. It is computed as the bytes arrive, so it delays no reply.
 bool Receiver::correct() const { return length_ >= 4 && crc_ == 0; }
 
 void Receiver::begin_text() {

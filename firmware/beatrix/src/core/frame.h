@@ -10,12 +10,12 @@ static const uint8_t MAX_BODY = uint8_t(MAX_PAYLOAD + 4);       // type, seq, pa
 static const uint8_t MAX_WIRE = uint8_t(MAX_ENCODED + 2);       // with both delimiters
 static const uint8_t WIRE_OVERHEAD = uint8_t(2 + 2 + 1 + 2);    // type and seq, CRC, COBS, delimiters
 
-// Writes a frame to `out` (MAX_WIRE bytes); returns its length. size <= MAX_PAYLOAD.
+// Write a frame to `out` (MAX_WIRE bytes), and return its length. `size` is at most MAX_PAYLOAD.
 uint8_t encode(uint8_t type, uint8_t seq, const uint8_t *payload, uint8_t size, uint8_t *out);
 
 // Bytes of the COBS block of STOP and EMERGENCY_STOP, which have no payload: COBS code, type, seq and CRC.
 static const uint8_t STOP_BLOCK = 5;
-// Decodes such a block; returns false if it is not a stop frame or has a wrong CRC.
+// Decode a block of this length; return false if it is not a stop frame or has a wrong CRC.
 bool read_stop(const uint8_t block[STOP_BLOCK], uint8_t *type, uint8_t *seq);
 
 enum Received : uint8_t { RECEIVED_NOTHING, RECEIVED_FRAME, RECEIVED_LINE };
@@ -37,13 +37,13 @@ class Receiver {
   uint8_t size() const { return uint8_t(length_ - 4); }
   uint16_t rejected() const { return rejected_; }
 
-  // A line that is too long keeps its first TEXT_LINE_MAX bytes, and its size is larger than that.
+  // Of a line that is too long, line() has the first TEXT_LINE_MAX bytes, and line_size() is TEXT_LINE_MAX + 1.
   const uint8_t *line() const { return body_; }
   uint8_t line_size() const { return length_; }
 
  private:
   // OUTSIDE: before the first delimiter and after a line of text; a frame must begin with a delimiter.
-  // LINE_END_FIRST: the next byte begins a frame, or is the line end of the text before it.
+  // LINE_END_FIRST: after the delimiter only CR or LF came, which may begin a frame, or be empty lines before text.
   enum Mode : uint8_t { OUTSIDE, START, LINE_END_FIRST, FRAME, TOO_LONG, TEXT };
 
   void begin_frame(uint8_t byte);

@@ -1,9 +1,9 @@
 // Limits of the arms.
 //
-// Checking the rest positions is enough. While all arms brake with the same acceleration (in a straight motion: in
-// proportion), the difference of two arms changes monotonically. It therefore stays between its present value, which has
-// been checked, and its value at rest. The sum of three arms is not monotonic, so each arm counts with its extreme value. Steps
-// are rounded up in the direction of travel, so both steps and exact positions are compared.
+// Checking the rest positions is enough. While all arms brake with the same acceleration (in a straight motion, in
+// proportion to their speeds), the difference of two arms changes monotonically. It therefore stays between its present
+// value, which has been checked, and its value at rest. The sum of three arms is not monotonic, so each arm counts with
+// its extreme value. Steps are rounded up in the direction of travel, so both steps and exact positions are compared.
 #include "../speed.h"
 #include "limits.h"
 
@@ -25,7 +25,7 @@ Outcome check_steps(const int32_t steps[ARMS]) {
 
 static bool gap_allowed(const Axis &arm, const Axis &next, int32_t least) {
   int32_t then = next.next_rest_steps() - arm.next_rest_steps();
-  if (then > least + 1) return true;  // the exact difference is less than two steps off
+  if (then > least + 1) return true;  // the exact difference is less than two steps smaller
   if (then >= least && next.next_rest() - arm.next_rest() >= to_fixed(least)) return true;
   int32_t now = next.steps() - arm.steps();
   return now < least && then >= now;

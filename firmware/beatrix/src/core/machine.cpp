@@ -12,8 +12,8 @@ void Machine::start() {
   if (!valid_name(name_)) name_[0] = 0;
 }
 
-// A stop frame acts twice: when it is found, and in its turn, when it is acknowledged. In between, requests that arrived
-// before it can neither start a motion (start_motion) nor clear the latch (reset).
+// A stop frame is carried out twice: when it is found, and in its turn, when it is also acknowledged. In between,
+// requests that arrived before it can neither start a motion (start_motion) nor clear the latch (reset).
 void Machine::process(ReceiveBuffer &buffer, uint8_t most) {
   scan(buffer);
   for (; most && hal::transmit_room() >= REPLY_ROOM; most--) {
@@ -42,7 +42,7 @@ __attribute__((noinline)) void Machine::act_on_stops(ReceiveBuffer &buffer) {
   if (buffer.discard_oldest()) receiver_.feed(0);
 }
 
-// Carry out and acknowledge a STOP whose frame was discarded; the others were acknowledged when they were decoded.
+// Remove the first early stop. If its frame was discarded, and so not decoded, carry it out again and acknowledge it.
 __attribute__((noinline)) void Machine::finish_stop(ReceiveBuffer &buffer) {
   EarlyStop stop = buffer.first_stop();
   buffer.remove_stop();
@@ -53,7 +53,7 @@ __attribute__((noinline)) void Machine::finish_stop(ReceiveBuffer &buffer) {
   send_ack(stop.type, stop.seq, execute(stop.type, 0, 0));
 }
 
-// Returns true if a line or a frame was handled, which takes long.
+// Decode a byte; return true if it ended a line or a frame, whose handling takes long.
 bool Machine::receive(uint8_t byte) {
   byte_received_ = true;
   Received received = receiver_.feed(byte);
@@ -62,7 +62,7 @@ bool Machine::receive(uint8_t byte) {
   return true;
 }
 
-// Not inlined: otherwise every byte would allocate a frame on the stack.
+// Not inlined: otherwise every byte would need the stack space of this function.
 __attribute__((noinline)) void Machine::handle(Received received) {
   if (received == RECEIVED_LINE) text_.take(*this, receiver_.line(), receiver_.line_size());
   if (received != RECEIVED_FRAME || receiver_.type() >= REQUEST_END) return;
@@ -118,7 +118,7 @@ void Machine::poll() {
   if (silence < HOST_GONE && !reply_expected(tick)) send_telemetry();
 }
 
-// Return whether a request is arriving whose reply would have to wait for a TELEMETRY that starts now.
+// Return whether TELEMETRY waits, at most for TELEMETRY_PATIENCE, so as not to delay the reply to an arriving request.
 bool Machine::reply_expected(uint16_t tick) const {
   return receiver_.in_frame() && uint16_t(tick - byte_tick_) <= 1 &&
          uint16_t(tick - reported_.tick) < TELEMETRY_PERIOD + TELEMETRY_PATIENCE;

@@ -1,6 +1,6 @@
 // State machine of the board: states, requests, telemetry, heartbeat.
 //
-// While valid frames arrive, the board sends frames. Otherwise it sends nothing but plain replies to lines of text.
+// Until two seconds after a valid frame, the board sends frames. Otherwise it sends only plain replies to text.
 #ifndef BEATRIX_MACHINE_H
 #define BEATRIX_MACHINE_H
 
@@ -37,7 +37,7 @@ class Machine {
   bool text_moving() const;  // a motion of the text port is running
   Error enable(uint8_t value);
   Error calibrate();
-  // The caller has checked the move.
+  // Start a motion; the caller has checked the move.
   void start_motion(const Move &move, bool straight);
   void stop();
   void send_text(const char *line, bool last);
@@ -79,14 +79,14 @@ class Machine {
   TextPort text_;
   char name_[NAME_SIZE] = {};
   uint8_t last_move_[Move::SIZE] = {};
-  uint8_t last_move_type_ = 0;  // of the frame in last_move_; 0: no move since calibration
+  uint8_t last_move_type_ = 0;  // of the frame in last_move_; 0: none since calibration or a text motion
   Telemetry reported_ = Telemetry();
   uint32_t tick_ = 0;
   uint16_t motion_number_ = 0;
   uint16_t host_silence_ = HOST_GONE;  // ms since the last valid frame, at most HOST_GONE
   uint16_t byte_tick_ = 0;        // tick of the last poll() that found new bytes
   bool byte_received_ = false;        // since the last poll()
-  bool stop_pending_ = false;        // stop frames have acted with bytes ahead of them
+  bool stop_pending_ = false;        // stop frames were carried out before the bytes ahead of them
   bool emergency_pending_ = false;  // one of them is an EMERGENCY_STOP: a RESET ahead of it is refused
   uint8_t telemetry_seq_ = 0;
   uint8_t text_seq_ = 0;

@@ -42,8 +42,8 @@ void Motion::follow(const Plan &plan) {
   for (uint8_t i = 0; i < ARMS; i++) axes_[i].follow(plan.target[i], plan.ramp[i]);
 }
 
-// The arms of a straight motion brake in proportion to their paths; a new motion may brake them with another
-// acceleration. If they would then stop outside the limits, they brake first and the new motion starts from rest.
+// The arms of a straight motion brake in proportion to their paths; a new motion may brake them with other
+// accelerations. If they would then stop outside the limits, they brake as before, and the new motion starts from rest.
 void Motion::start(const Plan &plan) {
   if (moving_ && !same_accelerations(plan)) {
     follow_or_brake_first(plan);
@@ -78,7 +78,7 @@ void Motion::follow_or_brake_first(const Plan &plan) {
   }
 }
 
-// Stops slow arms that turn back, so that they make no further step in the old direction, unless an arm that continues
+// Stop slow arms that turn back, so that they make no further step in the old direction, unless an arm that continues
 // would then come too close.
 void Motion::stop_slow_axes() {
   bool any = false;

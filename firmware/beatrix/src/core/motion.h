@@ -6,7 +6,7 @@
 
 namespace beatrix {
 
-// Targets and ramps for start(), computed beforehand because of its divisions.
+// Targets and ramps for start(). plan() computes them, because their divisions must not delay the tick.
 struct Plan {
   int32_t target[ARMS] = {};
   Ramp ramp[ARMS];
@@ -14,10 +14,10 @@ struct Plan {
 
 class Motion {
  public:
-  // Distance of each arm to its target, for plan(); `resting`: all arms rest.
+  // Set the distance of each arm to its target, and whether all arms rest, for plan().
   void measure(const Move &move, uint32_t distance_to_go[ARMS], bool *resting) const;
-  // Straight: speed[0] is the speed of the arm with the longest distance; the other arms are slower in proportion. From
-  // rest they also accelerate less in proportion, so that all arms start and arrive together.
+  // Plan a motion. Straight: speed[0] is the speed of the arm with the longest distance, and the others are slower in
+  // proportion to theirs. From rest they also accelerate less, so that all arms start and arrive together.
   void plan(const Move &move, bool straight, const uint32_t distance_to_go[ARMS], bool resting, Plan *plan) const;
   // Start a motion; it replaces a running one.
   void start(const Plan &plan);

@@ -4,7 +4,7 @@
 
 namespace beatrix {
 
-// The bytes of a block that has just ended are still in the ring, even if the main loop has read them.
+// The bytes of a block that has just ended can be copied: they are still in the ring, even if they have been read.
 bool ReceiveBuffer::find_stop(uint8_t *type, uint8_t *seq) {
   bool found = false;
   while (!found && find_candidate()) {
@@ -38,7 +38,7 @@ bool ReceiveBuffer::within_stop(uint8_t at) const {
   return false;
 }
 
-// Discards up to the end of a frame or line. Stop frames among the discarded bytes are marked as lost.
+// Discard up to the end of a frame or line, and mark stop frames among the discarded bytes as lost.
 bool ReceiveBuffer::discard_oldest() {
   if (!too_full()) return false;
   uint8_t tail = tail_, discarded = 0, excess = uint8_t(waiting() - FILL_MAX);

@@ -1,10 +1,10 @@
-// Ring buffer of received bytes. Stop frames act as soon as they are found in it, before the bytes ahead of them.
+// Ring buffer of received bytes. A stop frame is carried out when it is found there, before the bytes ahead of it.
 //
 // put() runs in the AVR's receive interrupt, everything else in the main loop. Each variable is written on one side
 // only, so neither side disables interrupts.
 //
 // The main loop scans new bytes for stop frames (find_stop) before and after every long action. It discards the oldest
-// bytes beyond FILL_MAX (discard_oldest), so the ring has room for all bytes until the next scan and loses no stop frame.
+// bytes beyond FILL_MAX (discard_oldest), so all bytes fit until the next scan, and no stop frame is lost.
 #ifndef BEATRIX_RECEIVE_BUFFER_H
 #define BEATRIX_RECEIVE_BUFFER_H
 
@@ -12,7 +12,7 @@
 
 namespace beatrix {
 
-// A stop frame that has acted while bytes ahead of it wait.
+// A stop frame that was carried out before the bytes ahead of it were read.
 struct EarlyStop {
   uint8_t end;  // its end in the ring
   uint8_t type;
@@ -37,7 +37,7 @@ class ReceiveBuffer {
   bool empty() const { return head_ == tail_; }
   bool full() const { return waiting() >= FILL_MAX; }
   bool too_full() const { return waiting() > FILL_MAX; }
-  // The oldest byte; the buffer must not be empty.
+  // Remove and return the oldest byte; the buffer must not be empty.
   uint8_t take() {
     uint8_t tail = tail_;
     uint8_t byte = bytes_[tail];
@@ -46,17 +46,17 @@ class ReceiveBuffer {
   }
 
   bool has_unscanned() const { return scanned_ != head_; }
-  // Scans new bytes up to a delimiter that may end a stop frame; returns false if there is none. Inlined, because it runs
-  // for every byte: other frames cost no call.
+  // Scan new bytes up to a delimiter that may end a stop frame; return false if there is none. Inlined, because it runs
+  // for every byte, and only a possible stop frame shall cost a call.
   inline bool find_candidate();
-  // Scans new bytes up to the end of the next stop frame; returns false if there is none.
+  // Scan new bytes up to the end of the next stop frame; return false if there is none.
   bool find_stop(uint8_t *type, uint8_t *seq);
   // Store the frame just found. If the list is full, it replaces the newest frame, whose request the host repeats; the
-  // entry remains an EMERGENCY_STOP if either is one.
+  // entry is an EMERGENCY_STOP if either frame is one.
   void add_stop(uint8_t type, uint8_t seq);
-  // Discards the oldest lines and frames beyond FILL_MAX, even an incomplete one; returns whether any was discarded.
+  // Discard the oldest lines and frames beyond FILL_MAX, even an incomplete one; return whether any was discarded.
   bool discard_oldest();
-  // Bytes lost or discarded since start, at most 255.
+  // Return the number of bytes lost or discarded since start, at most 255.
   uint8_t bytes_lost() const { return at_most_255(uint16_t(overruns_ + discarded_)); }
 
   // Return whether any stop frame was executed early, and the bytes before it have not been read yet.
@@ -73,7 +73,7 @@ class ReceiveBuffer {
  private:
   static const uint8_t FILL_MAX = 191;  // leaves 64 bytes, 2.5 ms
   static const uint8_t STOPS = 16;
-  // Lengths are counted up to this value, because the start of a longer block may be overwritten.
+  // Lengths of blocks are counted up to this value, because the start of a longer block may be overwritten.
   static const uint8_t BLOCK_LONG = STOP_BLOCK + 2;
 
   static uint8_t at_most_255(uint16_t count) { return uint8_t(count > 255 ? 255 : count); }

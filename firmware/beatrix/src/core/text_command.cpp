@@ -7,7 +7,7 @@ namespace beatrix {
 static const uint8_t WORDS_MAX = 20;
 static const uint8_t WORD_MAX = 19;
 static const int32_t STEPS_MAX = 32767;
-static const int32_t BEYOND = 100000;  // larger numbers are not read further
+static const int32_t BEYOND = 100000;  // no digits are added to numbers from here on
 
 namespace {
 
@@ -107,7 +107,7 @@ const KnownWord *find(const Word &word, uint8_t line_size) {
   return 0;
 }
 
-// Like atoi() of C: reads a sign and digits up to the first other character; 0 without digits.
+// Return a number like atoi() of C: a sign and digits up to the first other character; 0 without digits.
 int32_t number(const Word &word) {
   uint8_t at = 0;
   bool negative = word.size && word.text[0] == '-';
@@ -122,7 +122,7 @@ int32_t number(const Word &word) {
 bool fits(int32_t steps) { return steps <= STEPS_MAX && steps >= -STEPS_MAX; }
 
 // Extension of one laboratory: turn all arms, and tilt the head over the short arm.
-// Returns false if a step count is out of range.
+// Return false if an argument is out of range.
 bool turn_and_tilt(WordReader &words, int32_t steps[ARMS]) {
   int32_t turn = number(words.next()), tilt = number(words.next());
   steps[0] = turn + tilt;

@@ -10,7 +10,7 @@ enum CommandKind : uint8_t {
   // Commands that need only a reply; the queue counts equal ones in a row instead of storing each.
   COMMAND_UNKNOWN,  // NACK
   COMMAND_REFUSED,  // ACK NACK: reserved words, bad arguments, cancelled motions, full queue
-  COMMAND_STOP,     // ACK ACK: acts when its line arrives
+  COMMAND_STOP,     // ACK ACK: carried out when its line arrives
   COMMAND_LAST_REPEATABLE = COMMAND_STOP,
 
   COMMAND_MOVE_BY,
@@ -42,7 +42,7 @@ struct TextCommand {
 
 constexpr TextCommand command_of_kind(CommandKind kind) { return {kind, 0, {0, 0, 0}}; }
 
-// `line` has no line end. A line longer than TEXT_LINE_MAX is unknown.
+// Return the command of a line without its line end; COMMAND_UNKNOWN if the word is unknown or the line too long.
 TextCommand parse_command(const uint8_t *line, uint8_t size);
 
 }  // namespace beatrix

@@ -3,15 +3,15 @@
 // Every limit is a plane: minimum gaps (limits.h, tilt), maximum gaps (tilt) and the sum of the arms. A line crosses a
 // plane once, so the first plane on the line decides.
 //
-// Tilt depends on the differences of the arms only, and the firmware has no kinematics: with all gaps between
-// TILT_GAP_MIN and TILT_GAP_MAX the tilt stays below its limit (see robot.toml).
+// Tilt depends on the differences of the arms only. The firmware has no kinematics, so it limits the gaps: with all of
+// them between TILT_GAP_MIN and TILT_GAP_MAX, the tilt stays within its limit (see robot.toml).
 #include "../speed.h"
 #include "text_limits.h"
 
 namespace beatrix {
 
-// Margin to the yaw limit of limits.h, which counts each arm with its extreme value: the steps in which two arms stop from
-// TEXT_SPEED, and one more for each because steps are rounded up.
+// Margin to the yaw limit of limits.h, which counts each arm with its extreme value: the stopping distance of two arms
+// at TEXT_SPEED, and one more step for each, because steps are rounded up.
 static const int32_t YAW_ROOM = 16;
 static const int32_t WITHIN_GUARD = YAW_SUM_MAX - YAW_ROOM;
 static const int32_t YAW_MAX = TEXT_YAW_SUM_MAX < WITHIN_GUARD ? TEXT_YAW_SUM_MAX : WITHIN_GUARD;
@@ -24,7 +24,7 @@ struct Fraction {
   Warning warning;
 };
 
-// `from` and `to`: the limited quantity at both ends of the line.
+// Shorten the line to the limit `most`. `from` and `to`: the limited quantity at both ends of the line.
 void apply_limit(Fraction &fraction, int32_t from, int32_t to, int32_t most, Warning warning) {
   if (from > most) most = from;
   if (to <= most) return;

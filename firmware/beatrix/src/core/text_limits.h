@@ -8,8 +8,8 @@ namespace beatrix {
 
 static const Warning NOT_SHORTENED = Warning(0);
 
-// Moves `target` back on the line from `start` to the first limit and returns its warning, or NOT_SHORTENED. If `start`
-// is beyond a limit, a motion may stay beyond it but not go further.
+// Move `target` back on the line from `start` to the first limit, and return the warning for this limit, or
+// NOT_SHORTENED. If `start` is beyond a limit, a motion may stay beyond it but not go further.
 Warning shorten_to_limits(const int32_t start[ARMS], int32_t target[ARMS]);
 
 }  // namespace beatrix

@@ -8,7 +8,7 @@ namespace beatrix {
 
 static const uint8_t NUMBER_SIZE = 11;  // sign and ten digits
 
-// Writes a decimal; returns the position after it.
+// Write `value` as decimal text; return the position after it.
 inline char *write_number(int32_t value, char *out) {
   char digits[NUMBER_SIZE];
   uint8_t count = 0;

@@ -80,7 +80,7 @@ void TextPort::begin(Machine &machine, const TextCommand &command) {
   }
 }
 
-// Returns false if the second reply is not due yet.
+// Advance the current command by a phase; return false while it has to wait.
 bool TextPort::advance(Machine &machine) {
   const Motion &motion = machine.motion();
   switch (phase_) {
@@ -90,7 +90,7 @@ bool TextPort::advance(Machine &machine) {
       start_move(machine);
       break;
     case MOVING:
-      // The motion ends with its last step; the set point is then less than a step from its target.
+      // Here a motion ends with its last step, although the set point is still less than a step from its target.
       if (machine.arrived()) {
         phase_ = ARRIVED;
         since_tick_ = machine.now();
@@ -152,8 +152,8 @@ void TextPort::execute(Machine &machine, CommandKind kind) {
   end(machine, done);
 }
 
-// Called only while the port is calibrated. With motors off, the motion is only counted, as in 2023. After an emergency,
-// or if home is unknown, it is refused, because its steps would be wrong.
+// Called only while the port is calibrated. With motors off, the motion is only counted, as in 2023. After an
+// emergency, or if the motors are on and home is unknown, it is refused, because the port's zero may be wrong.
 void TextPort::start_move(Machine &machine) {
   if (machine.emergency() || (machine.enabled() && !machine.calibrated())) {
     queue_warning(machine.emergency() ? WARNING_EMERGENCY : WARNING_HOME_UNKNOWN);
@@ -178,7 +178,7 @@ void TextPort::start_move(Machine &machine) {
   phase_ = MOVING;
 }
 
-// Ticks of a straight motion from rest. Its second half mirrors the first.
+// Return the ticks of a straight motion from rest. Its second half mirrors the first.
 static uint32_t motion_ticks(uint32_t steps, const Fixed &top, const Fixed &acceleration) {
   Fixed halfway = half(to_fixed(int32_t(steps))), distance, speed;
   uint32_t ticks = 0;

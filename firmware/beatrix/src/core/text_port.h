@@ -1,6 +1,6 @@
 // Text protocol of 2023: two replies to every known command, one command at a time.
 //
-// Its positions count from a zero of its own: @CALNOW does not move the limits, which refer to home.
+// Its positions count from its own zero, so that @CALNOW need not move a known home, from which the limits count.
 #ifndef BEATRIX_TEXT_PORT_H
 #define BEATRIX_TEXT_PORT_H
 
@@ -13,11 +13,11 @@ class Machine;
 
 class TextPort {
  public:
-  // Set the state after a reset: the queue is empty, home is not known, the present position is 0.
+  // Stop a text motion and reset the port: empty queue, not calibrated, zero at the present position. Home is kept.
   void open(Machine &machine);
-  // Queue a line of text; its replies follow those of earlier lines. STOP acts here.
+  // Queue a line of text; its replies follow those of earlier lines. @STOPALL is carried out here.
   void take(Machine &machine, const uint8_t *line, uint8_t size);
-  // Send the replies that are due; called at least every millisecond.
+  // Execute queued commands and send the replies that are due; called at least every millisecond.
   void poll(Machine &machine);
 
   // Cancel the queued motions, after a stop.
@@ -31,10 +31,10 @@ class TextPort {
   // Phase of the current command: the event or time for which its second reply waits.
   enum Phase : uint8_t {
     IDLE,        // no current command
-    WAITING_FOR_REST,    // the end of the previous motion; then the motion of this command starts
+    WAITING_FOR_REST,    // the end of the previous text motion; then that of this command starts
     MOVING,      // the last step of the motion of this command
     COUNTING_ONLY,  // motors are off: the time that the motion would take
-    STOPPING,    // the rest of the arms
+    STOPPING,    // the end of braking
     ARRIVED,     // the last step of the motors, which follow the tick
     CANCELLED,        // nothing: a stop or another motion has ended the motion
   };

@@ -11,7 +11,7 @@ class TextQueue {
   bool empty() const { return used_ == 0; }
   void clear() { used_ = 0; }
 
-  // Append a command. Returns false if the queue is full; then the command will be answered ACK NACK.
+  // Append a command; return false if the queue is full, in which case the answer will be ACK NACK.
   bool put(const TextCommand &command) {
     if (command.repeatable()) {
       put_repeatable(command);
@@ -25,7 +25,7 @@ class TextQueue {
     return true;
   }
 
-  // Remove the first command; the queue must not be empty.
+  // Remove and return the first command; the queue must not be empty.
   TextCommand take() {
     TextCommand &first = slots_[first_];
     TextCommand command = first;

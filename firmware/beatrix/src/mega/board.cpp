@@ -18,7 +18,7 @@ namespace {
 
 Machine machine;
 
-// Stops the timers and the converter that the Arduino core has started: its clock would take 3 % of the processor time.
+// Stop what the Arduino core has started: its clock, which would take 3 % of the processor time, timers, and the ADC.
 void stop_other_timers() {
   TIMSK0 = 0;
   TCCR0B = TCCR2B = TCCR4B = TCCR5B = 0;
@@ -26,15 +26,15 @@ void stop_other_timers() {
   ADCSRA = 0;
 }
 
-// Return whether received bytes can be processed. Every step wakes the processor, so the most frequent case comes first.
+// Return whether received bytes can be processed. Every motor step wakes the processor, so quick checks come first.
 inline bool work_pending() {
   const ReceiveBuffer &buffer = mega::receive_buffer;
   if (buffer.has_unscanned()) return true;
   return (!buffer.empty() || buffer.stop_is_due()) && hal::transmit_room() >= REPLY_ROOM;
 }
 
-// Checks with interrupts disabled, so that none is missed: after sei() the processor executes sleep_cpu() before it
-// handles an interrupt.
+// Sleep until an interrupt, unless there is work. No interrupt is missed: they are disabled during the check, and after
+// sei() the processor executes sleep_cpu() before it handles one.
 void sleep_until_interrupt() {
   cli();
   if (work_pending() || mega::tick_done()) {
@@ -60,7 +60,7 @@ void begin(uint32_t baud) {
   sei();
 }
 
-// Processes received bytes before telemetry, because they may contain EMERGENCY_STOP, but at most MAX_WIRE of them, so
+// Process received bytes before telemetry, because they may contain EMERGENCY_STOP, but at most MAX_WIRE of them, so
 // that poll() runs even while bytes arrive without a pause.
 void run() {
   if (work_pending()) machine.process(mega::receive_buffer, MAX_WIRE);

@@ -6,9 +6,9 @@
 
 namespace beatrix {
 
-// Takes over timers 1 and 3, UART 0 and the watchdog, stops the other timers, and switches the motors off.
+// Take over timers 1 and 3, UART 0 and the watchdog, stop the other timers, and switch the motors off.
 void begin(uint32_t baud);
-// One iteration of the main loop: processes received bytes, calls poll() after a tick, then sleeps until an interrupt.
+// Run the main loop once: process received bytes, call poll() after a tick, then sleep until an interrupt.
 void run();
 
 }  // namespace beatrix

@@ -1,8 +1,8 @@
 // EEPROM: the number of starts, and the robot name.
 //
-// A cell lasts 100 000 writes, so the starts rotate through 64 records and names through two. A record ends with a checksum:
-// if a reset interrupts a write, the previous record remains valid. Cell 0 is not used, because a failing supply is known
-// to corrupt it.
+// A cell lasts 100 000 writes, so the starts rotate through 64 records and names through two. A record ends with a
+// checksum: if a reset interrupts a write, the previous record remains valid. Cell 0 is not used, because a failing
+// supply is known to corrupt it.
 #include "../speed.h"
 #include "eeprom.h"
 
@@ -23,7 +23,7 @@ struct BootRecord {
 
 struct Name {
   char name[NAME_SIZE];
-  uint8_t version;  // one more than that of the other name: the newer name is valid
+  uint8_t version;  // one more than that of the older name; the newer name is loaded
   uint16_t crc;
 };
 

@@ -5,9 +5,9 @@
 namespace beatrix {
 namespace mega {
 
-// Counts this start and returns when it is stored, so that no boot number is used twice.
+// Count this start, and return when its number is stored, so that no boot number is used twice.
 void count_boot();
-// Writes the next byte of a new name, if the EEPROM is not busy. Called by the main loop.
+// Write the next byte of a new name, if the EEPROM is not busy. Called by the main loop.
 void continue_eeprom_write();
 
 }  // namespace mega

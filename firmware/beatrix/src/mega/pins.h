@@ -46,7 +46,7 @@ struct ArmPins<2> {  // Z: step D4, direction D7
 inline void set_enable_pin_on() { PORTH = uint8_t(PORTH & ~_BV(5)); }
 inline void set_enable_pin_off() { PORTH = uint8_t(PORTH | _BV(5)); }
 
-// Sets the enable pin high before it becomes an output, so that the drivers never switch on at start.
+// Make the pins outputs. The enable pin is set high before, so that the drivers never switch on at start.
 inline void make_outputs() {
   set_enable_pin_off();
   DDRH = uint8_t(DDRH | _BV(3) | _BV(4) | _BV(5));

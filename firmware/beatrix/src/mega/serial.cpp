@@ -48,7 +48,7 @@ uint8_t bytes_lost() { return mega::receive_buffer.bytes_lost(); }
 // About 80 cycles; at most 100. The main loop scans for stop frames (receive_buffer.h).
 ISR(USART0_RX_vect) { beatrix::mega::receive_buffer.put(UDR0); }
 
-// About 75 cycles; at most 100. Checks for an empty ring first: a tick may interrupt send() before its last line.
+// About 75 cycles; at most 100. The ring is empty if a tick interrupted send() before its last line for long enough.
 ISR(USART0_UDRE_vect) {
   using beatrix::mega::transmit_buffer;
   uint8_t tail = transmit_buffer.tail;

@@ -1,8 +1,8 @@
 // Times of the steps of one millisecond.
 //
-// The set point moves evenly within a tick. A step is due when the set point leaves an integer, so the first one is due at
-// the next integer, the others one step apart. One division for each arm gives the time of a single step, or the interval
-// of several.
+// The set point moves evenly within a tick. A step is due when the set point leaves an integer, so the first one is due
+// at the next integer, the others one step apart. One division for each arm gives the time of a single step, or the
+// interval of several.
 #include "../speed.h"
 #include "step_times.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 const uint8_t DISTANCE_BITS = 24;  // distance of a tick in 32 bits: up to 256 steps
 const uint32_t ONE_STEP = uint32_t(1) << DISTANCE_BITS;
-// Cycles. Steps further apart are sparse: with three arms, waiting for them takes at most a tenth of the time.
+// Cycles from which an interval is sparse: with three arms, waiting for sparse steps takes at most a tenth of the time.
 const uint16_t SPARSE_INTERVAL = 4096;
 
 uint32_t to_tick_distance(const Fixed &value) {

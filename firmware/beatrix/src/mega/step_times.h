@@ -11,7 +11,7 @@ namespace mega {
 static const uint16_t TICK_CYCLES = 16000;
 
 // Compute the steps of an axis in its last tick. `before`: step count at the start of the tick; `begin`: cycle at which
-// the millisecond starts. Returns false if there are no steps.
+// the millisecond starts. Return false if there are no steps.
 bool next_train(const Axis &axis, int32_t before, uint16_t begin, StepTrain *train);
 
 }  // namespace mega

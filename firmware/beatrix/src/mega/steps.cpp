@@ -1,7 +1,7 @@
 // Step pulses.
 //
-// Timer 1 counts every cycle and is never reset. The channel of an idle arm matches every 4 ms; its interrupt then returns
-// at once. Software therefore never clears a flag, which could lose the matches of other arms.
+// Timer 1 counts every cycle and is never reset. The channel of an idle arm matches every 4 ms; its interrupt then
+// returns at once. So no flag needs to be cleared by software, which could lose the matches of other arms.
 //
 // A received byte, the tick or another arm can delay an interrupt by a hundred cycles. For sparse steps the match is
 // therefore early, and the interrupt waits for the exact cycle. Dense steps do not wait, to save processor time.
@@ -20,11 +20,11 @@ namespace mega {
 
 namespace {
 
-// From reading the counter to the earliest match that is not missed; also the shortest pause between two pulses.
+// Cycles from reading the counter to the earliest match that is not missed; also the shortest pause between pulses.
 const uint16_t MATCH_LEAD = 32;
 // Lead of the match before a sparse step: 60 cycles to the pin, and less than 100 for a byte or the end of a tick with
-// interrupts disabled. Three arms that wait one after another delay the UART by 850 cycles, and it holds two bytes of
-// 640 cycles.
+// interrupts disabled. Three arms that wait one after another delay the UART by 850 cycles. No byte is lost, because
+// the UART holds two bytes of 640 cycles.
 const uint8_t SPARSE_LEAD = 160;
 
 struct Queue {
@@ -40,7 +40,7 @@ volatile Queue queues[ARMS];
 int16_t discarded[ARMS];
 bool drivers_on = false;
 
-// Hides the origin of `late` from the compiler, which would otherwise keep both operands and save more registers.
+// Set the next match. Hides the origin of `late` from the compiler, which would otherwise save more registers.
 template <uint8_t ARM>
 inline __attribute__((always_inline)) void schedule(uint16_t when) {
   int16_t late = int16_t(TCNT1 + MATCH_LEAD - when);
@@ -87,7 +87,7 @@ inline __attribute__((always_inline)) void schedule_early(uint16_t due) {
   schedule<ARM>(uint16_t(due - SPARSE_LEAD));
 }
 
-// Prepares all fields of a train except the count: setting the count makes the train visible to the interrupt.
+// Set all fields of a train except the count: setting the count makes the train visible to the interrupt.
 template <uint8_t ARM, typename Waiting>
 inline __attribute__((always_inline)) void prepare(Waiting &train) {
   volatile Queue &queue = queues[ARM];
@@ -135,8 +135,8 @@ inline __attribute__((always_inline)) void make_step() {
   ArmPins<ARM>::step_low();
 }
 
-// Starts a train from rest. A match of the idle channel may be pending, and its interrupt must not make the first step, so
-// it has to run first. Returns true if the train has started.
+// Start a train from rest; return whether it has started. It has not if a match of the idle channel is pending, because
+// the interrupt of this match would make the first step; so this interrupt has to run first.
 template <uint8_t ARM>
 bool start_from_rest(const StepTrain &train) {
   volatile Queue &queue = queues[ARM];

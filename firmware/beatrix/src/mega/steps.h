@@ -17,7 +17,7 @@ struct StepTrain {
 };
 
 void start_steps();
-// Cycle counter, wraps every 4 ms. Call with interrupts disabled.
+// Return the cycle counter, which wraps every 4 ms. Call with interrupts disabled.
 uint16_t now();
 // Queue these steps; there is room for one train beside the current one. While the drivers are off the train is
 // dropped, because switching them off has ended every motion.

@@ -1,8 +1,8 @@
 // Tick of the planner.
 //
-// Timer 3 calls it every 16 000 cycles, with interrupts enabled, to plan the millisecond that starts 16 000 cycles after the
-// tick was due. If it takes longer, all further ticks and steps are delayed, and none is lost. Cost: about 2 000 cycles
-// beside Machine::tick().
+// Timer 3 calls it every 16 000 cycles, with interrupts enabled, to plan the millisecond that starts 16 000 cycles
+// after the tick was due. If a tick takes longer, all further ticks and steps are delayed, and none is lost. A tick
+// takes about 2 000 cycles in addition to Machine::tick().
 #include "../speed.h"
 #include "tick.h"
 

@@ -7,7 +7,7 @@
 namespace beatrix {
 namespace mega {
 
-// Call after start_steps().
+// Start Timer 3, which calls the tick. Call after start_steps().
 void start_tick(Machine &machine);
 // Return true if a tick has run since the last clear_tick_done().
 bool tick_done();
