@@ -25,7 +25,7 @@ PACKAGES = {
 
 @pytest.hookimpl(tryfirst=True)  # this runs before the hook for all tests, which may remove the mark
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Count no Python coverage in firmware tests except `test_flash`: it makes them much slower."""
+    """Mark firmware tests, except `test_flash`, to run without coverage, which makes them much slower."""
     here = Path(__file__).parent
     for item in items:
         if item.path.parent == here and item.path.stem != "test_flash":
@@ -36,7 +36,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def build(tmp_path_factory: pytest.TempPathFactory) -> Build:
     """Return a function that builds a target of firmware/Makefile in a folder of this session.
 
-    Skips the test if there is no compiler.
+    Skips the test if the compiler is not installed.
     """
     folder = tmp_path_factory.mktemp("firmware")
 

@@ -1,4 +1,4 @@
-// The core alone: its limits from positions that no motion reaches, and millions of ticks of random motions.
+// Probes of the core alone: its limits at positions that no motion reaches, and millions of ticks of random motions.
 #include "motion.h"
 
 using namespace beatrix;
@@ -22,7 +22,7 @@ class Chance {
  public:
   explicit Chance(uint32_t seed) : state_(seed * 2654435761U + 1) {}
 
-  // Numerical Recipes' generator; the low bits are poor and are dropped.
+  // The generator of Numerical Recipes. Its low bits are not random enough, so they are dropped.
   int32_t between(int32_t low, int32_t high) {
     state_ = state_ * 1664525U + 1013904223U;
     return low + int32_t((uint64_t(state_ >> 8) * uint64_t(high - low + 1)) >> 24);
@@ -36,7 +36,7 @@ struct Seen {
   int64_t ticks, crossed, steep, trips, missed;
 };
 
-// Targets close to the limits: arms close together, or turned far.
+// Return a move to a target close to a limit: arms close together, or turned far.
 Move any_move(Chance &chance, bool far) {
   Move move;
   int32_t turn = far ? chance.between(2200, 2340) * (chance.between(0, 1) ? 1 : -1) : chance.between(-300, 300);
@@ -54,9 +54,9 @@ void check_state(const Motion &motion, const Fixed before[ARMS], bool settled, b
     const Axis &axis = motion.axis(i);
     steps[i] = axis.steps();
     Fixed change = axis.end() - axis.start() - before[i];
-    // The last tick of a motion changes the speed by up to `a`; a new motion may start in the other direction right after.
+    // The last tick of a motion changes the speed by up to `a`, and the first of a new one by as much again.
     Fixed allowed = from_q26(ACCELERATION * (fresh ? 2 : 1));
-    // A slow arm may stop at once to turn back.
+    // A slow arm may also stop at once to turn back.
     Fixed speed = before[i] < Fixed() ? -before[i] : before[i];
     if (fresh && speed < from_quarters(4 * 150)) allowed = allowed + speed;
     if (!settled && (change > allowed || change < -allowed)) seen->steep++;
@@ -71,7 +71,7 @@ void run_ticks(Motion &motion, int32_t ticks, Seen *seen) {
     for (uint8_t i = 0; i < ARMS; i++) before[i] = motion.axis(i).end() - motion.axis(i).start();
     bool moved = motion.moving(), braked = motion.braking();
     motion.tick();
-    // After braking, all arms are placed at their last steps.
+    // After braking, all arms are placed at their last steps, which is not a change of speed.
     bool settled = braked && !motion.braking();
     check_state(motion, before, settled, t == 0, seen);
     if (moved && !motion.moving() && (motion.outcome() == OUTCOME_GAP || motion.outcome() == OUTCOME_YAW)) seen->trips++;

@@ -113,7 +113,7 @@ def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -
 
 @pytest.fixture(scope="module")
 def probe(build: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    """The core as a library."""
+    """The core and probe.cpp as a library."""
     build("host", "g++")
     library = tmp_path_factory.mktemp("probe") / "probe.so"
     core = [CORE / f"{name}.cpp" for name in ("axis", "limits", "motion", "fixed_point")]

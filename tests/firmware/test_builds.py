@@ -24,12 +24,14 @@ Build = Callable[..., Path]
 
 def test_the_shipped_wasm_is_built_from_its_sources(build: Build, tmp_path: Path) -> None:
     build("wasm", "clang++-14", f"WASM={tmp_path / 'firmware.wasm'}")
-    assert filecmp.cmp(tmp_path / "firmware.wasm", SHIPPED, shallow=False), "run `make firmware`, commit it"
+    assert filecmp.cmp(tmp_path / "firmware.wasm", SHIPPED, shallow=False), (
+        "run `make firmware` and commit it"
+    )
 
 
 def test_the_shipped_hex_is_built_from_its_sources(build: Build, tmp_path: Path) -> None:
     build("mega", "avr-g++", f"HEX={tmp_path / 'mega.hex'}")
-    assert filecmp.cmp(tmp_path / "mega.hex", HEX, shallow=False), "run `make firmware`, commit it"
+    assert filecmp.cmp(tmp_path / "mega.hex", HEX, shallow=False), "run `make firmware` and commit it"
 
 
 @pytest.mark.parametrize("path", DIALOGUES, ids=lambda path: path.stem)
@@ -68,7 +70,7 @@ def test_firmware_for_other_jumpers_reports_another_contract(build: Build, tmp_p
     assert contracts[1] != CONTRACT
 
 
-def test_relative_paths_start_at_the_repository() -> None:
+def test_make_resolves_relative_paths_in_the_folder_of_the_repository() -> None:
     command = ["make", "-n", "-C", "firmware", "mega", "ROBOT=lab.toml", "HEX=lab.hex"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=50)
     assert f"--robot {ROOT / 'lab.toml'} " in done.stdout

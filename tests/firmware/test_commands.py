@@ -130,7 +130,7 @@ def test_telemetry_reports_a_change_of_state_at_once(rig: Rig) -> None:
     assert rig.state == HOME
 
 
-def test_an_emergency_stop_acts_within_the_same_call(ready: Rig) -> None:
+def test_an_emergency_stop_takes_effect_when_it_is_received(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
     at = ready.steps
@@ -185,14 +185,14 @@ def test_calibration_makes_the_present_position_home(ready: Rig) -> None:
 
 
 @pytest.mark.parametrize("name", [b"a", b"bea-1", b"0-9-z", b"x" * 32])
-def test_a_good_name_is_kept(rig: Rig, name: bytes) -> None:
+def test_a_valid_name_is_stored(rig: Rig, name: bytes) -> None:
     assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK
     (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
     assert HelloReply.unpack(hello.payload).name.rstrip(b"\0") == name
 
 
 @pytest.mark.parametrize("name", [b"", b"Bea", b"bea_1", b"a b", b"a\0b", b"\xc3\xa9", b"\0a"])
-def test_a_bad_name_is_refused_and_changes_nothing(name: bytes) -> None:
+def test_an_invalid_name_is_refused_and_the_old_one_remains(name: bytes) -> None:
     rig = Rig(Firmware(name="before"))
     assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.BAD_VALUE
     (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
@@ -318,7 +318,7 @@ def test_499_ms_without_a_frame_do_not_stop_the_arms(ready: Rig) -> None:
         ready.ask(FrameType.PING)
 
 
-def test_501_ms_without_a_frame_stop_the_arms_but_not_the_motors(ready: Rig) -> None:
+def test_501_ms_without_a_frame_stop_the_arms_and_leave_the_motors_on(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     ready.tick(501)
     assert State.STOPPING in ready.state

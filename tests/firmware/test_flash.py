@@ -133,14 +133,14 @@ def test_a_new_board_answers_after_flashing_and_verification() -> None:
     assert [report[0] for report in progress] == sorted((report[0] for report in progress), reverse=True)
 
 
-def test_lost_replies_are_requested_again() -> None:
+def test_flashing_succeeds_although_replies_are_damaged() -> None:
     with board() as avr:
         put(BenchWire(avr, spoil=0.005))
         assert hello(avr) is not None
 
 
 @pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, 2), (READ, PAGES)])
-def test_a_half_written_board_does_not_start_and_the_error_reports_it(command: int, nth: int) -> None:
+def test_half_written_firmware_does_not_start_and_the_error_reports_it(command: int, nth: int) -> None:
     with board() as avr:
         put(BenchWire(avr))
         with pytest.raises(NoAnswer, match=r"cable is out.*incomplete firmware.*flash` again"):
@@ -164,7 +164,7 @@ AT_EDGES = [
     (LEAVE, 1, flash.COMPLETE, True),
     (CLOSE, 1, flash.COMPLETE, True),
 ]
-"""Command, its count, state of the board if this message fails, and whether the firmware then starts."""
+"""Command, number of the message with it, state of the board if this message fails, whether firmware then starts."""
 BETWEEN = [
     (PROGRAM, PAGES, flash.HALF_WRITTEN, False),
     (READ, 2, flash.HALF_WRITTEN, False),
@@ -172,7 +172,7 @@ BETWEEN = [
     (ERASE, 2, flash.FIRST_PAGE, False),
     (PROGRAM, PAGES + 1, flash.FIRST_PAGE, False),
 ]
-"""The same for messages between those. Each case takes long, so each is tested with one fault only."""
+"""The same values for messages between those. Each case takes long, so each is tested with one fault only."""
 ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
 
 
@@ -196,7 +196,7 @@ def test_every_abort_prints_the_state_of_the_board(
         monkeypatch.setattr(flash, "SerialPort", lambda *_: wire)
         assert flash.main(["--port", "bench"]) == code
         assert capsys.readouterr().err.endswith(f"{state}\n")
-        if runs is not None:  # None: the board never had a firmware
+        if runs is not None:  # None: the board has no firmware yet, so this is not checked
             avr.reset()
             assert (hello(avr) is not None) == runs
 
@@ -332,7 +332,7 @@ def test_an_invalid_hex_file_is_rejected_with_its_cause(tmp_path: Path, text: st
         flash.firmware(path)
 
 
-def test_special_files_and_long_files_are_rejected(tmp_path: Path) -> None:
+def test_special_missing_and_long_files_are_rejected(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "long").write_text("\n" * (hexfile.LONGEST_FILE + 1))
     for path, why in (

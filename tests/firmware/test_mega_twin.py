@@ -26,7 +26,7 @@ LENGTH_MS = 1200
 
 
 def script(seed: int) -> dict[int, bytes]:
-    """Frames by the millisecond in which the board handles them: moves, new targets, stops, and a final STOP."""
+    """Return random frames by the millisecond in which the board handles them: moves, stops, and a final STOP."""
     chance = random.Random(seed)
     frames, ms = {}, 5
     while ms < STOP_MS - 40:
@@ -52,7 +52,7 @@ def last_tick(mega: Mega) -> int:
 
 
 def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Steps on an arm's pins up to these cycles."""
+    """Return the position of an arm at these cycles, counted on its pins."""
     steps, directions = mega.avr.steps(arm)
     counts: NDArray[np.int64] = np.concatenate([[0], np.cumsum(directions)])
     return counts[np.searchsorted(steps, times)]

@@ -36,7 +36,7 @@ def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered()
         assert State.MOVING not in mega.state
 
 
-def test_a_minute_of_noise_changes_neither_board_nor_motors() -> None:
+def test_a_minute_of_noise_changes_neither_the_state_nor_the_position() -> None:
     chance = random.Random(2)
     minute = 60 * 16_000_000
     with Mega() as mega:
@@ -104,12 +104,12 @@ def test_a_reply_queued_across_a_tick_is_sent_once() -> None:
 
 SLOW_TO_ANSWER = (b"@GETALLPOS\r", b"@FOO\r", b"@\r", b"@MOVAX 1\r")
 RECOGNISED_MS = 1.5
-"""Longest time from the last byte of a stop frame to its effect, while the longest line of text is handled."""
+"""Longest time from the last byte of a stop frame to its effect, while a slow line of text is handled."""
 
 
 @pytest.mark.parametrize("seq", [0, 13, 64, 99], ids="seq {}".format)
 @pytest.mark.parametrize("line", SLOW_TO_ANSWER, ids=lambda line: line.decode().strip())
-def test_an_emergency_behind_a_flood_of_text_stops_at_once_and_is_acknowledged_once(
+def test_an_emergency_stop_behind_a_flood_of_text_takes_effect_at_once_and_is_acknowledged_once(
     line: bytes, seq: int
 ) -> None:
     stop = encode(FrameType.EMERGENCY_STOP, seq, b"")
@@ -139,7 +139,7 @@ def test_discarded_bytes_are_counted_and_leave_no_partial_line() -> None:
 
 
 def test_requests_before_a_stop_start_no_motion_after_it() -> None:
-    """Moves that wait behind slow lines are handled after the stop has acted."""
+    """Moves that wait behind slow lines are handled after the stop frame was carried out."""
     move = encode(FrameType.MOVE, 9, Move(513, (200, 200, 200), (1400, 1400, 1400)).pack())
     with Mega() as mega:
         mega.ready()

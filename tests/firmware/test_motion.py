@@ -1,4 +1,4 @@
-"""The motion law, tick by tick in virtual time."""
+"""Motions of the firmware, tick by tick in virtual time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SPEEDS = st.tuples(*[st.integers(1000, SPEED_MAX)] * 3)
 
 
 DEAD_STOP_SPEED = 0.15
-"""Microsteps per tick up to which an arm may stop within a tick."""
+"""Highest speed from which an arm may stop within a tick, microsteps per tick."""
 
 
 class Watched:
@@ -96,14 +96,15 @@ def test_a_new_target_in_motion_keeps_the_acceleration_limit_and_is_reached(
     watched = Watched()
     allowed = []
     for target, speed, straight, ms in script:
-        # The last tick of a motion changes the speed by up to `a`; then a new motion may start in the other direction.
+        # If the arms rest, the last tick of the old motion and the first of the new one may each change the speed by
+        # up to the acceleration.
         allowed.append((len(watched.path) - 1, State.MOVING not in watched.rig.state))
         same = (speed[0],) * 3  # arms at the same speed keep their gaps
         watched.rig.move(target, same, straight=straight)
         watched.tick(ms)
     watched.run()
     if watched.rig.outcome != Outcome.DONE:
-        return  # the limits have placed the arms at their last steps
+        return  # a limit ended the motion, which places the arms at their last steps
     assert watched.rig.steps == watched.rig.last.position
     starts, retargets = {tick for tick, rested in allowed if rested}, {tick for tick, _ in allowed}
     moves = [(0.0, 0.0, 0.0), *watched.moves()]
@@ -201,7 +202,7 @@ def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
     for _ in range(10):
         ready.tick(300)
         ready.ask(FrameType.PING)
-    # At a sixteenth of the top speed the arm returns the 168 steps that it needs to stop.
+    # At a sixteenth of the top speed, the arm has turned back by the 168 steps that it needed to stop.
     assert ready.outcome == Outcome.DONE
 
 
@@ -295,7 +296,7 @@ def test_pulses_equal_reported_steps() -> None:
 def test_a_slow_arm_reverses_without_a_further_step_in_the_old_direction(
     first: int, then: int, speed: int, straight: bool
 ) -> None:
-    """Within four microsteps of rest, a new target behind the arm causes no step forward and back."""
+    """If an arm has made at most four microsteps, a new target behind it causes no step forward and back again."""
     way = 1 if first > 0 else -1
     for wait_ms in range(1, 60):
         rig = Rig().ready()

@@ -1,4 +1,4 @@
-"""Replies are those of the reference dialogues of firmware 1.0, and never later."""
+"""Replies have the text of the reference dialogues of firmware 1.0, and are never later."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The board sends frames to hosts, plain text to programs, and nothing without input."""
+"""The board sends frames to hosts, plain text to old programs, and nothing without input."""
 
 from __future__ import annotations
 

@@ -21,17 +21,17 @@ NECK, GEAR = Neck(), Gear()
 TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
 TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
 YAW_SUM_MAX = math.floor(3 * GEAR.steps_per_turn / 360 * ROBOT.limits.text_yaw_max)
-"""Microsteps of the sum that the text port allows: see firmware/beatrix/src/core/text_limits.cpp."""
+"""Largest sum of the arms that the text port allows, microsteps: see firmware/beatrix/src/core/text_limits.cpp."""
 
 
 def gaps(steps: Steps) -> list[int]:
-    """Gaps between neighbouring arms, microsteps."""
+    """Return the gaps between neighbouring arms, microsteps."""
     x, y, z = steps
     return [ARM_SPACING + y - x, ARM_SPACING + z - y, ARM_TURN - 2 * ARM_SPACING + x - z]
 
 
 def tilt(steps: Steps) -> float:
-    """Tilt of the head (deg)."""
+    """Return the tilt of the head (deg)."""
     return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
 
 
@@ -49,7 +49,7 @@ def framed() -> Program:
 
 
 def border() -> list[Steps]:
-    """Positions on the border of the text port's limits; the short arm stays at 0."""
+    """Return the positions on the border of the text port's limits at which the short arm is at 0."""
     low, high = TILT_GAP_MIN - ARM_SPACING, TILT_GAP_MAX - ARM_SPACING
     poses: list[Steps] = []
     for first in range(low, high + 1):

@@ -1,4 +1,4 @@
-"""Queue of text commands: every line is answered, replies keep their order, and STOPALL acts at once."""
+"""Queue of text commands: every line is answered, replies keep their order, and STOPALL takes effect at once."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_commands_are_executed_and_answered_in_order(program: Program) -> None:
     ]
 
 
-def test_nothing_is_answered_while_the_arms_move(program: Program) -> None:
+def test_later_commands_are_answered_when_the_arms_rest(program: Program) -> None:
     program.send(b"@MOVRX 100\r@COMSTATUS\r")
     program.tick(400)
     assert program.new() == [ACK]
@@ -120,7 +120,7 @@ def test_stopall_cancels_queued_moves_only(program: Program) -> None:
     assert rest == [ACK, *UNKNOWN, *REFUSED, *DONE, *REFUSED, *DONE, *DONE, ACK, "7\r\n", ACK]
 
 
-def test_stopall_acts_when_the_queue_is_full(program: Program) -> None:
+def test_stopall_stops_the_arms_when_the_queue_is_full(program: Program) -> None:
     program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 40)
     program.tick(500)
     program.send(b"@STOPALL\r")
@@ -131,7 +131,7 @@ def test_stopall_acts_when_the_queue_is_full(program: Program) -> None:
     assert program.position == at
 
 
-def test_stopall_acts_when_every_queue_slot_is_used(program: Program) -> None:
+def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program) -> None:
     program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 32 + b"@FOO\r@CALX\r" * 40)
     program.tick(500)
     program.send(b"@STOPALL\r")

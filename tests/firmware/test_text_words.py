@@ -65,7 +65,7 @@ def test_text_without_an_at_sign_is_not_answered(program: Program, line: str) ->
     assert program.say("@COMSTATUS") == DONE
 
 
-def test_noise_before_a_line_does_no_harm(program: Program) -> None:
+def test_a_line_after_noise_is_answered(program: Program) -> None:
     program.send(b"\xff\xf8x@COMSTATUS\r")
     assert program.new() == DONE
 
@@ -153,7 +153,7 @@ def test_numbers_beyond_32767_are_refused_and_move_nothing(
     assert program.position == (0, 0, 0)
 
 
-def test_the_largest_numbers_fit() -> None:
+def test_the_largest_numbers_are_accepted() -> None:
     program = Program()
     assert program.say("@CALNOW") == DONE
     assert program.run("@MOVRALL 32767 -32767 0", limit_ms=170_000) == DONE

@@ -1,4 +1,4 @@
-"""Decoding of bytes: golden frames, damaged frames, noise, text."""
+"""Serial link of the virtual board: golden frames, damaged frames, noise, and the times of telemetry."""
 
 from __future__ import annotations
 
@@ -70,7 +70,9 @@ def test_none_of_3000_damaged_moves_is_executed(ready: Rig, move: bytes) -> None
 
 @settings(max_examples=60)
 @given(st.lists(st.binary(max_size=400), max_size=6), st.integers(1, len(MOVE) - 2))
-def test_noise_and_partial_frames_change_neither_board_nor_motors(noise: list[bytes], cut: int) -> None:
+def test_noise_and_partial_frames_cause_no_step_and_the_next_frame_is_answered(
+    noise: list[bytes], cut: int
+) -> None:
     rig = Rig()
     for chunk in noise:
         rig.raw(chunk)
@@ -121,7 +123,7 @@ def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
     assert rig.state == State.EMERGENCY
 
 
-def test_frames_arrive_byte_by_byte(ready: Rig) -> None:
+def test_a_frame_may_arrive_byte_by_byte(ready: Rig) -> None:
     for byte in MOVE[:-1]:
         assert ready.raw(bytes([byte])) == []
     assert [reply.payload for reply in ready.raw(MOVE[-1:])] == [b"\0"]
@@ -155,7 +157,7 @@ def byte_a_millisecond(rig: Rig, data: bytes) -> None:
 
 def test_telemetry_waits_for_an_incoming_frame(rig: Rig) -> None:
     ping = encode(FrameType.PING, 1, b"")
-    rig.tick(10 - len(ping) + 2)  # its period ends just before the last byte
+    rig.tick(10 - len(ping) + 2)  # the period of telemetry ends just before the last byte
     byte_a_millisecond(rig, ping)
     assert [t.tick for t in rig.telemetry] == [11]
 
