@@ -30,7 +30,7 @@ def finish_motion(access: Access, caller: Caller, now_s: float) -> Access:
 
 
 def stop(access: Access, session: str, now_s: float) -> Access:
-    """Press STOP; the board acknowledges it, and the motion ends."""
+    """Press STOP, let the board acknowledge it, and end the motion."""
     access.stop_pressed(session, now_s)
     access.stop_sent(now_s)
     access.rested(now_s)
@@ -290,7 +290,7 @@ def test_only_the_end_of_the_moving_session_is_a_lost_client(access: Access) -> 
     assert access.session_changed(ANA, alive=False)
 
 
-def test_a_token_under_another_seat_ends_no_session(access: Access) -> None:
+def test_the_end_of_a_token_of_another_seat_ends_no_session(access: Access) -> None:
     begin_motion(access, ANA, 0)
     assert not access.session_changed(Caller("ben", ANA.session), alive=False)
     assert refusal(access, ANA, 0) is Reason.OK

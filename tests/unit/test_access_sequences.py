@@ -31,7 +31,7 @@ class Sequences(RuleBasedStateMachine):
         self.latched = False
         self.last_move_asked: dict[str, float] = {}
         self.stopped_streams: dict[Caller, float] = {}
-        """Callers whose motion STOP of another session has ended, and the time of their last request for a motion."""
+        """Callers whose motion was ended by another session's STOP, and the time of their last request for a motion."""
 
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
@@ -134,7 +134,7 @@ class Sequences(RuleBasedStateMachine):
     def a_seat_that_holds_the_robot_does_not_wait_for_it(self) -> None:
         now = standing(self.access, self.now_s)
         assert not now.lease or now.holder not in now.waiting
-        assert now.holder or not now.waiting, "a free robot goes to the seat that waits first"
+        assert now.holder or not now.waiting, "a free robot goes to the first waiting seat"
 
 
 TestSequences = Sequences.TestCase

@@ -1,4 +1,4 @@
-"""Checks of angles and speeds in the SDK."""
+"""Checks of angles, speeds, names and timeouts in the SDK."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_finite_numbers_are_accepted(angle: float) -> None:
         (1e300, "numbers up to 3.4e38 are allowed"),
     ],
 )
-def test_other_values_are_refused_with_the_name_of_the_angle(angle: float, message: str) -> None:
+def test_invalid_values_are_refused_with_the_name_of_the_angle(angle: float, message: str) -> None:
     with pytest.raises(BeatrixError, match=message):
         to_rad("yaw", angle)
 
@@ -40,7 +40,7 @@ def test_the_error_for_a_wrong_speed_contains_the_unit() -> None:
         pose_query(0, 0, 0, relative=False, speed="fast")  # type: ignore[arg-type]
 
 
-def test_a_string_is_refused_as_a_bool() -> None:
+def test_a_string_is_not_accepted_as_a_bool() -> None:
     with pytest.raises(BeatrixError, match=r"relative is 'no': give True or False\."):
         motion_query(0, 0, 0, relative="no", speed=None)  # type: ignore[arg-type]
 
@@ -68,7 +68,7 @@ def test_each_arm_may_have_its_own_speed() -> None:
         ((), "speed has 0 numbers"),
     ],
 )
-def test_other_speeds_are_refused(speed: Speed, message: str) -> None:
+def test_invalid_speeds_are_refused(speed: Speed, message: str) -> None:
     with pytest.raises(WrongUsage, match=message):
         motion_query(0, 0, 0, relative=False, speed=speed)
 

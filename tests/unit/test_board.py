@@ -98,7 +98,7 @@ def test_a_refusal_by_the_firmware_keeps_its_reason(rig: Rig) -> None:
 
 
 def connect_foreign(rig: Rig) -> None:
-    """Answer HELLO as firmware of another contract would."""
+    """Forge a HELLO_REPLY with another contract, and wait until the board has read it."""
     rig.port.forged = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
     while rig.board.link.understood:
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
@@ -118,14 +118,14 @@ def test_requests_to_firmware_of_another_contract_raise_contract_mismatch(rig: R
 
 
 def test_firmware_with_unreadable_telemetry_is_a_contract_mismatch_not_a_silent_board() -> None:
-    """Frames of that firmware may have other lengths: only HELLO and the stops are the same in all versions."""
+    """Frames of that firmware may have other lengths: only HELLO and the stop frames are the same in all versions."""
     port = LossyPort(VirtualBoard(Firmware(boot=1)))
     port.lose = [FrameType.HELLO_REPLY] * 100
     port.instead = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
     board = Board(lambda: port, lambda _: None, lambda: None)
     board.start()
     try:
-        assert not board.wait_for(lambda _: True, 0.5)  # nothing advances its time: no telemetry
+        assert not board.wait_for(lambda _: True, 0.5)  # board time stands still: no telemetry
         assert "00000bad" in board.link.trouble
         refusal = not_connected(board.link)
         assert (refusal.reason, "beatrix flash" in refusal.message) == (Reason.CONTRACT_MISMATCH, True)
@@ -157,8 +157,8 @@ def test_a_boot_number_above_255_is_matched_to_its_lowest_byte_in_telemetry() ->
         ticker.close()
 
 
-def test_the_handshake_is_repeated_after_a_loss_because_the_board_may_have_been_replaced(rig: Rig) -> None:
-    """The handshake is needed even with the same boot number: the new board may have another contract."""
+def test_the_handshake_is_repeated_after_a_loss(rig: Rig) -> None:
+    """Even with the same boot number, the board may have been replaced by one with another contract."""
     rig.port.unplugged = True
     rig.lost()
     assert rig.board.link.hello is None
@@ -269,7 +269,7 @@ def test_board_time_pauses_while_the_reader_thread_does_not_run(rig: Rig) -> Non
 
 
 def test_a_board_whose_host_receives_nothing_stops_its_motion(rig: Rig) -> None:
-    """HELLO must not count as heartbeat: the node no longer observes the board."""
+    """HELLO must be sent too rarely to act as a heartbeat, because the node no longer observes the board."""
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
     rig.board.move(MoveStraight(7, (1500, 1500, 1500), 800))

@@ -1,4 +1,4 @@
-"""Clock conversion: errors of a millisecond or two with delays, drift, resets and pauses."""
+"""Clock conversion: the error of the estimate with delays, drift, resets and pauses."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
     assert shown(Files(tmp_path), 3) == [*pictures, pictures[0]]
 
 
-def test_one_picture_and_a_film_of_them_are_shown(tmp_path: Path) -> None:
+def test_a_single_picture_and_the_pictures_of_a_film_are_repeated(tmp_path: Path) -> None:
     pictures = [picture(level) for level in (50, 60)]
     (tmp_path / "one.jpg").write_bytes(pictures[0])
     assert shown(Files(tmp_path / "one.jpg"), 2) == [pictures[0]] * 2
@@ -156,7 +156,7 @@ def test_an_avi_film_is_shown_at_its_own_rate(tmp_path: Path) -> None:
     files.close()
 
 
-def test_a_film_without_tables_gets_them(tmp_path: Path) -> None:
+def test_missing_tables_are_added_to_the_pictures_of_a_film(tmp_path: Path) -> None:
     path = tmp_path / "film.avi"
     path.write_bytes(film([without_tables(picture(9))]))
     assert np.array_equal(

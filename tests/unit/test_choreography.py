@@ -39,7 +39,7 @@ def durations(played: Choreography) -> list[float]:
     return found
 
 
-def test_hello_keeps_limits_and_times_and_lasts_about_twenty_seconds() -> None:
+def test_hello_keeps_the_limits_and_its_times_and_lasts_about_twenty_seconds() -> None:
     hello = shipped("hello")
     times = [pose.at for _, pose in hello.steps]
     taken = durations(hello)
@@ -122,7 +122,7 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
 
 
 class Recorder:
-    """Stand-in for a Twin that records its calls; `commit` raises Refused as the call number `fail_at`."""
+    """Stand-in for a Twin that records its calls; `commit` raises Refused if it is call number `fail_at`."""
 
     def __init__(self, fail_at: int | None = None) -> None:
         self.events: list[tuple[str, float]] = []
@@ -204,7 +204,7 @@ def no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("no_stop")
-def test_one_robot_plays_alone() -> None:
+def test_one_robot_plays_a_choreography() -> None:
     robot = OneRobot()
     play(robot, TWO_POSES)
     assert robot.begun == [1, 2]

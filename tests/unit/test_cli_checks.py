@@ -23,7 +23,7 @@ def test_advice_for_a_missing_extra_contains_the_command_that_installs_it(
     assert 'pip install ".[plot]"' in found["extra plot"].advice
 
 
-def test_a_library_for_another_system_is_not_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_library_for_another_system_is_not_reported_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     requirements = [
         "no-such-on-linux>=1; (sys_platform == 'linux') and extra == 'cameras'",
         "no-such-elsewhere>=1; (sys_platform != 'linux') and extra == 'cameras'",
@@ -57,7 +57,7 @@ def test_no_package_is_hidden_in_a_normal_installation() -> None:
     assert list(checks.hidden_packages()) == []
 
 
-def test_graphics_that_do_not_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "off")
     with checks.graphics_probe() as graphics:
         found = graphics()

@@ -45,7 +45,7 @@ def measured(turned_rad: float) -> Measured:
 
 @pytest.fixture
 def done(monkeypatch: pytest.MonkeyPatch) -> Measurement:
-    """Two robots that made the same movement; the process that draws the head makes an empty file instead."""
+    """Measurement of two robots that made the same movement; the process that draws the head makes an empty file."""
     monkeypatch.setattr(demo_files, "DRAW", "import pathlib, sys; pathlib.Path(sys.argv[1]).touch()")
     monkeypatch.delenv(
         "COVERAGE_PROCESS_CONFIG", raising=False

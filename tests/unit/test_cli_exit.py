@@ -1,4 +1,4 @@
-"""How verbs end: messages, JSON and exit codes."""
+"""Results of verbs: messages, JSON and exit codes."""
 
 from __future__ import annotations
 

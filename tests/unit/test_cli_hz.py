@@ -55,6 +55,6 @@ def test_losses_are_unknown_if_sequence_numbers_decrease(
     assert "a second program publishes on its key" in printed
 
 
-def test_two_publications_are_too_few() -> None:
+def test_two_publications_are_too_few_for_statistics() -> None:
     with pytest.raises(NoAnswer, match="2 messages arrived; at least 3 are needed"):
         figures(1, 2)

@@ -1,4 +1,4 @@
-"""Child processes: their output, and its folder."""
+"""Child processes: their output, and the folder of its files."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ LAG_S, OFF_DEG = 0.2, 1.5
 
 
 def turning(t: Floats) -> Floats:
-    """Arms (n, 3) in deg that turn from 1 s on and turn back from 3 s on."""
+    """Return the angles (n, 3; deg) of arms that turn from 1 s on and turn back from 3 s on."""
     motion = plan((0.0,) * 3, (0.0,) * 3, (20.0, 30.0, 10.0), (60.0,) * 3, 180.0, straight=True)
     return np.array([np.array(motion.at(max(0.0, k - 1))[0]) - motion.at(max(0.0, k - 3))[0] for k in t])
 

@@ -38,13 +38,13 @@ def test_ctrl_c_during_an_import_prints_no_traceback(words: str, library: str, t
     assert process.returncode == 130
 
 
-def test_importing_the_package_imports_no_module_of_it() -> None:
+def test_importing_the_package_imports_none_of_its_modules() -> None:
     code = "import sys, beatrix_zenoh; print([name for name in sys.modules if name.startswith('beatrix_zenoh.')])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
 
-def test_the_package_provides_the_names_of_its_dir() -> None:
+def test_the_package_provides_the_names_that_dir_lists() -> None:
     names = {"BeatrixError", "Interrupted", "NoAnswer", "Refused", "Robot", "Plan", "Twin"}
     assert names <= set(dir(beatrix_zenoh))
     assert {getattr(beatrix_zenoh, name).__name__ for name in names} == names

@@ -10,7 +10,7 @@ from beatrix_zenoh.cli.up import verbs
 
 
 def status(*, calibrated: bool) -> Status:
-    """Status of a robot at rest."""
+    """Return the status of a robot at rest."""
     return msgspec.structs.replace(READY, enabled=calibrated, calibrated=calibrated)
 
 

@@ -37,7 +37,7 @@ FEW = settings(max_examples=25)
 
 
 def movement(targets: list[tuple[float, float, float]], t: Floats) -> Floats:
-    """Angles (n, 6) in deg of a robot that turns to one target after another from t = 1 s, and rests at each."""
+    """Return the angles (n, 6; deg) of a robot that turns to each target in turn from t = 1 s, and rests at each."""
     here, begin = (0.0, 0.0, 0.0), 1.0
     arms = np.zeros((len(t), 3))
     for target in targets:
@@ -60,7 +60,7 @@ def recorded(
 @pytest.mark.no_cover
 @FEW
 @given(TARGETS, LAGS, st.floats(0, 1 / HZ), st.integers(0, 2**16))
-def test_known_lag_is_recovered_within_two_milliseconds(
+def test_a_known_lag_is_found_within_two_milliseconds(
     targets: list[tuple[float, float, float]], lag_s: float, phase_s: float, seed: int
 ) -> None:
     first = recorded(targets, 0.0, 0.0)
@@ -115,7 +115,7 @@ def test_two_different_movements_have_no_lag() -> None:
 
 
 def shaken(lags_s: Sequence[float], offset: float = 0.0) -> Recording:
-    """Motions from rest to rest, two seconds apart, each with its own lag (s); the middle arm has an offset (deg)."""
+    """Return a recording of motions, one every two seconds, each with a lag (s); the middle arm has an offset (deg)."""
     t = np.arange(0.0, 2.0 * len(lags_s) + 2.0, 1 / HZ)
     angles = np.zeros((len(t), 6))
     for number, lag_s in enumerate(lags_s):
@@ -254,7 +254,7 @@ def test_without_rest_there_is_no_difference_at_rest() -> None:
     assert math.isnan(compare(turning, turning).arms_at_rest)
 
 
-def test_yaw_is_compared_on_the_circle() -> None:
+def test_yaw_is_compared_modulo_a_turn() -> None:
     t = np.arange(0.0, 2.0, 0.02)
     first = Recording(t, np.full((100, 6), 179.5))
     second = Recording(t, np.full((100, 6), -179.5))
@@ -267,7 +267,7 @@ def test_recordings_that_hardly_overlap_are_refused() -> None:
         compare(Recording(t, np.zeros((100, 6))), Recording(t + 1.5, np.zeros((100, 6))))
 
 
-def test_empty_recording_is_refused() -> None:
+def test_an_empty_recording_is_refused() -> None:
     with pytest.raises(ValueError, match="fewer than two"):
         compare(recording([]), recording([]))
 
@@ -287,7 +287,7 @@ def test_a_robot_rests_at_times_that_are_not_close_to_a_motion() -> None:
 
 
 def message(k: int) -> Positions:
-    """The k-th message of a robot at rest."""
+    """Return the k-th message of a robot at rest."""
     arms = Vector3(*(math.radians(angle) for angle in (1, 2, 3)))
     head = Head(*(math.radians(angle) for angle in (4, 5, 6)))
     return Positions(

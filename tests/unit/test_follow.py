@@ -60,7 +60,7 @@ def test_a_path_goes_through_its_points_and_never_beyond_them(given_points: tupl
     assert found.at(np.array([-1.0, t[-1] + 1.0])) == pytest.approx(arms[[0, -1]])
 
 
-def test_a_path_begins_at_zero_and_keeps_its_line_numbers() -> None:
+def test_the_times_of_a_path_begin_at_zero_and_its_points_keep_their_line_numbers() -> None:
     found = path("5,0,0,0\n6,10,0,0\n\n8,0,5,0\n")
     assert found.t.tolist() == [0, 1, 3]
     assert [found.where(t) for t in (0.0, 0.5, 1.0, 2.5, 9.0)] == [
@@ -121,7 +121,7 @@ def test_a_replay_leaves_out_long_rests_of_the_recording() -> None:
 
 
 def driven(following: Following) -> Floats:
-    """Return arms (n, 3) in deg by the firmware's time law in steps of STEP_S, target by target."""
+    """Return the arms (n, 3; deg) of a robot that follows the targets as the firmware does, in steps of STEP_S."""
     position: Arms = cast("Arms", tuple(math.radians(angle) for angle in following.path.arms[0]))
     velocity, arms = REST, []
     ends = [target.t for target in following.targets[1:]] + [len(following.planned) * STEP_S - LEAD_IN_S]
@@ -148,7 +148,7 @@ HEADS = st.lists(
 
 
 def recorded(heads: list[tuple[float, float, float]], speed: float) -> ArmPath:
-    """Return the path of a robot that looks to several places at `speed` (deg/s), 20 points a second."""
+    """Return the path of a robot that looks in several directions at `speed` (deg/s), 20 points a second."""
     here, arms = REST, [REST] * 10
     for head in [*heads, (0.0, 0.0, 0.0)]:
         goal = NECK.inverse(*(math.radians(angle) for angle in head))

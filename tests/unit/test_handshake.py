@@ -10,7 +10,7 @@ from beatrix_zenoh.board.handshake import BOOT_S, FOREIGN_S, HELLO_S, LOADER_S, 
 
 STEP_S = 0.01
 LOADER_LISTENS_S, LOADER_WAITS_S = 0.9, 5.0
-"""Time that the boot loader waits without any byte, and after the last byte. test_boot_loader.py runs a real one."""
+"""Time that the boot loader waits for a first byte, and after the last one. test_boot_loader.py runs a real one."""
 
 
 def hello_times(handshake: Handshake, until_s: float, *, foreign: bool = False) -> list[float]:

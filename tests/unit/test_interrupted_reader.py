@@ -22,7 +22,8 @@ def interrupted(read: Callable[[], object], nth: int) -> bool:
 
     def interrupt(_frame: FrameType, event: str, _arg: object) -> None:
         nonlocal count
-        # CPython handles signals when a Python function begins and when a call has returned, not before a C function.
+        # Only these events are counted: CPython handles signals when a Python function begins and when a call has
+        # returned, not before a C function.
         count += event in ("call", "c_return")
         if count == nth:
             sys.setprofile(None)

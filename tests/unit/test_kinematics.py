@@ -33,7 +33,7 @@ shares = st.floats(0, 1)
 
 
 def pose(tilt: float, direction: float) -> tuple[float, float]:
-    """Pitch and roll (rad) of a head tilted towards a direction."""
+    """Return pitch and roll (rad) of a head that is tilted towards a direction."""
     level = math.sin(tilt)
     return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))
 
@@ -124,7 +124,7 @@ def test_the_mean_of_the_arms_is_within_a_quarter_turn_of_the_yaw(
 def test_gaps_and_deviations_of_the_arms_are_as_published(tilt: float, gap: float, off_mean: float) -> None:
     ways = []
     for direction in range(0, 360, 2):
-        # tilt without torsion: turn about a level axis
+        # The head tilts without torsion if it turns about a horizontal axis.
         azimuth, t = math.radians(direction), math.radians(tilt)
         x, y, v = -math.sin(azimuth), math.cos(azimuth), 1 - math.cos(t)
         ax, ay, az = math.cos(t) + x * x * v, x * y * v, -y * math.sin(t)
@@ -172,7 +172,7 @@ def test_rotation_agrees_with_the_angles(neck: Neck, share: float, direction: fl
 @pytest.mark.no_cover
 @given(shares, directions)
 def test_a_head_turned_by_half_a_turn_is_another_assembly(share: float, direction: float) -> None:
-    """For 45/90/90 deg R Rz(pi) closes on the same arms, with every rod on the other side."""
+    """With links of 45, 90 and 90 deg, R Rz(pi) closes on the same arms as R, with every rod on the other side."""
     pitch, roll = pose(reachable(SHIPPED, share), direction)
     arms = SHIPPED.inverse(0, pitch, roll)
     rotation = rotation_of(0, pitch, roll)

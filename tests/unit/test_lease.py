@@ -1,4 +1,4 @@
-"""The lease that a seat takes: each test shows one decision."""
+"""The lease that a seat takes: one decision in each test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines of programs of 2023 in their queue, without terminal and node."""
+"""Lines of old programs in their queue, without a terminal or a node."""
 
 from __future__ import annotations
 

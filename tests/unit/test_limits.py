@@ -21,7 +21,7 @@ from beatrix_zenoh.motion.trajectory import Trajectory
 NECK = Neck()
 LIMITS = Limits()
 CLOSE_ARMS = Limits(RobotData(limits=LimitData(gap_min=60.0)))
-"""A robot for which the arm gap is the tightest limit."""
+"""Limits of a robot for which the arm gap is the tightest one."""
 REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 
@@ -32,7 +32,7 @@ def arms_at(*degrees: float) -> Arms:
 
 
 def pose(yaw: float, pitch: float, roll: float) -> Arms:
-    """Arms (rad) of a pose in degrees."""
+    """Return the arms (rad) of a pose in degrees."""
     return NECK.inverse(*(math.radians(value) for value in (yaw, pitch, roll)))
 
 
@@ -103,7 +103,7 @@ def dense(way: Trajectory, count: int = 200) -> list[Arms]:
 @pytest.mark.parametrize(
     "target", [pose(20, -10, 5), pose(180, 0, 0), pose(-180, 35, 0), pose(0, 0, -35), arms_at(20, 0, 0)]
 )
-def test_ordinary_motions_are_accepted(target: Arms, straight: bool) -> None:
+def test_motions_within_the_limits_are_accepted(target: Arms, straight: bool) -> None:
     way = allowed(target, straight=straight)
     assert way.target == target
     assert way.duration > 0
@@ -227,7 +227,7 @@ def test_a_start_beyond_the_yaw_limit_may_be_left_towards_home_only() -> None:
     assert refused(arms_at(401, 401, 401), start=start).reason == Reason.YAW_LIMIT
 
 
-def test_a_start_with_too_close_arms_may_be_left() -> None:
+def test_a_start_with_arms_too_close_to_each_other_may_be_left() -> None:
     start = pose(0, 34, 0)
     assert min(NECK.gaps(start)) < CLOSE_ARMS.gap_min
     allowed(REST, start=start, straight=True, limits=CLOSE_ARMS)
@@ -235,7 +235,7 @@ def test_a_start_with_too_close_arms_may_be_left() -> None:
 
 
 def test_arms_that_have_separated_may_not_close_up_again() -> None:
-    # The arms are 59.2 deg apart; with this velocity they reach 60.04 deg before they return.
+    # The arms are 59.2 deg apart, too close; with this velocity they reach 60.04 deg, which is allowed, and return.
     start = pose(0, 32.9, 0)
     assert math.radians(59) < NECK.gaps(start)[0] < CLOSE_ARMS.gap_min
     allowed(pose(0, 32, 0), start=start, velocity=(-0.22, 0.22, 0.0), limits=CLOSE_ARMS)
@@ -284,7 +284,7 @@ def test_many_small_motions_do_not_add_up_beyond_a_limit() -> None:
     assert tilt(here) <= LIMITS.tilt_max + TOLERANCE
 
 
-def test_the_refusal_of_arms_that_fit_no_head_explains_what_to_do() -> None:
+def test_the_refusal_of_arms_that_fit_no_orientation_of_the_head_explains_what_to_do() -> None:
     refusal = refused(REST, start=arms_at(170, -170, 20))
     assert refusal.reason is Reason.OUT_OF_REACH
     assert detail_of(refusal).leaves_s == 0

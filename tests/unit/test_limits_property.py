@@ -26,7 +26,7 @@ pytestmark = pytest.mark.no_cover
 NECK = Neck()
 LIMITS = Limits()
 CLOSE_ARMS = Limits(RobotData(limits=LimitData(gap_min=60.0)))
-"""A robot for which the arm gap is the tightest limit."""
+"""Limits of a robot for which the arm gap is the tightest one."""
 REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 

@@ -104,7 +104,7 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: Geometry) -> None:
         assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
 
 
-def test_stops_keep_rods_inside_the_home_assembly() -> None:
+def test_joint_stops_keep_the_rods_inside_the_home_assembly() -> None:
     for chain in chains(ROBOT.geometry):
         assert np.degrees(chain.rod_range()) == pytest.approx([-80.0, 80.0])
 
@@ -123,7 +123,7 @@ def test_dense_and_sparse_solvers_agree() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
 
 
-def test_model_can_be_written_as_mjcf() -> None:
+def test_the_model_can_be_written_as_mjcf() -> None:
     spec = build_spec()
     spec.compile()
     again = mujoco.MjModel.from_xml_string(spec.to_xml())

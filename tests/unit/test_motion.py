@@ -140,7 +140,7 @@ def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch
     assert setting.motion.done()
 
 
-def test_the_cause_of_a_missing_end_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_cause_of_a_missing_final_reply_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
     setting = Setting(duration=0.0)
     setting.replies.cause = NoAnswer(Reason.NO_ROUTER, "The connection was lost.")

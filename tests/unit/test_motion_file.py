@@ -39,7 +39,7 @@ def test_a_written_path_is_read_again(path: list[tuple[float, Place]], comments:
     st.text(max_size=300)
     | st.text(st.sampled_from('t_s,yawdegpitchroll0123456789.;-+e#"\n\r\t '), max_size=300)
 )
-def test_any_text_is_read_or_refused_with_the_form(text: str) -> None:
+def test_any_text_is_read_or_refused_with_a_description_of_the_format(text: str) -> None:
     for content in (text, HEADER + text):
         times, refusal = times_or_refusal(content)
         assert times == sorted(times)

@@ -1,4 +1,4 @@
-"""USB cameras through OpenCV, whose calls may block, and fail without a reason."""
+"""USB cameras through OpenCV, whose calls may block, and do not report why they fail."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeO
     camera.open()
     module.goes_on.set()
     until(lambda: not module.pictures, "all pictures are read")
-    # The failure follows the last picture and occupies the place of a picture in the queue.
+    # The failure follows the last picture and occupies one of two places in the queue, so one picture is left.
     until(lambda: module.released == 1, "the camera is released")
     assert picture(camera).width == 160
     with pytest.raises(NoAnswer):

@@ -98,7 +98,7 @@ def test_impossible_arm_angles_are_an_error() -> None:
 
 @pytest.mark.parametrize("camera", ["observer", "eye_left", "eye_right"])
 def test_rays_cast_together_hit_the_same_as_single_rays(camera: str) -> None:
-    """MuJoCo culls more geoms if rays are cast together."""
+    """MuJoCo culls more geoms if rays are cast together, but must not cull those that a ray hits."""
     painter = RayPainter(build_spec(), 48, 36)
     plant = Plant()
     painter.pose(plant.posture())
@@ -149,7 +149,7 @@ def probed(environment: dict[str, str], before: str = "") -> str:
 
 
 def test_without_opengl_libraries_physics_works_and_there_is_no_backend(tmp_path: Path) -> None:
-    """With MUJOCO_GL=egl and without this library `import mujoco` fails."""
+    """With MUJOCO_GL=egl and without the library of EGL, even `import mujoco` fails."""
     (tmp_path / "OpenGL").mkdir()
     (tmp_path / "OpenGL" / "__init__.py").write_text("raise AttributeError('no library of this name')")
     absent = {"PYTHONPATH": str(tmp_path), "MUJOCO_GL": "egl"}

@@ -30,7 +30,7 @@ PLANNER = Planner(ROBOT)
 
 
 def at(steps: int) -> Telemetry:
-    """Telemetry of a board whose arms rest at this count."""
+    """Return telemetry of a board whose arms rest at this step count."""
     return Telemetry(0, 1, 3, 0, 0, (steps, steps, steps), (0, 0, 0), 0, 0)
 
 
@@ -193,7 +193,7 @@ def test_the_refusal_of_a_speed_has_enough_digits_and_an_alternative(rate: float
 
 
 @pytest.mark.parametrize("typed", [20.0, 31.0, 40.0, 12.5])
-def test_a_speed_above_the_teachers_limit_names_it_and_the_limit_itself_is_accepted(typed: float) -> None:
+def test_the_refusal_of_a_speed_names_the_teachers_limit_and_this_limit_is_accepted(typed: float) -> None:
     planner = Planner(ROBOT)
     (limit,) = struct.unpack("<f", struct.pack("<f", math.radians(typed)))
     planner.limit_speed(limit)
@@ -250,7 +250,7 @@ def test_the_frame_of_a_goal_can_be_packed_and_unpacked() -> None:
 
 
 def test_the_checked_path_has_the_rounded_speeds_of_the_frame() -> None:
-    """Rounding the speeds of slow arms changes their path; unchecked, the head tilted by 40 deg."""
+    """Rounding the speeds of slow arms changes their path: while it was not checked, the head tilted by 40 deg."""
     quarter = PLANNER.gear.quarters_to_speed((1, 1, 1))[0]
     speed = Vector3(7.87 * quarter, 5.58 * quarter, 3.44 * quarter)
     goal = PLANNER.goal(MotionQuery(position=Vector3(0.2, -0.1, -0.15), speed=speed), at(0))
@@ -261,7 +261,7 @@ def test_the_checked_path_has_the_rounded_speeds_of_the_frame() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4188])
-def test_speeds_that_a_frame_can_hold_are_not_rounded(count: int) -> None:
+def test_speeds_that_a_frame_can_contain_are_not_rounded(count: int) -> None:
     speed = struct.unpack("f", struct.pack("f", PLANNER.gear.quarters_to_speed((count,) * 3)[0]))[0]
     assert PLANNER.gear.speed_to_quarters((speed,) * 3) == (count,) * 3
 

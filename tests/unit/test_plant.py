@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
-    """Set points of the arms (rad) for each physics step, at full speed; all arms arrive at the same time."""
+    """Yield set points of the arms (rad) for each physics step, at full speed; all arms arrive at the same time."""
     far = max(abs(g - s) for s, g in zip(start, goal, strict=True))
     top = min(SPEED, math.sqrt(far * ACCELERATION))
     rise = top / ACCELERATION
@@ -44,7 +44,7 @@ def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
 
 
 def angle_between(a: Rotation, b: Rotation) -> float:
-    """Angle (deg) between two orientations; exact for small angles."""
+    """Return the angle (deg) between two orientations; it is accurate for small angles."""
     turn = np.array(a).T @ np.array(b)
     skew = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
     return math.degrees(math.asin(min(1.0, float(np.linalg.norm(skew)) / 2)))
@@ -65,7 +65,7 @@ def go(plant: Plant, start: Arms, goal: Arms) -> None:
 
 
 def random_pose(rng: random.Random) -> Arms:
-    """Arms (rad) of a pose within the limits of the robot."""
+    """Return the arms (rad) of a random pose within the limits of the robot."""
     while True:
         pitch, roll = (math.radians(rng.uniform(-35, 35)) for _ in range(2))
         if math.acos(math.cos(pitch) * math.cos(roll)) > math.radians(ROBOT.limits.tilt_max):
@@ -243,7 +243,7 @@ def test_the_plant_is_reassembled_upright_if_the_set_points_are_impossible(plant
     assert not plant.home_assembly_left()
 
 
-def test_nan_is_detected_and_writes_no_file(
+def test_nan_is_detected_and_no_file_is_written(
     plant: Plant, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -25,12 +25,12 @@ NODDED = NECK.inverse(0.3, 0.35, 0.0)
 
 
 def move_to(arms: Arms, speed: float = 30.0) -> MoveStraight:
-    """A straight motion of the arms (rad) at a speed (deg/s)."""
+    """Return a straight motion to these arms (rad) at a speed (deg/s)."""
     return MoveStraight(7, GEAR.to_steps(arms), GEAR.speed_to_quarters([math.radians(speed)] * 3)[0])
 
 
 def ready() -> tuple[Plant, Firmware]:
-    """Plant and firmware with motors on, calibrated."""
+    """Return a plant and its firmware, with motors on and calibrated."""
     plant, firmware = Plant(), Firmware()
     firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
     pass_time(plant, firmware, 20)

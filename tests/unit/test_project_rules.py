@@ -28,7 +28,7 @@ METHODS_MAX = 15
 PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
 """Top-level names of the wheel. Another name could hide a student's own file."""
 HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
-"""Libraries that belong to a whole package; the others belong to one module of beatrix_zenoh."""
+"""Libraries that all modules of one package may import; others may be imported by one module of beatrix_zenoh."""
 SLEEPERS = {
     "tests/nodes/test_legacy.py": "programs of 2023 send at their own pace, and no event shows that they send nothing",
     "tests/witness.py": "it measures how late it wakes up",
@@ -91,7 +91,7 @@ def cpp_code_lines(text: str) -> int:
 
 
 def long_functions(path: Path) -> Iterator[str]:
-    """Yield the functions of a Python file that exceed the limit."""
+    """Yield the functions of a Python file that are longer than FUNCTION_MAX."""
     text = path.read_text(encoding="utf-8")
     if text.count("\n") <= FUNCTION_MAX:
         return
@@ -160,7 +160,7 @@ def test_classes_of_the_node_stay_small() -> None:
 
 def test_tests_wait_for_events_instead_of_sleeping() -> None:
     found = {str(path.relative_to(ROOT)) for path in sources("tests", ".py") if sleeps(path)}
-    assert found == set(SLEEPERS), "wait for an event with a deadline, or add the file with its reason"
+    assert found == set(SLEEPERS), "wait for an event with a deadline, or add file and reason to SLEEPERS"
 
 
 @pytest.mark.parametrize("plugin", ["pytest_rerunfailures", "flaky"])
@@ -195,7 +195,7 @@ def test_every_package_has_import_contracts() -> None:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Names of the files in a wheel."""
+    """Names of the files in a new wheel, without its metadata."""
     folder = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)

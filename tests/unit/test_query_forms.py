@@ -1,4 +1,4 @@
-"""Decoding of queries: any bytes give a message or a refusal with the field."""
+"""Decoding of queries: any bytes give a message, or a refusal that names the field if one is wrong."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 
 
 def refusal_of(raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery] | None) -> Refused:
-    """Return the refusal of a query of this kind, or with None of a motion or pose."""
+    """Return the refusal of a query of this kind; None stands for a motion or a pose."""
     with pytest.raises(Refused) as caught:
         _ = query_forms.read_motion_or_pose(raw) if kind is None else query_forms.read(raw, kind)
     return caught.value
@@ -323,7 +323,7 @@ def test_an_unknown_command_is_refused_with_the_list_of_commands(payload: bytes)
     assert refusal.detail.known[0] == "1 ENABLE"
 
 
-def test_parameters_of_zenoh_are_allowed_beside_a_payload() -> None:
+def test_parameters_of_zenoh_are_allowed_together_with_a_payload() -> None:
     assert query_forms.read(RawQuery(b"1 2 3", "", "_time=[now(-1s)..]"), MotionQuery).absolute
 
 

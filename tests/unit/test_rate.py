@@ -14,7 +14,7 @@ class Drawer:
         self.rate, self.cost_s, self.now_s = rate, cost_s, 100.0
 
     def draw(self, count: int, *, late: bool = False) -> float:
-        """Draw `count` pictures; returns the pictures a second."""
+        """Draw `count` pictures; return their rate (Hz)."""
         begin_s = self.now_s
         for _ in range(count):
             self.now_s += self.rate.wait_s(self.now_s)

@@ -1,4 +1,4 @@
-"""Decision from the status whether a robot may move, by the robot's own rules."""
+"""Check of the status by a client: whether a seat may move the robot."""
 
 from __future__ import annotations
 

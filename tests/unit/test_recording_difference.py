@@ -41,7 +41,7 @@ def test_differences_are_within_half_a_turn() -> None:
     assert apart == pytest.approx(2.0)
 
 
-def test_older_samples_are_ignored() -> None:
+def test_samples_older_than_the_last_one_are_ignored() -> None:
     assert [
         apart.angles
         for apart in fed(
@@ -63,7 +63,7 @@ def test_the_number_of_waiting_samples_is_bounded() -> None:
 
 
 @given(st.lists(st.tuples(st.sampled_from(("sim", "hw")), st.integers(0, 300)), max_size=60))
-def test_every_point_comes_once_and_in_order(samples: list[tuple[str, int]]) -> None:
+def test_every_point_of_the_grid_is_returned_once_and_in_order(samples: list[tuple[str, int]]) -> None:
     times = [apart.time_ns for apart in fed([(twin, ms, math.sin(ms)) for twin, ms in samples])]
     assert times == sorted(set(times))
     assert all(time_ns % GRID_NS == 0 for time_ns in times)
@@ -75,7 +75,7 @@ def test_two_computers_share_one_time_line() -> None:
     assert timebase.time_ns(BEA, 1_310 * MS) == 5_000_010 * MS == timebase.own_ns(1_010 * MS)
 
 
-def test_a_much_less_exact_offset_does_not_replace_a_good_one_at_once() -> None:
+def test_a_much_less_accurate_offset_does_not_replace_an_accurate_one_at_once() -> None:
     timebase = Timebase(0, 0)
     timebase.learn(BEA, 0, 1 * MS)
     timebase.learn(BEA, 9 * MS, 10 * MS)  # a round trip delayed by other traffic

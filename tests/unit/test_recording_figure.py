@@ -22,7 +22,7 @@ ANGLE = st.floats(-math.pi, math.pi)
 
 
 def turned(turn: Quaternion, vector: Vector) -> Floats:
-    """A vector turned by a quaternion."""
+    """Return a vector turned by a quaternion."""
     x, y, z, w = turn
     axis, v = np.array((x, y, z)), np.array(vector)
     return np.asarray(v + 2 * np.cross(axis, np.cross(axis, v) + w * v), dtype=np.float64)
@@ -40,7 +40,7 @@ def test_rods_end_where_the_head_is_mounted(geometry: Geometry, pose: tuple[floa
         np.testing.assert_allclose(turned(rod, elbow), elbow, atol=1e-12)
 
 
-def test_bodies_are_those_of_the_model() -> None:
+def test_the_figure_has_the_bodies_of_the_model() -> None:
     model = build()
     named = {model.body(index).name for index in range(1, model.nbody)}
     assert {body.path.rpartition("/")[2] for body in Figure().bodies} - {"base"} == named

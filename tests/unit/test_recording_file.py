@@ -20,7 +20,7 @@ BEGAN_NS = 1_763_000_000_000_000_000
 
 
 def sample(index: int) -> list[Row]:
-    """Return the rows of one moment."""
+    """Return the rows of the sample with this index."""
     time_ns = BEGAN_NS + index * 20_000_000
     return [
         Numbers(of_robot(SIM, what), time_ns, time_ns, (0.0, 0.0, 0.0))
@@ -52,7 +52,7 @@ def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, messages
 def test_each_file_of_a_rotated_recording_shows_the_robots(tmp_path: Path, messages: list[str]) -> None:
     output = FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=60.0)
     output.show(RobotSet({SIM: Figure()}))
-    began = [output.update(1e6)]  # later than the end of its first minute
+    began = [output.update(1e6)]  # later than the end of the first file's minute
     for index in range(3):
         output.write(sample(index))
         began.append(output.update(1e6 + 1 + index * 30))

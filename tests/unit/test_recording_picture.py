@@ -48,6 +48,6 @@ def test_the_ghost_of_the_simulation_is_visible_beside_the_hardware(tmp_path: Pa
 
 
 def share_of_blue(picture: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
-    """Share of blue pixels: the long arm and the ghost."""
+    """Return the share of blue pixels: the long arm and the ghost."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return float(np.mean((blue > red + 60) & (blue > green + 20)))

@@ -44,7 +44,7 @@ def strict(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def sample(place: tuple[str, str], index: int) -> list[Row]:
-    """Return the rows of one moment."""
+    """Return the rows of the sample with this index."""
     time_ns, robot_ns = BEGAN_NS + index * STEP_NS, BEGAN_NS + index * STEP_NS - 7
     what: list[Row] = [
         Numbers(of_robot(place, name), time_ns, robot_ns, (index + k, k, -index))

@@ -1,4 +1,4 @@
-"""Conversion of publications to rows; only changes give rows."""
+"""Conversion of publications to rows: numbers always, states and orientations only if they change."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def rows_of_robot() -> RobotRows:
     return RobotRows(("bea", "hw"), Figure())
 
 
-def test_arms_and_head_are_degrees(rows_of_robot: RobotRows) -> None:
+def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     rows = {
         row.path: row
         for row in rows_of_robot.positions(positions(math.pi / 6), NOW_NS)
@@ -75,7 +75,7 @@ def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
     turned = {
         row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)
     }
-    # Turning about the vertical does not turn the rods in the frames of the arms.
+    # Turning about the vertical does not turn the rods relative to their arms, so they get no row.
     assert turned == {
         "bea/hw/model/head",
         *(f"bea/hw/model/arm_{name}" for name in ("short", "middle", "long")),
@@ -107,7 +107,7 @@ def test_the_head_is_drawn_where_it_was_measured(rows_of_robot: RobotRows) -> No
         ({"board": msgspec.structs.replace(BOARD, connected=False)}, State.LOST),
     ],
 )
-def test_a_status_is_one_state(fields: dict[str, object], state: State) -> None:
+def test_each_status_is_converted_to_one_state(fields: dict[str, object], state: State) -> None:
     assert state_of(msgspec.structs.replace(READY, **fields)) is state
 
 
@@ -127,7 +127,7 @@ def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | N
     return bars
 
 
-def test_a_state_is_written_once(rows_of_robot: RobotRows) -> None:
+def test_an_unchanged_state_is_written_once(rows_of_robot: RobotRows) -> None:
     moving = msgspec.structs.replace(READY, moving=True)
     assert states(rows_of_robot, READY, READY, moving, moving, READY) == ["ready", "moving", "ready"]
 
@@ -216,7 +216,9 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
         (event(EventKind.LOG, action="ERROR", message="Oh."), "log ERROR: Oh.", "ERROR"),
     ],
 )
-def test_events_are_lines(rows_of_robot: RobotRows, happened: Event, text: str, level: str) -> None:
+def test_each_event_is_converted_to_one_line(
+    rows_of_robot: RobotRows, happened: Event, text: str, level: str
+) -> None:
     line = next(row for row in rows_of_robot.event(happened, NOW_NS) if isinstance(row, Line))
     assert line.path == "bea/hw/events"
     assert line.text == f"02:13:20.123  bea hw:  {text}"

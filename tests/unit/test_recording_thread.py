@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
 BEA = ("bea", "hw")
 ZERO = Vector3(0.0, 0.0, 0.0)
 AHEAD_NS = 3_600_000_000_000
-"""Time by which the robot's clock is ahead of ours."""
+"""Time by which the robot's clock is ahead of the recorder's."""
 
 
 class FakeSubscriptions:
@@ -98,12 +98,12 @@ class Rig:
         )
 
     def answer(self, offset_ns: int | None) -> None:
-        """Deliver an answer with this clock offset, or with None one without an offset."""
+        """Deliver an answer with this clock offset; None stands for an answer without an offset."""
         offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
         self.queries.pending = [RobotAnswer(BEA, offset, ROBOT.geometry)]
 
     def arms(self) -> list[Numbers]:
-        """Rows of the arms so far."""
+        """Return the rows of the arms so far."""
         return [row for row in self.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/arms"]
 
 
@@ -115,7 +115,7 @@ def rig() -> Iterator[Rig]:
 
 
 def positions(ahead_ns: int = AHEAD_NS) -> Positions:
-    """Return positions of this moment, with the time stamp of a clock that is ahead of ours."""
+    """Return positions of this moment, with the time stamp of a clock that is ahead by `ahead_ns`."""
     return Positions(
         seq=0,
         t_mono_ns=time.monotonic_ns() + ahead_ns,
@@ -202,7 +202,7 @@ def test_only_publications_with_impossible_time_stamps_are_dropped(
     assert "impossible time stamps" in rig.messages[0]
 
 
-def test_the_end_of_positions_is_a_state(rig: Rig) -> None:
+def test_a_robot_that_publishes_no_positions_is_recorded_as_lost(rig: Rig) -> None:
     rig.answer(AHEAD_NS)
     rig.subscriptions.publish(positions())
     rig.subscriptions.publish(msgspec.structs.replace(READY, t_mono_ns=time.monotonic_ns() + AHEAD_NS))

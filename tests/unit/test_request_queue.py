@@ -10,7 +10,7 @@ from beatrix_zenoh.node.request_queue import CAPACITY, RequestQueue, Task
 
 
 class Log:
-    """Tasks that record whether they ran or were declined."""
+    """Creates tasks, and records which of them ran or were declined."""
 
     def __init__(self) -> None:
         self.ran: list[str] = []

@@ -122,13 +122,13 @@ def test_a_robot_file_that_is_too_long_is_refused(tmp_path: Path) -> None:
 
 
 def near(shipped: float) -> st.SearchStrategy[float]:
-    """Strategy: numbers close to the default one, and sometimes others."""
+    """Strategy for numbers, most of them close to the default value."""
     close = st.floats(0.5, 1.6).map(lambda factor: round(factor * shipped, 6))
     return st.one_of(close, close, close, st.floats(), st.integers())
 
 
 def entry(name: tuple[str, str]) -> st.SearchStrategy[tuple[tuple[str, str], float]]:
-    """Strategy: a field and a value for it."""
+    """Strategy for a field and a value of it."""
     table, field = name
     value = st.integers(-1, 2) if field == "hand" else near(getattr(getattr(ROBOT, table), field))
     return st.tuples(st.just(name), value)

@@ -45,7 +45,7 @@ def magenta(image: Image) -> npt.NDArray[np.bool_]:
 
 
 def cap(image: Image) -> float:
-    """Column (px) of the middle of the magenta pixels."""
+    """Return the column (px) of the middle of the magenta pixels."""
     return float(np.nonzero(magenta(image))[1].mean())
 
 
@@ -68,7 +68,7 @@ def test_the_model_of_the_physics_does_not_contain_the_scene() -> None:
 
 
 @pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
-def test_both_eyes_see_the_person_with_the_parallax_of_their_distance(
+def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(
     painter: RayPainter, place: Place
 ) -> None:
     painter.pose(posture(), place)
@@ -118,7 +118,7 @@ def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
 @pytest.mark.parametrize(("name", "colour"), [("cube", 0), ("cylinder", 1), ("ball", 2)])
 def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour: int) -> None:
     item = next(item for item in OBJECTS if item.name == name)
-    painter.pose(posture(), HOME)  # another test may have moved the person before the ball
+    painter.pose(posture(), HOME)  # another test may have put the person in front of the ball
     image = painter.paint("eye_left").astype(int)
     x, y, z = item.place
     depth = x - EYE_FORWARD

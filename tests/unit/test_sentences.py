@@ -138,7 +138,7 @@ def key_of(refusal: BeatrixError) -> tuple[Reason, Limit | None, str]:
 
 
 def numbers(text: str) -> list[float]:
-    """Numbers of a sentence in any language, in the order of their size."""
+    """Return the numbers of a sentence in any language, in ascending order."""
     return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", text))
 
 
@@ -163,7 +163,7 @@ def test_every_language_has_every_sentence_with_the_same_fields(language: str) -
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_language_has_the_same_numbers(language: str) -> None:
+def test_sentences_of_every_language_contain_the_same_numbers(language: str) -> None:
     for refusal in REFUSALS:
         text = sentences.render(refusal.reason, refusal.detail, language)
         assert numbers(text) == numbers(refusal.message), key_of(refusal)
@@ -172,7 +172,7 @@ def test_every_language_has_the_same_numbers(language: str) -> None:
         assert "{" not in text
 
 
-def test_a_detail_from_the_network_gives_the_same_sentence() -> None:
+def test_a_decoded_detail_gives_the_sentence_of_the_original() -> None:
     for refusal in REFUSALS:
         if refusal.detail is not None:
             detail = codec.decode(codec.encode(refusal.detail), Detail)

@@ -19,7 +19,7 @@ angles = st.tuples(*[st.floats(-20.0, 20.0)] * 3)
 
 
 def driven() -> StepperDrive:
-    """A drive with its motors on, at home."""
+    """Return a drive with its motors on, at home."""
     drive = StepperDrive()
     drive.step((0, 0, 0), HOME, on=True)
     return drive

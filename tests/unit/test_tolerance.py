@@ -1,4 +1,4 @@
-"""Tolerant decoding of messages of other versions and foreign programs."""
+"""Tolerant decoding of messages of other versions and of foreign programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The time law: durations in closed form, straight lines, smooth new targets."""
+"""Trajectories: durations in closed form, straight lines, smooth new targets."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ speeds = st.tuples(*[st.floats(0.05, 2)] * 3)
 
 
 def samples(trajectory: Trajectory, count: int) -> list[tuple[float, Arms, Arms]]:
-    """Times, angles and velocities along the trajectory, including its corners."""
+    """Return times, angles and velocities along the trajectory, also at the start of each section."""
     times = {trajectory.duration * i / count for i in range(count + 1)}
     times |= {section.begin for section in trajectory.sections}
     return [(t, *trajectory.at(t)) for t in sorted(times)]
@@ -36,7 +36,7 @@ def samples(trajectory: Trajectory, count: int) -> list[tuple[float, Arms, Arms]
         (0.0, 1.0, 0.0),
     ],
 )
-def test_duration_from_rest_is_the_closed_form(way: float, speed: float, expected: float) -> None:
+def test_the_duration_from_rest_equals_the_closed_form(way: float, speed: float, expected: float) -> None:
     trajectory = plan(REST, REST, (way, 0.0, 0.0), (speed, 1.0, 1.0), ACCELERATION, straight=False)
     assert trajectory.duration == pytest.approx(expected)
 

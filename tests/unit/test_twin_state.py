@@ -125,7 +125,7 @@ def test_a_refusal_by_the_published_status_is_confirmed_by_a_query() -> None:
     assert refusal.value.reason is Reason.NOT_ENABLED
 
 
-def test_another_seat_or_a_lost_board_forbids_switching() -> None:
+def test_the_motors_may_not_be_switched_if_another_seat_drives_or_the_board_is_lost() -> None:
     held = msgspec.structs.replace(READY, holder="ben", moving=True)
     published = Published(held, held)
     with pytest.raises(Refused, match=r"ben drives this robot and its motion is running"):

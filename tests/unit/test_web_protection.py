@@ -81,7 +81,7 @@ def test_all_addresses_together_get_sixty_tries_a_minute() -> None:
     assert attempts.wait_s("new", 61.0) == 0
 
 
-def test_pins_are_random_and_of_six_digits() -> None:
+def test_pins_are_random_and_have_six_digits() -> None:
     pins = {protection.new_pin() for _ in range(50)}
     assert len(pins) > 40
     assert all(re.fullmatch(r"\d{6}", pin) for pin in pins)
@@ -106,7 +106,7 @@ def test_the_oldest_of_too_many_browsers_is_logged_out() -> None:
     assert visitors.find(None) is None
 
 
-def test_a_stop_counts_once() -> None:
+def test_a_repeated_stop_counts_once() -> None:
     visitors = Visitors()
     visitor = visitors.find(visitors.admit())
     assert visitor is not None
@@ -150,12 +150,12 @@ def test_every_text_that_the_page_uses_is_in_the_catalogue() -> None:
     assert unused == []
 
 
-def test_codes_of_closed_web_sockets_agree() -> None:
+def test_page_and_server_use_the_same_code_for_a_closed_web_socket() -> None:
     assert f"const FULL = {FULL};" in (STATIC / "page.js").read_text()
 
 
 def luminance(colour: str) -> float:
-    """Relative luminance (WCAG 2.1)."""
+    """Return the relative luminance of a colour (WCAG 2.1)."""
     parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
     linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

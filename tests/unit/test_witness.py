@@ -1,4 +1,4 @@
-"""The witness of delays of this computer."""
+"""The process that measures how long this computer delays a process."""
 
 from __future__ import annotations
 
