@@ -64,7 +64,7 @@ def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
     return taken
 
 
-# -- a window in front of real robots -------------------------------------------------------------
+# -- a window connected to real robots ------------------------------------------------------------
 
 
 FAST = Saved(speed=80.0, lead_s=0.0)
@@ -97,9 +97,9 @@ def hw(robots: dict[str, Robot]) -> Robot:
 
 @pytest.fixture
 def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windowed]:
-    """A window in front of two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
+    """A window connected to two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
     for robot in robots.values():
-        until(lambda robot=robot: is_at_rest(robot), "STOP was long enough ago")  # type: ignore[misc]
+        until(lambda robot=robot: is_at_rest(robot), "the pause after STOP has ended")  # type: ignore[misc]
         robot.make_ready()
         if robot.positions().commanded != HOME:
             robot.move(*HOME, speed=80)
@@ -112,6 +112,6 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 def is_at_rest(robot: Robot) -> bool:
     """Return whether the arms rest, and the pause after a STOP of another session has ended."""
     if robot.status().moving:
-        return False  # the STOP of a window that closes may not be an event yet
+        return False  # the STOP of a window that closes may not be stored as an event yet
     stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]
     return time.time_ns() - max(stops_ns, default=0) > QUIET_S * 1e9

@@ -20,7 +20,7 @@ from gui.window import Window
 HZ = 2
 """Refreshes a second: a tenth of the window's, but enough to fill all rows several times."""
 GROWTH = 50_000
-"""Bytes by which the memory of our modules may grow between both measurements."""
+"""Bytes by which the memory of our modules may grow between the two measurements."""
 
 
 def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:

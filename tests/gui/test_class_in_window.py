@@ -1,4 +1,4 @@
-"""A teacher's and a student's window in front of real robots: freeze, queue, speed limit, STOP for all."""
+"""A teacher's and a student's window connected to real robots: freeze, queue, speed limit, STOP for all."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_a_waiting_seat_gets_the_robot_and_the_teacher_takes_it(
     teacher.until(lambda: row.text(3) == "ana (taken)", "the class shows the lease")
     page.list.setCurrentItem(row)
     teacher.press(page.take)
-    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "seen")
+    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "lost")
     assert hw.status().holder == "teacher"
     teacher.until(lambda: page.take.text() == "Give back", "the class shows the teacher's lease")
     teacher.press(page.take)

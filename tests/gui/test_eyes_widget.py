@@ -40,7 +40,7 @@ def of_bytes(
 
 
 class Decoder:
-    """Counts the decoded pictures."""
+    """Decodes pictures, and stores the data that it has decoded."""
 
     def __init__(self) -> None:
         self.seen: list[bytes] = []
@@ -80,7 +80,7 @@ def alike(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     return max(abs(a - b) for a, b in zip(one, other, strict=True)) < 20
 
 
-def test_a_picture_keeps_its_shape(picture: Picture) -> None:
+def test_a_picture_keeps_its_aspect_ratio(picture: Picture) -> None:
     picture.show_image(picture_of(RED))
     assert alike(colour(picture, 0.5, 0.5), RED)
     field = QColor(style_of(Theme.DARK).field)
@@ -145,7 +145,7 @@ def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, j
     assert alike(colour(picture, 0.5, 0.5), BLUE)
 
 
-def test_the_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(picture: Picture) -> None:
+def test_the_shown_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(picture: Picture) -> None:
     for seq in range(0, 30, 3):  # two of three pictures are lost
         picture.show_image(picture_of(RED, seq=seq, t_s=seq / 15))
     picture.show_view(ON)

@@ -10,7 +10,7 @@ import pytest
 from gui.link.worker import Worker
 
 
-def test_an_error_is_shown_and_later_jobs_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_goes_to_the_excepthook_and_later_jobs_run(monkeypatch: pytest.MonkeyPatch) -> None:
     shown: list[BaseException | None] = []
     monkeypatch.setattr(threading, "excepthook", lambda arguments: shown.append(arguments.exc_value))
     order: list[int] = []

@@ -34,7 +34,7 @@ def test_undo_goes_back_step_by_step(user: Windowed, sim: Robot) -> None:
     user.until_at(sim, *HOME)
 
 
-def test_poses_are_saved_gone_to_played_written_and_deleted(
+def test_poses_can_be_saved_reached_played_written_and_deleted(
     user: Windowed, sim: Robot, hw: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -77,7 +77,7 @@ def save_pose(user: Windowed, name: str) -> None:
 
 
 def accept_file(user: Windowed, file: Path) -> None:
-    """Type a file into the dialog, and Enter."""
+    """Type a path into the file dialog, and press Enter."""
     dialog = user.window.panels.poses.dialog
     assert dialog is not None
     field = dialog.findChild(QLineEdit, "fileNameEdit")
@@ -136,7 +136,7 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
     user.until(lambda: not any(streaming()), "they no longer stream")
 
 
-def test_the_user_chooses_another_robot(user: Windowed, stage: Stage) -> None:
+def test_the_window_shows_and_commands_the_chosen_robot(user: Windowed, stage: Stage) -> None:
     header = user.window.panels.header
     user.until(lambda: header.robots.count() == 2, "both names")
     header.robots.setFocus()

@@ -19,7 +19,7 @@ LEFT, RIGHT = ("hw", "left"), ("hw", "right")
 
 
 class ImageLog:
-    """Counts the delivered pictures."""
+    """Stores the delivered pictures, and the names of the threads that deliver them."""
 
     def __init__(self) -> None:
         self.seen: dict[tuple[str, str], list[CameraImage]] = {}
@@ -73,7 +73,7 @@ def pictures(client: Client, images_taken: ImageLog) -> Iterator[Pictures]:
     made.close()
 
 
-def test_no_camera_works_before_its_pictures_are_wanted(
+def test_a_camera_streams_only_while_its_pictures_are_wanted(
     pictures: Pictures, images_taken: ImageLog, hw: Robot
 ) -> None:
     pictures.watch(frozenset({LEFT}))
@@ -117,7 +117,7 @@ def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, im
     pictures.close()
 
 
-def test_a_camera_without_a_router_is_tried_again(
+def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
     stage: Stage, client: Client, images_taken: ImageLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The window's own session is open; the session for pictures cannot be opened at first."""

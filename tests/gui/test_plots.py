@@ -62,7 +62,7 @@ def fill(plots: Plots, arms: Callable[[float], Arms], seconds: float = 10.0) -> 
 
 
 def curve(line: PlotDataItem) -> np.ndarray:
-    """Times and angles of a curve, shape (2, n)."""
+    """Return times and angles of a curve, shape (2, n)."""
     times, angles = line.getData()
     return np.array((times, angles))
 
@@ -103,7 +103,7 @@ def test_curves_are_drawn_at_most_20_times_a_second(plots: Plots, monkeypatch: p
     assert len(curve(plots.arms[0].lines[0])[0]) == 3, "no sample is lost"
 
 
-def test_memory_is_bounded() -> None:
+def test_the_memory_of_the_samples_is_bounded() -> None:
     def feed(first: int, count: int) -> None:
         for tick in range(first, first + count):
             history.add(tick / 50, (tick, 0, 0))
@@ -164,7 +164,7 @@ def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[f
     assert (low, high) == limits
 
 
-def test_values_that_do_not_fit_move_the_axis(plots: Plots) -> None:
+def test_values_outside_an_axis_extend_it(plots: Plots) -> None:
     fill(plots, lambda time_s: (ramp(time_s), 0, 0))
     plots.show()
     low, high = plots.arms[0].plot.viewRange()[1]

@@ -86,7 +86,7 @@ def stage() -> Iterator[Stage]:
 def window(
     stage: Stage, screen: Screen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Process]:
-    """The window, shown and with the keyboard focus; opencv-python's setting, which breaks Qt, is set."""
+    """The window, shown and with the keyboard focus; it starts with opencv-python's plugin path, which breaks Qt."""
     monkeypatch.setenv("DISPLAY", screen.display)
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     monkeypatch.setenv("QT_QPA_PLATFORM_PLUGIN_PATH", str(tmp_path / "cv2/qt/plugins"))

@@ -193,7 +193,7 @@ def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) ->
 
 
 def aim(user: Windowed, pitch: float, roll: float) -> None:
-    """Drag the circle of the pad."""
+    """Drag the circle of the pad to a pitch and roll (deg)."""
     pad = user.window.panels.head.pad
     view = pad._view
     assert view is not None
@@ -256,7 +256,7 @@ def test_a_refusal_at_the_pad_offers_an_alternative(user: Windowed, sim: Robot) 
 
 
 def leading(user: Windowed, sim: Robot) -> None:
-    """Send a motion whose lead is a minute, and wait until the simulation is there."""
+    """Send a motion whose lead is a minute, and wait until the simulation is at its goal."""
     panels = user.window.panels
     user.type_number(panels.sending.lead, 60)
     user.press(panels.arms.rows["all"].plus)

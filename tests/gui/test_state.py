@@ -119,7 +119,7 @@ def test_limits_are_the_defaults_until_the_robot_reports_its_own() -> None:
 # -- destinations ------------------------------------------------------------------------------------
 
 
-def test_both_boxes_send_one_motion_with_the_lead() -> None:
+def test_with_both_boxes_checked_one_motion_is_sent_with_the_lead() -> None:
     state = state_after(BOTH)
     send = sent(state.handle(Jog("all", 1), world()))
     assert (send.twins, send.lead_s) == (("sim", "hw"), 2.0)

@@ -28,7 +28,7 @@ def page(state: State, now: World = TEACHER) -> ClassView:
 
 
 def opened() -> State:
-    """The state of a teacher's window that shows the class."""
+    """Return the state of a teacher's window that shows the class."""
     state = State()
     assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True), WatchCameras(frozenset())]
     return state
@@ -83,7 +83,7 @@ def test_intents_of_the_teacher_become_requests(intent: Intent, action: Govern) 
 
 
 @pytest.mark.parametrize("text", ["fast", "-5", "nan", "1e99", "20 30"])
-def test_a_limit_that_is_no_speed_is_not_sent(text: str) -> None:
+def test_an_invalid_speed_limit_is_not_sent(text: str) -> None:
     state = opened()
     assert state.handle(LimitClass(text), TEACHER) == []
     view = page(state)
@@ -143,7 +143,7 @@ def test_stop_on_the_page_of_the_class_stops_all_robots() -> None:
     assert state.handle(intents.Repeat(1), TEACHER) == [StopAll(3)]
 
 
-def test_keys_of_the_robot_send_nothing_while_the_class_is_shown() -> None:
+def test_requests_to_the_robot_are_not_sent_while_the_class_is_shown() -> None:
     state = opened()
     assert state.handle(intents.SendHead(), TEACHER) == []
     assert state.handle(intents.Undo(), TEACHER) == []

@@ -92,7 +92,7 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     assert refusal is not None
 
 
-def test_the_history_is_german_with_a_decimal_comma() -> None:
+def test_in_german_the_history_has_a_decimal_comma() -> None:
     state, now = State(), world()
     for intent in (intents.SetIncrement(2.5), Jog("short", -1), intents.SetLanguage("de")):
         state.handle(intent, now)
@@ -167,14 +167,14 @@ def specified_twin() -> MagicMock:
 
 
 @pytest.mark.parametrize("python", [python for _, python, _ in LINES])
-def test_the_python_is_a_call_that_the_sdk_has(python: str) -> None:
+def test_the_copied_python_calls_methods_of_the_sdk(python: str) -> None:
     twin, play, load = specified_twin(), MagicMock(), MagicMock()
     eval(compile(python, "history", "eval"), {"twin": twin, "play": play, "load": load})
     assert twin.mock_calls or twin.sim.mock_calls or twin.hw.mock_calls or play.mock_calls
 
 
 @pytest.mark.parametrize("line", [line for _, _, line in LINES])
-def test_the_command_line_is_one_that_beatrix_parses(line: str) -> None:
+def test_beatrix_parses_the_copied_command_line(line: str) -> None:
     for part in line.split(" && "):
         program, *words = shlex.split(part)
         assert program == "beatrix"

@@ -21,7 +21,7 @@ TAKE, WAIT, GIVE_BACK = LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BAC
 
 
 def sim_with(seat: str = "ben", **known: Any) -> World:
-    """Return the world of a seat, whose simulation has these fields in its status."""
+    """Return the world for a seat; the status of the simulation has these fields."""
     return world(robot("sim", known=status("sim", **known)), seat=seat)
 
 
@@ -145,7 +145,7 @@ def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:
     assert banner_of(state, sim_with(holder="cleo", lease=6)) == ""
 
 
-def test_a_robot_that_is_silent_for_a_while_keeps_its_lease() -> None:
+def test_a_lease_that_continues_after_a_loss_of_the_robot_has_no_banner() -> None:
     state = State()
     banner_of(state, sim_with(holder="ben", lease=5))
     banner_of(state, world(absent("sim")))

@@ -1,4 +1,4 @@
-"""In any order of events a view can be made, STOP stops, and only requested motions are sent."""
+"""In any order of events a view can be made, STOP is sent, and only requested motions are sent."""
 
 from __future__ import annotations
 

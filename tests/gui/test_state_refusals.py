@@ -124,7 +124,7 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         (frozen(), None, None),
     ],
 )
-def test_the_first_required_step_is_one_button(
+def test_a_refusal_offers_a_button_for_the_first_required_step(
     error: Refused, text: str | None, action: Action | None
 ) -> None:
     state = state_after(Jog("short", 1))
@@ -135,7 +135,7 @@ def test_the_first_required_step_is_one_button(
     assert state.handle(intents.TakeAlternative(), world()) == ([] if action is None else [action])
 
 
-def test_a_refusal_of_one_of_both_robots_names_it_in_the_language() -> None:
+def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> None:
     state = state_after(BOTH, Jog("short", 1))
     refused(state, not_enabled().detail, Reason.NOT_ENABLED, twin="hw")
     shown = state.view(world()).arms.refusal

@@ -35,7 +35,7 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     assert (view.arms.increment, view.arms.speed, view.sending.lead_s) == (2.5, 45, 0)
 
 
-def test_no_file_means_the_defaults(tmp_path: Path) -> None:
+def test_without_a_file_the_defaults_apply(tmp_path: Path) -> None:
     assert saved.load(tmp_path / "window.json") == (Saved(), "")
 
 
@@ -63,7 +63,7 @@ def test_an_unreadable_file_is_reported(tmp_path: Path) -> None:
     assert "cannot be read" in sentence
 
 
-def test_a_language_of_another_version_is_the_default(tmp_path: Path) -> None:
+def test_an_unknown_language_is_replaced_by_the_default(tmp_path: Path) -> None:
     file = tmp_path / "window.json"
     saved.save(file, Saved(language="fr"))
     found, _ = saved.load(file)

@@ -141,7 +141,7 @@ def test_every_control_has_a_tooltip_and_a_name(window: Window) -> None:
 
 
 @pytest.mark.parametrize("name", ["increment", "speed"])
-def test_a_slider_and_its_box_report_the_same(window: Window, intents: Taken, name: str) -> None:
+def test_a_slider_and_its_box_report_the_same_intent(window: Window, intents: Taken, name: str) -> None:
     intent = {"increment": SetIncrement, "speed": SetSpeed}[name]
     control = getattr(window.panels.arms, name)
     before = control.box.value()
@@ -236,7 +236,7 @@ def pad_of(window: Window) -> HeadPad:
 def drag(pad: HeadPad, start: QPointF, end: QPointF) -> None:
     QTest.mousePress(pad, LEFT, pos=start.toPoint())
     held = QMouseEvent(QEvent.Type.MouseMove, end, NO_BUTTON, LEFT, Qt.KeyboardModifier.NoModifier)
-    QApplication.sendEvent(pad, held)  # QTest moves the mouse without a pressed button
+    QApplication.sendEvent(pad, held)  # not by QTest, which moves the mouse without a pressed button
     QTest.mouseRelease(pad, LEFT, pos=end.toPoint())
 
 
@@ -249,7 +249,7 @@ DRAGS: dict[str, tuple[QPointF, Callable[[AimHead], bool]]] = {
 
 
 @pytest.mark.parametrize("name", DRAGS)
-def test_the_disc_is_dragged_for_pitch_and_roll(window: Window, intents: Taken, name: str) -> None:
+def test_dragging_the_disc_changes_pitch_and_roll(window: Window, intents: Taken, name: str) -> None:
     offset, right = DRAGS[name]
     pad = pad_of(window)
     middle = QPointF(pad.width() / 2, pad.height() / 2)
@@ -260,7 +260,7 @@ def test_the_disc_is_dragged_for_pitch_and_roll(window: Window, intents: Taken, 
 
 
 @pytest.mark.parametrize("yaw", [-170.0, -90.0, 0.0, 45.0, 120.0])
-def test_the_ring_is_dragged_for_yaw(window: Window, intents: Taken, yaw: float) -> None:
+def test_dragging_the_ring_changes_yaw(window: Window, intents: Taken, yaw: float) -> None:
     pad = pad_of(window)
     drag(pad, pad.yaw_point(10.0), pad.yaw_point(yaw))
     aims = [intent for intent in intents() if isinstance(intent, AimHead)]

@@ -126,7 +126,7 @@ def test_a_question_follows_its_button(window: Window) -> None:
     assert panels.refusal.geometry().right() < panels.commands.x()
 
 
-def test_disable_without_a_question_acts_at_once(window: Window, link: RecordingLink) -> None:
+def test_disable_without_a_question_is_sent_at_once(window: Window, link: RecordingLink) -> None:
     QTest.mouseClick(window.panels.commands.buttons["disable"], LEFT)
     (action,) = link.done
     assert isinstance(action, SendCommand)

@@ -105,7 +105,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> No
         gaps.check()
 
 
-def test_a_frozen_hardware_node_slows_neither_window_nor_simulation(stage: Stage) -> None:
+def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: Stage) -> None:
     stage.simulation("bea", "--ready")
     hw = stage.hardware("bea")
     sim = stage.robot("bea", "sim")
@@ -114,7 +114,7 @@ def test_a_frozen_hardware_node_slows_neither_window_nor_simulation(stage: Stage
         user.until_ready("sim")
         user.until(shows(user, "hw", "motors off"), "the robot is shown")
         hw.send(signal.SIGSTOP)
-        assert_soon(user, shows(user, "hw", "silent"), "it is frozen", gaps, SILENCE_S + SOON_S)
+        assert_soon(user, shows(user, "hw", "silent"), "the silence is shown", gaps, SILENCE_S + SOON_S)
         user.send_to("sim", "hw")
         user.press(panels.commands.buttons["enable"])  # the hardware does not reply
         user.send_to("sim")

@@ -38,7 +38,7 @@ def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:
 
 
 def enter(dialog: FileDialog, name: str) -> None:
-    """Type a name and Enter; assert that no modal box opens. A timer closes one after a second."""
+    """Type a name, and press Enter; assert that no modal box opens. A timer would close it after a second."""
     boxes: list[object] = []
 
     def close_boxes() -> None:
@@ -104,7 +104,7 @@ def test_a_file_that_is_missing_is_not_played(
     dialog = opened(qtbot, window, window.panels.poses.play_file)
     intents()
     enter(dialog, "none.csv")  # the button Open is disabled
-    dialog.accept()  # as if the file was deleted just now
+    dialog.accept()  # as if the file had just been deleted
     assert dialog.isVisible()
     assert "none.csv" in dialog.notice.text()
     QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
@@ -151,7 +151,7 @@ def test_a_second_dialog_replaces_the_first(qtbot: QtBot, window: Window) -> Non
     qtbot.waitUntil(lambda: poses.dialog is None)
 
 
-def test_the_dialog_opens_shipped_files_and_saves_in_the_working_folder(
+def test_the_dialog_begins_in_the_folder_of_shipped_files_or_the_working_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert (begin_folder(QFileDialog.AcceptMode.AcceptOpen) / "hello.csv").is_file()

@@ -62,7 +62,7 @@ def press(key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoMo
 
 
 def under_keys() -> QWidget:
-    """Return the object to which the platform sends keys."""
+    """Return the widget to which the platform sends keys."""
     found: tuple[QWidget | None, ...] = (
         QApplication.activePopupWidget(),
         QApplication.focusWidget(),
@@ -129,14 +129,14 @@ def test_stop_works_while_a_file_is_chosen(qtbot: QtBot, window: Window, intents
     dialog.close()
 
 
-def test_stop_acts_when_the_mouse_is_pressed(window: Window, intents: Taken) -> None:
+def test_stop_is_sent_when_the_mouse_is_pressed(window: Window, intents: Taken) -> None:
     QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
     assert intents() == [Stop()]
     QTest.mouseRelease(window.panels.stop_bar, Qt.MouseButton.LeftButton)
     assert intents() == []
 
 
-def test_stop_acts_at_the_first_press_beside_an_open_menu(window: Window, intents: Taken) -> None:
+def test_stop_is_sent_at_the_first_press_beside_an_open_menu(window: Window, intents: Taken) -> None:
     header, bar = window.panels.header, window.panels.stop_bar
     header.menu_button.click()
     at = header.menu.mapFromGlobal(bar.mapToGlobal(QPoint(40, 30)))
@@ -146,7 +146,7 @@ def test_stop_acts_at_the_first_press_beside_an_open_menu(window: Window, intent
 
 
 @pytest.mark.parametrize("key", [*STOP_KEYS, Qt.Key.Key_Return, Qt.Key.Key_F1])
-def test_a_key_that_is_held_acts_once(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
+def test_a_key_that_is_held_counts_once(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
     plus = window.panels.arms.rows["short"].plus
     focus(qtbot, plus)
     press(key)
@@ -233,7 +233,7 @@ def test_enter_presses_the_button_that_has_the_focus(qtbot: QtBot, window: Windo
     assert intents() == [Jog("long", -1)]
 
 
-def test_enter_takes_the_number_that_is_typed(qtbot: QtBot, window: Window, intents: Taken) -> None:
+def test_enter_reports_the_number_that_is_typed(qtbot: QtBot, window: Window, intents: Taken) -> None:
     box = window.panels.arms.increment.box
     focus(qtbot, box)
     box.selectAll()
@@ -245,7 +245,7 @@ def test_enter_takes_the_number_that_is_typed(qtbot: QtBot, window: Window, inte
     assert intents() == [SetIncrement(12.5)]
 
 
-def test_tab_reaches_every_control_and_comes_back(qtbot: QtBot, window: Window) -> None:
+def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window: Window) -> None:
     """Tab follows the order in which the window is read: header, left, middle, right, STOP."""
     start = window.panels.header.robots
     focus(qtbot, start)
@@ -276,7 +276,7 @@ def test_tab_reaches_every_control_and_comes_back(qtbot: QtBot, window: Window) 
     assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
 
 
-def test_f1_shows_the_keys_and_hides_them(window: Window) -> None:
+def test_f1_shows_and_hides_the_list_of_keys(window: Window) -> None:
     press(Qt.Key.Key_F1)
     assert window.panels.key_sheet.isVisible()
     press(Qt.Key.Key_F1)

@@ -26,7 +26,7 @@ READABLE, LEGIBLE = 4.5, 3.0
 
 
 def luminance(colour: str) -> float:
-    """Relative luminance of `#rrggbb`, as WCAG 2 defines it."""
+    """Return the relative luminance of `#rrggbb`, as WCAG 2 defines it."""
     parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
     red, green, blue = (
         part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
@@ -78,7 +78,7 @@ def test_contrast_follows_the_standard() -> None:
 
 
 @pytest.mark.parametrize("theme", Theme)
-def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
+def test_the_colours_of_both_robots_differ_for_the_colour_blind(theme: Theme) -> None:
     """The red-green colour-blind can distinguish a colour with more blue than red from one with more red than blue."""
     colours = style_of(theme)
     red_sim, blue_sim = int(colours.sim[1:3], 16), int(colours.sim[5:7], 16)
@@ -88,7 +88,7 @@ def test_robots_differ_for_the_colour_blind(theme: Theme) -> None:
 
 
 def cut(widget: QWidget) -> str:
-    """Describe the text of a widget that is cut off; empty if all of it has room."""
+    """Return a description of a widget whose text is cut off; empty if all of it has room."""
     if (
         isinstance(widget, QLabel)
         and widget.text()
@@ -114,7 +114,7 @@ def cut(widget: QWidget) -> str:
 
 
 def outside(window: Window) -> Iterator[str]:
-    """Describe each visible widget that extends beyond its parent."""
+    """Yield a description of each visible widget that extends beyond its parent."""
     for widget in window.findChildren(QWidget):
         parent = widget.parentWidget()
         inner = widget.window() is window and widget.isVisible() and parent is not None
@@ -129,11 +129,11 @@ def outside(window: Window) -> Iterator[str]:
 
 
 INNER = {"QListWidget", "QScrollBar", "QWidget"}
-"""Inner parts of lists, which Qt scrolls."""
+"""Inner parts of lists. They may extend beyond their parents, because Qt scrolls them."""
 
 
 def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
-    """Describe all faults of a window of this size."""
+    """Yield a description of each fault of a window of this size."""
     QApplication.processEvents()
     assert (window.width(), window.height()) == size
     hint = window.minimumSizeHint()
@@ -199,7 +199,7 @@ def test_stop_keeps_its_height_and_spans_the_window(qtbot: QtBot, window: Window
         assert bar.mapTo(window, bar.rect().bottomLeft()).y() == size[1] - 1
 
 
-def test_the_window_has_a_least_size(window: Window) -> None:
+def test_the_window_has_a_minimum_size(window: Window) -> None:
     window.resize(400, 300)
     assert (window.width(), window.height()) == (1024, 560)
 

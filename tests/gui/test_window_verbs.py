@@ -1,4 +1,4 @@
-"""The window as a child of `beatrix up`, its end, and the refusal without its extra."""
+"""The window as a child of `beatrix up`, its end, and the refusal if the extra `gui` is not installed."""
 
 from __future__ import annotations
 

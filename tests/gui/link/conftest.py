@@ -1,4 +1,4 @@
-"""Both robots, and a link of the window in front of them."""
+"""Both robots, and a link of the window to them."""
 
 from __future__ import annotations
 

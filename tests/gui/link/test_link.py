@@ -32,7 +32,7 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
 
 
-def test_commands_reach_both_and_each_answers(linked: Linked) -> None:
+def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
     linked.do(SendCommand(1, Command.ENABLE, value=False, twins=("sim", "hw")))
     for twin in ("sim", "hw"):
         assert linked.end_of(1, twin).accepted
@@ -132,7 +132,7 @@ def test_stop_without_a_session_is_reported_at_once() -> None:
         assert linked.end_of(2).reason is Reason.NO_ROUTER
 
 
-def test_the_router_may_start_later_stop_and_return() -> None:
+def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_loss() -> None:
     endpoint = free_endpoint()
     with Linked(endpoint) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
@@ -181,14 +181,14 @@ def test_the_only_name_on_line_is_selected_and_another_can_be_selected(stage: St
         assert linked.world.robot == "not-there"
 
 
-def test_a_frozen_router_counts_as_lost_and_delays_no_request(stage: Stage) -> None:
+def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
     with Linked(endpoint) as linked:
         linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router")
         router.send(signal.SIGSTOP)
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "it is frozen", 4.0)
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 4.0)
         linked.do(StopBoth(1))
         linked.do(Send(2, look(5), ("sim", "hw")))
         for twin in ("sim", "hw"):
@@ -198,17 +198,17 @@ def test_a_frozen_router_counts_as_lost_and_delays_no_request(stage: Stage) -> N
     router.end()
 
 
-# -- robots that are frozen or killed -------------------------------------------------------------
+# -- robots that are suspended or killed ----------------------------------------------------------
 
 
 @pytest.fixture
 def own() -> Iterator[tuple[Stage, Process, Process]]:
-    """A stage whose robots may be frozen."""
+    """A stage whose robots the test may suspend or kill."""
     with Stage() as stage:
         yield stage, stage.simulation("bea", "--ready"), stage.hardware("bea")
 
 
-def test_a_frozen_hardware_node_delays_neither_the_simulation_nor_stop(
+def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
     own: tuple[Stage, Process, Process],
 ) -> None:
     stage, _, hardware = own
@@ -218,7 +218,7 @@ def test_a_frozen_hardware_node_delays_neither_the_simulation_nor_stop(
         assert linked.end_of(1, "hw").accepted
         hardware.send(signal.SIGSTOP)
         began_s = time.monotonic()
-        linked.until(lambda world: world.hw.presence is Presence.LOST, "it is frozen", 1.2)
+        linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost", 1.2)
         linked.do(Send(2, look(90, 30), ("hw",)))
         linked.do(Send(3, look(40, 30), ("sim",)))
         linked.accepted(3, "sim", 0.5)
@@ -243,7 +243,7 @@ def test_a_frozen_hardware_node_delays_neither_the_simulation_nor_stop(
         linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
 
 
-def test_close_takes_at_most_3_s_with_frozen_robots(own: tuple[Stage, Process, Process]) -> None:
+def test_close_takes_at_most_3_s_with_suspended_robots(own: tuple[Stage, Process, Process]) -> None:
     stage, simulation, hardware = own
     linked = Linked(stage.endpoint)
     linked.on_line("sim", "hw")

@@ -58,7 +58,7 @@ def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, 
     assert "there is no such file" in world.child_trouble
 
 
-def test_files_are_written(linked: Linked, tmp_path: Path) -> None:
+def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: Path) -> None:
     linked.do(WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
     assert linked.end_of(1).accepted
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
@@ -112,7 +112,7 @@ def test_the_window_may_end_while_a_simulation_starts() -> None:
         until(lambda: children._serving is not None and bool(children._serving.children), "the router starts")
 
 
-def test_a_simulation_at_another_computer_is_refused() -> None:
+def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
         linked.do(RunSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
@@ -176,7 +176,7 @@ def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     recording(linked)
     kill(linked.link._recordings._child)
     world = linked.until(
-        lambda world: world.recording is not None and not world.recording.running, "it is seen", 1.0
+        lambda world: world.recording is not None and not world.recording.running, "the loss is reported", 1.0
     )
     assert world.recording is not None
     assert "The recorder has ended (exit code -9)" in world.recording.trouble
@@ -188,7 +188,7 @@ def test_the_end_of_the_window_completes_a_recording(linked: Linked) -> None:
     assert read_recording(begun.file).robots
 
 
-def test_a_frozen_recorder_does_not_delay_the_end_of_the_window(linked: Linked) -> None:
+def test_a_suspended_recorder_does_not_delay_the_end_of_the_window(linked: Linked) -> None:
     recording(linked)
     child = linked.link._recordings._child
     assert child is not None

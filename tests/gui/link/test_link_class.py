@@ -31,7 +31,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
                 end = linked.end_of(row)
                 assert not end.accepted
                 assert end.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
-                    "its lease and the time limit are 2 s"
+                    "its session is lost after 2 s, and the time limit is 2 s, too"
                 )
                 assert (end.robots, end.failed) == (2, ("bea (hw)",))
             hung.send(signal.SIGCONT)
@@ -57,5 +57,5 @@ def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
             linked.until(lambda world: world.hw.status is not None, "its status is shown")
         with Linked(stage.endpoint, "bea2", who="teacher", name_given=False) as linked:
             linked.until(lambda world: len(world.names) == 3, "all names are on line")
-            linked.until(lambda world: world.hw.status is not None, "the robot of the own name is shown")
+            linked.until(lambda world: world.hw.status is not None, "the robot of the settings is shown")
             assert linked.world.robot == "bea2"

@@ -15,14 +15,14 @@ BOTH = ("sim", "hw")
 
 
 def steps(linked: Linked, twin: str = "hw") -> Steps:
-    """Return the step counters of the board."""
+    """Return the set points of a robot, in steps."""
     positions = linked.world.twin(twin).positions
     assert positions is not None
     return positions.steps
 
 
 def leading(linked: Linked, row: int, yaw: float = 60.0, lead_s: float = 5.0) -> World:
-    """Send a motion of both robots; return the world at the start of its lead, when the simulation moves."""
+    """Send a motion of both robots, and wait until the simulation moves; return the world at the start of the lead."""
     linked.do(Send(row, look(yaw, 30), BOTH, lead_s))
     world = linked.until(
         lambda world: world.plan is not None and world.plan.phase is PlanPhase.LEADING, "the simulation leads"
@@ -93,7 +93,7 @@ def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> Non
     assert steps(linked) == before
 
 
-def test_a_newer_motion_of_both_replaces_one_in_its_lead(linked: Linked) -> None:
+def test_a_newer_motion_of_both_robots_replaces_one_in_its_lead(linked: Linked) -> None:
     leading(linked, 1, 90.0)
     linked.do(Send(2, look(5, 60), BOTH))
     assert linked.end_of(1).reason is Reason.REPLACED
@@ -102,7 +102,7 @@ def test_a_newer_motion_of_both_replaces_one_in_its_lead(linked: Linked) -> None
         linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
 
 
-def test_of_many_motions_of_both_the_newest_is_carried_out_and_each_row_ends_once(linked: Linked) -> None:
+def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked: Linked) -> None:
     for row in range(10):
         linked.do(Send(row, look(row, 60), BOTH))
     assert linked.end_of(9).accepted
@@ -172,7 +172,7 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
         assert short(other.world, "sim") < 50
 
 
-def test_home_of_both_is_previewed_and_keeps_them_together(linked: Linked) -> None:
+def test_home_of_both_robots_is_previewed_and_keeps_them_together(linked: Linked) -> None:
     linked.do(Send(1, look(8), BOTH))
     assert linked.end_of(1).accepted
     linked.do(Send(2, arms(0, 0, 0), BOTH))

@@ -1,4 +1,4 @@
-"""The link of the window: choreographies, and a frozen hardware node."""
+"""The link of the window: choreographies, and a suspended hardware node."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
     assert short(world, "sim") == pytest.approx(-5, abs=0.1)
 
 
-def test_stop_ends_a_choreography_of_both(linked: Linked) -> None:
+def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     linked.do(Play(1, BOTH, poses=((40.0,) * 3, (-40.0,) * 3, (0.0,) * 3), speed=30.0))
     linked.accepted(1)
     linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
@@ -48,7 +48,7 @@ def test_a_motion_replaces_a_choreography(linked: Linked) -> None:
     assert short(linked.world, "sim") == pytest.approx(0, abs=0.1)
 
 
-def test_a_file_that_takes_long_to_check_is_refused(linked: Linked, tmp_path: Path) -> None:
+def test_a_file_that_is_too_large_is_refused(linked: Linked, tmp_path: Path) -> None:
     large = tmp_path / "large.csv"
     large.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n" + "0,0,0,0\n" * 100_000, encoding="utf-8")
     linked.do(Play(1, ("sim",), large))
@@ -73,7 +73,7 @@ def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, 
     assert "none.csv cannot be read" in linked.end_of(3).message
 
 
-# -- a frozen robot -------------------------------------------------------------------------------
+# -- a suspended node -----------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -89,12 +89,12 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
         linked.do(Select("ice"))
         at_home(linked)
         node.send(signal.SIGSTOP)
-        linked.until(lambda world: world.hw.presence is Presence.LOST, "it is frozen", 1.5)
+        linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost", 1.5)
         yield linked
         node.send(signal.SIGCONT)
 
 
-def test_a_plan_that_waits_for_a_frozen_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
+def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
     frozen.do(Send(1, look(20, 30), BOTH, 1.0))
     frozen.do(Send(2, look(5, 60), ("sim",)))
     assert frozen.end_of(1, timeout_s=0.5).reason is Reason.REPLACED
