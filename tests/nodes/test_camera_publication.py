@@ -1,4 +1,4 @@
-"""Pictures over a router: taken only while subscribed, with their header, and no subscriber disturbs another."""
+"""Pictures over a router: taken only while a client subscribes, with a header, and unaffected by other subscribers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.camera("left") as i
 
 
 class Eyes(Component):
-    """Two eyes with one thread, like those of a renderer; counts its pictures, so that tests detect idle cameras."""
+    """Two eyes with one thread, like those of a renderer; counts the pictures, so that tests detect unneeded ones."""
 
     def __init__(self, context: Context) -> None:
         self._wake = threading.Event()
@@ -140,7 +140,9 @@ def test_a_slow_reader_sees_new_pictures(eyes: Eyes, robot: Robot) -> None:
     assert oldest_waiting.seq > first.seq + 10
 
 
-def test_a_frozen_subscriber_delays_no_other(eyes: Eyes, stage: Stage, robot: Robot, tmp_path: Path) -> None:
+def test_a_suspended_subscriber_delays_no_other_subscriber(
+    eyes: Eyes, stage: Stage, robot: Robot, tmp_path: Path
+) -> None:
     with robot.camera("left") as images:
         images.next(5.0)
         program = tmp_path / "reader.py"
@@ -153,10 +155,10 @@ def test_a_frozen_subscriber_delays_no_other(eyes: Eyes, stage: Stage, robot: Ro
             first, dropped = images.next(5.0).seq, images.dropped
             seqs = [images.next(1.0).seq for _ in range(100)]
             lost = seqs[-1] - first - len(seqs)
-            # On a busy machine this reader itself may be late and drop the oldest.
+            # On a busy machine this reader itself may be late and drop pictures; these do not count.
             assert lost - (images.dropped - dropped) <= 5, "a subscriber that reads loses few pictures"
         finally:
-            reader.end(SIGKILL)  # the exit code of the frozen subscriber does not matter
+            reader.end(SIGKILL)  # the exit code of the suspended subscriber does not matter
 
 
 def test_the_status_shows_which_eye_streams_and_at_which_rate(eyes: Eyes, robot: Robot) -> None:
@@ -210,7 +212,7 @@ def test_an_unknown_eye_is_wrong_usage(robot: Robot) -> None:
         robot.camera("third")
 
 
-def test_the_error_for_a_missing_picture_names_the_status(stage: Stage) -> None:
+def test_the_error_for_a_missing_picture_names_the_eye(stage: Stage) -> None:
     with (
         stage.robot("blind", "hw").camera("left", timeout_s=0.05) as images,
         pytest.raises(NoAnswer, match="no picture from the left eye") as caught,
@@ -219,7 +221,7 @@ def test_the_error_for_a_missing_picture_names_the_status(stage: Stage) -> None:
     assert caught.value.reason is Reason.TIMED_OUT
 
 
-def test_pictures_return_with_the_router() -> None:
+def test_pictures_continue_after_a_restart_of_the_router() -> None:
     with Stage() as own:
         body = HardwareWithEyes("bea")
         node = Node(Sessions(lambda: zbus.connect(own.endpoint)), "bea", body).start()

@@ -52,7 +52,7 @@ class FakeSource:
 
 
 class HardwareWithOneEye(VirtualHardware):
-    """A virtual board with one scripted eye."""
+    """A virtual board with one eye, whose pictures come from `source`."""
 
     def __init__(self, name: str, source: FakeSource) -> None:
         super().__init__(name, cameras=())

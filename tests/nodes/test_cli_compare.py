@@ -23,7 +23,7 @@ def turn(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_a_replay_with_a_lead_is_compared_live_and_recorded_and_its_recording_replayed(
+def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     free: Shell, turn: str, tmp_path: Path
 ) -> None:
     free.good("home", "--on", "both")
@@ -100,9 +100,7 @@ def test_ctrl_c_ends_a_recording_of_a_motion_and_stops_a_replay(free: Shell, tmp
         (("record", "mine.rrd", "--on", "hw"), 2, "--on needs --motion"),
     ],
 )
-def test_wrong_arguments_are_refused_with_the_allowed_ones(
-    words: tuple[str, ...], code: int, what: str
-) -> None:
+def test_the_error_for_wrong_arguments_names_the_cause(words: tuple[str, ...], code: int, what: str) -> None:
     done = Shell(free_endpoint()).run(*words)
     assert (done.returncode, done.stdout) == (code, "")
     assert what in " ".join(done.stderr.split())

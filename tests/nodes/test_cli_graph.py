@@ -40,5 +40,5 @@ def test_graph_shows_nodes_seats_and_their_subscriptions(shell: Shell, tmp_path:
         ("beatrix/bea/**", "beatrix/bea", True),
     ],
 )
-def test_key_expressions_with_wildcards_intersect(expression: str, key: str, wanted: bool) -> None:
+def test_key_expressions_intersect_only_keys_that_they_match(expression: str, key: str, wanted: bool) -> None:
     assert zbus.intersects(expression, key) is wanted

@@ -71,7 +71,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free:
         assert not simulation.status().moving
 
 
-def test_ctrl_c_after_the_lead_stops_both(free: Shell) -> None:
+def test_ctrl_c_after_the_lead_stops_both_robots(free: Shell) -> None:
     free.good("home", "--on", "both", "--who", "cleo")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         look = free.start(
@@ -144,7 +144,7 @@ def test_play_of_a_bad_file_names_the_line(tmp_path: Path) -> None:
     assert f"{path}, line 4: long_deg is empty: give a number" in done.stderr
 
 
-def test_ctrl_c_stops_a_choreography_on_both(free: Shell, tmp_path: Path) -> None:
+def test_ctrl_c_stops_a_choreography_on_both_robots(free: Shell, tmp_path: Path) -> None:
     free.good("home", "--on", "both", "--who", "dana")
     path = tmp_path / "long.csv"
     path.write_text(MINE.replace("0,8,0", "100,0,0").replace("60", "20"), encoding="utf-8")

@@ -54,7 +54,7 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def up(endpoint: str, temporary: Path) -> Iterator[Process]:
-    """Router, simulation and virtual robot."""
+    """`beatrix up`, with router, simulation and virtual robot."""
     process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
     try:
         process.expect("router")
@@ -65,14 +65,14 @@ def up(endpoint: str, temporary: Path) -> Iterator[Process]:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_router_prints_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
+def test_a_router_prints_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
     router = Process(*CLI, "router", "--listen", endpoint)
     assert router.expect("ready") == f"ready {endpoint}"
     zbus.connect(endpoint).close()
     assert router.end(number) == 0
 
 
-def test_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
+def test_a_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
     first = Process(*CLI, "router", "--listen", endpoint)
     first.expect("ready")
     second = Process(*CLI, "router", "--listen", endpoint)
@@ -85,7 +85,7 @@ ELSEWHERE = "tcp/192.0.2.7:7447"
 """An address for documentation (RFC 5737), which no computer has."""
 
 
-def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
+def test_a_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
     router = Process(*CLI, "router", "--listen", ELSEWHERE)
     assert router.wait() == 2
     assert any("0.0.0.0" in line for line in router.lines)
@@ -94,7 +94,7 @@ def test_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
 def test_up_does_not_start_the_router_of_another_computer(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # a query would leave this computer
+    monkeypatch.setattr(zbus, "is_listening", lambda _: False)  # no test connects to another computer
     assert app.run(["up", "--connect", ELSEWHERE]) == 3
     assert "Start one there with `beatrix router --listen tcp/0.0.0.0:7447`" in capsys.readouterr().err
 
@@ -171,7 +171,7 @@ def test_up_reports_the_loss_and_the_return_of_the_board(endpoint: str, tmp_path
         assert up.end() == 0
 
 
-def test_a_log_file_holds_requests_stops_and_a_lost_board(endpoint: str, tmp_path: Path) -> None:
+def test_a_log_file_contains_requests_stops_and_the_loss_of_the_board(endpoint: str, tmp_path: Path) -> None:
     log = tmp_path / "day.log"
     with PtyBoard(tmp_path / "board") as board, zbus.open_router(endpoint):
         served = ("--name", "bea", "--connect", endpoint, "--port", str(board.path), "--log-file", str(log))

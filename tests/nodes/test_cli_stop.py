@@ -57,7 +57,7 @@ def test_after_an_emergency_stop_enable_is_refused_until_reset(shell: Shell) -> 
     shell.good("calibrate", "--on", "both")
 
 
-def test_help_of_the_emergency_stop_names_reset(shell: Shell) -> None:
+def test_the_help_of_stop_names_reset(shell: Shell) -> None:
     assert "beatrix reset" in " ".join(shell.good("stop", "--help").split())
 
 

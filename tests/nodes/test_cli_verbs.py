@@ -1,4 +1,4 @@
-"""The command line: exit codes, text and JSON; as processes if pipes or signals matter."""
+"""The command line: exit codes, text and JSON; run as processes if pipes or signals matter."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from beatrix_zenoh.bus import Incoming
 
 
 def wait_for(process: subprocess.Popen[str], words: str) -> str:
-    """Wait for the next line of output with these words, until the timeout of the test."""
+    """Return the next line of output with these words; only the timeout of the test limits the wait."""
     assert process.stdout is not None
     return next(line for line in process.stdout if words in line)
 
@@ -71,7 +71,7 @@ def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     assert "35°" in shell.good("info")
 
 
-def test_the_only_robot_on_line_needs_no_name_and_is_named_in_the_result(shell: Shell) -> None:
+def test_the_only_robot_on_line_needs_no_name_and_is_named_on_stderr(shell: Shell) -> None:
     done = shell.run("info")
     assert NAME in done.stderr
 
@@ -116,7 +116,7 @@ def test_echo_counts_past_events_and_gives_them_as_json(shell: Shell) -> None:
     assert rows[-1]["seq"] - rows[0]["seq"] == 1
 
 
-def test_echo_of_both_merges_their_events_by_time(shell: Shell) -> None:
+def test_echo_of_both_robots_merges_their_events_by_time(shell: Shell) -> None:
     for _ in range(2):
         shell.good("stop")
     lines = shell.good("echo", "events", "--count", "4", "--on", "both", "--json").splitlines()
@@ -228,7 +228,7 @@ def test_look_turns_the_simulation_by_default(shell: Shell) -> None:
         assert hardware.positions().commanded == before
 
 
-def test_look_on_both_is_previewed_and_turns_both(shell: Shell) -> None:
+def test_look_on_both_robots_is_previewed_and_turns_both(shell: Shell) -> None:
     done = shell.run("look", "--pitch", "-8", "--speed", "80", "--on", "both", "--json")
     assert "Preview" in done.stderr
     pitches = [row["head_deg"]["pitch"] for row in json.loads(done.stdout)["robots"]]
@@ -256,13 +256,13 @@ def test_disable_enable_and_calibrate_change_the_hardware(shell: Shell) -> None:
     shell.good("look", "--yaw", "5", "--on", "hw", "--speed", "80")
 
 
-def test_refusal_is_one_sentence_and_exit_code_one(shell: Shell) -> None:
+def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None:
     done = shell.run("look", "--pitch", "50")
     assert (done.returncode, done.stdout) == (1, "")
     assert "tilt" in done.stderr
 
 
-def test_refusal_as_json_is_the_only_output(shell: Shell) -> None:
+def test_with_json_the_refusal_is_the_only_output(shell: Shell) -> None:
     done = shell.run("look", "--pitch", "50", "--json", "--name", NAME)
     document = json.loads(done.stdout)
     assert (document["result"], document["reason"], done.stderr) == (False, "OUT_OF_REACH", "")
@@ -277,7 +277,7 @@ def test_an_angle_beyond_the_range_of_messages_is_wrong_usage(shell: Shell, yaw:
     assert (done.returncode, done.stdout, message in done.stderr) == (2, "", True)
 
 
-def test_interrupted_look_stops_the_robot(free: Shell) -> None:
+def test_an_interrupted_look_stops_the_robot(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
@@ -290,7 +290,7 @@ def test_interrupted_look_stops_the_robot(free: Shell) -> None:
         assert yaw_deg(robot) < 90
 
 
-def test_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
+def test_an_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
         look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw", "--json")
@@ -302,7 +302,7 @@ def test_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
         assert "Stopped; the arms rest at" in document["message"]
 
 
-def test_interrupted_look_on_both_stops_both(free: Shell) -> None:
+def test_an_interrupted_look_on_both_robots_stops_both(free: Shell) -> None:
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         start = yaw_deg(hardware)  # the hardware begins last
         look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
@@ -331,11 +331,11 @@ def test_no_wait_does_not_stop_the_motion(free: Shell) -> None:
 @pytest.mark.parametrize(
     "words", [("look", "--yaw", "left"), ("move", "1", "2"), ("dance",), ("look", "--on", "moon")]
 )
-def test_wrong_usage_is_exit_code_two(words: tuple[str, ...]) -> None:
+def test_wrong_usage_has_exit_code_two(words: tuple[str, ...]) -> None:
     assert Shell(free_endpoint()).run(*words).returncode == 2
 
 
-def test_no_router_is_exit_code_three() -> None:
+def test_a_missing_router_has_exit_code_three() -> None:
     done = Shell(free_endpoint()).run("ls")
     assert (done.returncode, "beatrix router" in done.stderr) == (3, True)
 
@@ -346,11 +346,11 @@ def test_look_on_both_fails_if_one_of_the_robots_is_missing(shell: Shell) -> Non
     assert (done.returncode, "bea2 (sim)" in done.stderr) == (5, True)
 
 
-def test_a_frozen_robot_is_named_by_stop_with_its_exit_code(shell: Shell) -> None:
+def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Shell) -> None:
     unanswered: list[Incoming] = []
     with zbus.connect(
         shell.endpoint
-    ) as bus:  # a frozen node counts as alive for two seconds; wait longer than that
+    ) as bus:  # not a suspended node, which would count as lost after two seconds
         bus.serve(keys.stop("bea3", "hw"), unanswered.append)
         bus.declare_token(keys.alive("bea3", "hw"))
         done = shell.run("stop", "--name", "bea3")
@@ -365,7 +365,7 @@ def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell:
     assert (done.returncode, f"{NAME}, bea4" in done.stderr) == (1, True)
 
 
-def test_name_comes_from_beatrix_toml(shell: Shell, tmp_path: Path) -> None:
+def test_the_robot_name_is_read_from_beatrix_toml(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "beatrix.toml").write_text('robot = "bea9"\n', encoding="utf-8")
     done = shell.run("look", cwd=tmp_path)
     assert "bea9" in done.stderr

@@ -1,4 +1,4 @@
-"""`beatrix view`: in a browser of this computer, or an error without a screen."""
+"""`beatrix view`: shows robots in a browser of this computer; without a screen it prints an error."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path) -> None:
     with Stage() as stage:
         process = stage.process("beatrix_zenoh.cli", "view", str(recording), "--port", str(free_port()))
         assert process.wait(30.0) == 1
-    # The server may reply before the viewer needs a screen.
+    # A ready line is allowed, because the server may reply before the viewer needs a screen.
     assert [line for line in process.lines if not line.startswith("ready ")] == process.lines[-1:]
     assert "beatrix view --web" in process.lines[-1]
     assert ".rs" not in process.lines[-1]
@@ -85,7 +85,7 @@ def write_recording(path: Path) -> None:
     stream.close()
 
 
-def test_a_file_that_is_no_recording_is_refused(tmp_path: Path) -> None:
+def test_an_empty_file_is_refused(tmp_path: Path) -> None:
     recording = tmp_path / "lesson.rrd"
     recording.write_bytes(b"")
     with Stage() as stage:

@@ -164,7 +164,7 @@ def resident_kb() -> int:
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
 @pytest.mark.no_cover
 def test_queries_free_their_memory(stage: Stage) -> None:
-    """Zenoh keeps 0.8 kB for each query until its time-out: a program that runs for 24 hours must not leak."""
+    """Zenoh keeps 0.8 kB for each query until its timeout: a program that runs for 24 hours must not leak."""
     robot = Robot("bea", "hw", client=stage.client(), timeout_s=0.5)
 
     def ask(count: int) -> int:
@@ -173,7 +173,8 @@ def test_queries_free_their_memory(stage: Stage) -> None:
             robot.status()
         return resident_kb() - before
 
-    deadline = time.monotonic() + 3.5  # time-out and 2 s: from then on as many queries are freed as are sent
+    # More than the timeout plus 2 s; from then on, as many queries are freed as are sent.
+    deadline = time.monotonic() + 3.5
     while time.monotonic() < deadline:
         ask(200)
     assert any(ask(1500) < 600 for _ in range(2)), "if none were freed, 1500 queries would need 1200 kB"
@@ -209,7 +210,7 @@ def test_make_ready_sends_only_the_needed_commands(
     assert [query.command for query in node.commands] == commands
 
 
-def test_make_ready_never_clears_an_emergency(stage: Stage) -> None:
+def test_make_ready_never_clears_the_emergency_latch(stage: Stage) -> None:
     latched = msgspec.structs.replace(READY, enabled=False, calibrated=False, fault=Fault.EMERGENCY)
     robot, node = fake_node(stage, latched)
     with node.bus:
@@ -220,7 +221,7 @@ def test_make_ready_never_clears_an_emergency(stage: Stage) -> None:
         assert [query.command for query in node.commands] == [Command.RESET]
 
 
-def test_a_refusal_carries_its_detail(stage: Stage) -> None:
+def test_the_error_of_a_refused_command_contains_the_detail(stage: Stage) -> None:
     detail = Detail(limit=Limit.HOME, value=1.5, high=0.5, alternative=Alternative())
     robot, node = fake_node(stage, READY, CALIBRATE=command_reply(Reason.HOME_KNOWN, detail))
     with node.bus:
@@ -233,7 +234,7 @@ def test_a_refusal_carries_its_detail(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize("timeout_s", [-1, 0, "2"])
-def test_an_invalid_time_out_is_refused(robot: Robot, timeout_s: float) -> None:
+def test_an_invalid_timeout_is_wrong_usage(robot: Robot, timeout_s: float) -> None:
     with pytest.raises(WrongUsage, match="timeout_s is"):
         robot.command(Command.STOP, timeout_s=timeout_s)
 

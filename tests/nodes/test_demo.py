@@ -22,11 +22,11 @@ CLI = ("-m", "beatrix_zenoh.cli")
 RMS_DEG = 0.15
 """Largest RMS difference, with each motion shifted by its own lag: docs/explanation/what-the-twin-shows.md."""
 NOT_OURS = 0.05
-"""Largest share of the processor time that the host may give to other virtual machines for a result in real time."""
+"""Largest share of processor time that other virtual machines may take if the demo is to have a result."""
 
 
 @pytest.mark.alone
-def test_demo_makes_one_movement_on_both_robots(tmp_path: Path) -> None:
+def test_demo_moves_both_robots_alike_and_writes_its_files(tmp_path: Path) -> None:
     before = stolen_time()
     done = subprocess.run(
         [sys.executable, *CLI, "demo", "--out", str(tmp_path), "--json"],
@@ -63,7 +63,7 @@ def test_demo_makes_one_movement_on_both_robots(tmp_path: Path) -> None:
     assert max(float(row["hw_yaw_deg"]) for row in rows) > 35
 
 
-def test_interrupted_demo_stops_and_ends_everything(tmp_path: Path) -> None:
+def test_an_interrupted_demo_stops_the_robots_and_ends_all_processes(tmp_path: Path) -> None:
     demo = Process(*CLI, "demo", "--out", str(tmp_path), traced=False)
     demo.expect("Both: nod")
     begin = time.monotonic()

@@ -1,4 +1,4 @@
-"""The eyes of a simulation over a router: drawn while subscribed, correct, and without effect on the robot."""
+"""The eyes of a simulation over a router: drawn while a client subscribes, correct, without effect on the robot."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def without_opengl(tmp_path: Path) -> Path:
 
 
 def children(process: int) -> dict[int, str]:
-    """Living children of a process: numbers and command lines."""
+    """Return the numbers and command lines of the living children of a process."""
     listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
     found = {}
     for number in (int(word) for listing in listings for word in listing.split()):
@@ -75,7 +75,7 @@ def renderers(process: int) -> list[int]:
 
 
 def person(picture: npt.NDArray[np.uint8]) -> tuple[float, float]:
-    """Column and row (px) of the middle of the person's cap and collar."""
+    """Return column and row (px) of the middle of the person's cap and collar."""
     red, green, blue = (picture[..., colour].astype(int) for colour in range(3))
     rows, columns = np.nonzero((red > 100) & (green < 60) & (blue > 60))
     assert len(rows) > 200, "the person is not in the picture"
@@ -89,7 +89,7 @@ def test_nothing_is_drawn_before_a_client_subscribes(sim: Process, robot: Robot)
     assert renderers(sim.pid) == []
 
 
-def test_each_eye_is_published_with_the_state_it_was_drawn_from(robot: Robot) -> None:
+def test_pictures_of_the_eyes_have_source_and_time_and_differ_by_parallax(robot: Robot) -> None:
     with robot.camera("left") as left, robot.camera("right") as right:
         one, two = left.next(FIRST_S), left.next(FIRST_S)
         other = right.next(FIRST_S)
@@ -140,7 +140,7 @@ def test_a_foreign_client_moves_the_person_with_a_line_of_text(robot: Robot) -> 
     assert robot.target().y == -0.25
 
 
-def test_stop_is_effective_while_the_eyes_draw(stage: Stage) -> None:
+def test_stop_ends_a_motion_while_the_eyes_draw(stage: Stage) -> None:
     sim = stage.simulation("halted", "--ready")
     robot = stage.robot("halted", "sim")
     with robot.camera("left") as left, robot.camera("right") as right:
@@ -206,7 +206,7 @@ def test_without_opengl_the_eyes_use_ray_casting(stage: Stage, without_opengl: P
         status = robot.status()
         start = robot.target()
         until(lambda: robot.target().y != start.y, "the person sways")
-        robot.move_target(*HOME)  # the moving person sometimes leaves the picture
+        robot.move_target(*HOME)  # ends the sway, because the moving person sometimes leaves the picture
         picture = fresh(images)
     person(picture)
     yellow = picture[-27:-20, 0:6].reshape(-1, 3).mean(axis=0)

@@ -1,4 +1,4 @@
-"""Kill, freeze, unplug: every loss has a defined outcome, and lost parts recover."""
+"""Programs are killed or suspended, boards unplugged: every loss has a defined outcome, and a return is detected."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     ready(robot).look(yaw=2, speed=60)
 
 
-def test_a_frozen_node_times_out_and_answers_when_it_continues(stage: Stage) -> None:
+def test_a_request_to_a_suspended_node_times_out_and_the_node_answers_when_it_continues(stage: Stage) -> None:
     process = stage.hardware("bea")
     robot = ready(stage.robot("bea", "hw"))
     robot.timeout_s = 0.5
@@ -125,7 +125,7 @@ def test_a_frozen_node_times_out_and_answers_when_it_continues(stage: Stage) -> 
     frozen_s = time.monotonic()
     with pytest.raises(NoAnswer) as silence:
         robot.look(yaw=2)
-    held_up = time.monotonic() - frozen_s > 1.5  # the lease may have ended
+    held_up = time.monotonic() - frozen_s > 1.5  # then the session of the node may be lost
     assert silence.value.reason is Reason.NODE_FROZEN or (
         held_up and silence.value.reason is Reason.NODE_LOST
     )
@@ -137,7 +137,7 @@ def test_a_frozen_node_times_out_and_answers_when_it_continues(stage: Stage) -> 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("module", ["hw_node", "sim_node"])
-def test_signal_stops_the_arms_and_ends_cleanly(stage: Stage, module: str, number: signal.Signals) -> None:
+def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, number: signal.Signals) -> None:
     twin = "sim" if module == "sim_node" else "hw"
     process = stage.simulation("bea") if twin == "sim" else stage.hardware("bea")
     robot = ready(stage.robot("bea", twin))
@@ -175,7 +175,7 @@ motion.wait()
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_the_robot_stops_if_its_client_is_killed_or_frozen_during_a_motion(
+def test_the_robot_stops_if_its_client_is_killed_or_suspended_during_a_motion(
     stage: Stage, tmp_path: Path, number: signal.Signals
 ) -> None:
     (tmp_path / "goner.py").write_text(CLIENT)
@@ -185,7 +185,7 @@ def test_the_robot_stops_if_its_client_is_killed_or_frozen_during_a_motion(
     goner.expect("ready")
     until(lambda: robot.positions().commanded.short > 2, "moving")
     goner.send(number)
-    until(lambda: not robot.status().moving, "stopped: at once if killed, after the 2 s lease if frozen", 3.5)
+    until(lambda: not robot.status().moving, "stopped: at once if killed, after 2 s if suspended", 3.5)
     assert robot.positions().commanded.short < 110
     assert robot.status().holder == ""
     goner.end(signal.SIGKILL)
@@ -232,7 +232,7 @@ def test_a_reset_of_the_board_ends_the_motion_and_clears_the_calibration(stage: 
 
 
 def stop_handler(node: Node) -> StopHandler:
-    """The STOP handler of the node."""
+    """Return the STOP handler of the node."""
     (handler,) = (part for part in node.context.snapshot.components if isinstance(part, StopHandler))
     return handler
 
@@ -278,11 +278,11 @@ def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage
     process = stage.hardware("bea")
     watcher = ready(stage.robot("bea", "hw", "ben"))
     with Robot("bea", "hw", connect=stage.endpoint, who="ana", timeout_s=0.3) as robot:
-        until(lambda: robot.status().calibrated, "calibrated: the rest must be faster than the lease of 2 s")
-        robot.look()  # before its first motion a client queries the limits
+        until(lambda: robot.status().calibrated, "calibrated")
+        robot.look()  # a client queries the limits before its first motion, and later motions need no query
         before = watcher.status().motion
         process.send(signal.SIGSTOP)
-        wake_up = threading.Timer(1.0, process.send, (signal.SIGCONT,))  # before its lease of 2 s ends
+        wake_up = threading.Timer(1.0, process.send, (signal.SIGCONT,))  # its session would be lost after 2 s
         wake_up.start()
         with pytest.raises(NoAnswer, match="did not answer within"):
             robot.look(yaw=60)

@@ -61,7 +61,7 @@ class FaultyPort:
         return sent
 
     def close(self) -> None:
-        """Keep the board."""
+        """Keep the board running."""
 
 
 class FaultyHardware(VirtualHardware):

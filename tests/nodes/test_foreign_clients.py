@@ -1,4 +1,4 @@
-"""Clients that use only Zenoh with its defaults, as its examples do."""
+"""Clients that use only Zenoh with its defaults, as Zenoh's examples do."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def stage() -> Iterator[Stage]:
 
 
 def get(stage: Stage, selector: str, *payload: str) -> list[dict[str, object]]:
-    """Return the output of a process that calls plain `session.get`."""
+    """Return the replies that a plain `session.get` in another process receives."""
     command = [sys.executable, "-c", GET, stage.endpoint, f"beatrix/bea/sim/{selector}", *payload]
     result = subprocess.run(command, capture_output=True, text=True, timeout=30, check=True)
     return [json.loads(line) for line in result.stdout.splitlines()]
@@ -69,7 +69,7 @@ def test_a_plain_get_enables_calibrates_and_moves_the_robot(stage: Stage) -> Non
     assert stopped["result"] is True
 
 
-def test_the_motion_of_a_client_without_a_token_continues_after_its_end(stage: Stage) -> None:
+def test_a_motion_continues_after_the_end_of_a_client_without_a_token(stage: Stage) -> None:
     robot = stage.robot("bea", "sim", "me")
     threading.Event().wait(
         QUIET_S

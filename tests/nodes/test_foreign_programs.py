@@ -49,7 +49,7 @@ def foreign(stage: Stage) -> Iterator[zenoh.Session]:
 
 
 def answer_all(session: zenoh.Session, key: str, reply_key: str, payload: bytes) -> zenoh.Queryable[None]:
-    """Declare a complete queryable, like `z_storage --complete`; an empty `reply_key` is the key of the query."""
+    """Declare a complete queryable, like `z_storage --complete`; without `reply_key` it uses the key of the query."""
 
     def answer(query: zenoh.Query) -> None:
         with query:

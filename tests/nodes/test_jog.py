@@ -131,7 +131,7 @@ def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage, tmp_
 
 
 def test_the_refusal_with_motors_off_names_enable_for_the_hardware(stage: Stage) -> None:
-    """Without --on the verbs would choose a simulation of that name."""
+    """Without --on, `beatrix enable` would choose a simulation of the same name."""
     stage.node("bea")
     done = jog(stage, "")
     assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
@@ -154,7 +154,7 @@ def test_a_robot_that_cannot_move_is_refused_before_any_question(stage: Stage) -
 
 
 @pytest.mark.parametrize("answers", ["", "short\n", RIGHT], ids=["arm", "way", "azimuth"])
-def test_input_that_ends_is_wrong_usage(stage: Stage, answers: str) -> None:
+def test_an_early_end_of_the_input_is_wrong_usage(stage: Stage, answers: str) -> None:
     stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, answers)
@@ -163,7 +163,7 @@ def test_input_that_ends_is_wrong_usage(stage: Stage, answers: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_input_that_ends_prints_a_document_with_json(stage: Stage) -> None:
+def test_with_json_an_early_end_of_the_input_prints_a_document(stage: Stage) -> None:
     stage.node("bea")
     ready(stage.robot("bea", "hw"))
     done = jog(stage, "", "--json")

@@ -63,7 +63,7 @@ def test_all_line_ends_are_accepted_and_invalid_lines_refused(place: Place) -> N
 
 
 @pytest.mark.bodies("hw")
-def test_an_old_program_is_refused_during_a_lease_and_then_takes_it(place: Place) -> None:
+def test_an_old_program_is_refused_until_no_other_seat_drives(place: Place) -> None:
     with place.program() as program:
         program.begin()
         place.robot.look(yaw=2)
@@ -90,7 +90,7 @@ def test_an_old_program_cannot_switch_off_a_robot_that_another_seat_drives(place
 
 
 def test_a_program_that_queries_continuously_delays_no_motion(place: Place) -> None:
-    """The program's lines are no heartbeat: the node must continue to send its own."""
+    """Lines of the program do not count as heartbeats: the node must continue to send heartbeats."""
     with place.program() as program:
         program.begin()
         motion = place.robot.look(yaw=40, wait=False)
@@ -175,7 +175,7 @@ def test_a_refused_program_does_not_take_the_lease(place: Place) -> None:
         place.robot.command(Command.RESET)  # as a user does after checking the robot
 
 
-def test_stopall_acts_at_once(place: Place) -> None:
+def test_stopall_is_carried_out_at_once(place: Place) -> None:
     with place.program() as program:
         program.begin()
         program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 50 200\r@GETXPOS\r")
@@ -215,7 +215,7 @@ def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are
 
 
 @pytest.mark.bodies("hw")
-def test_motions_beyond_the_queue_are_refused_in_their_turn(place: Place) -> None:
+def test_motions_that_exceed_the_queue_are_refused_in_order(place: Place) -> None:
     """Firmware 1.0 lost control after thirty such motions at this rate."""
     count = 50
     with place.program() as program:

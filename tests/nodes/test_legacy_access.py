@@ -45,7 +45,7 @@ def wait_calibrations(place: Place, count: int) -> None:
     wait_status(place.robot, lambda status: status.calibrations == count, f"calibrations are {count}")
 
 
-# -- events, first in this file: after many events they would be counted instead of kept ------------
+# -- events: first in this file, because a node counts equal events of a flood instead of storing each
 
 
 def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place) -> None:

@@ -61,7 +61,7 @@ def test_a_program_that_never_reads_delays_no_client(place: Place) -> None:
         assert set(answers) == {b"ACK\n", b"\n", b"0 0 0\n"} | (set(answers) & {b"NACK\n"}), "whole lines"
 
 
-def test_stopall_acts_when_its_bytes_arrive_behind_hundreds_of_lines(place: Place) -> None:
+def test_stopall_is_carried_out_before_hundreds_of_waiting_lines(place: Place) -> None:
     with place.program() as program:
         program.begin()
         program.port.write(place.turn(2000))
@@ -97,7 +97,7 @@ def test_the_emergency_latch_is_the_only_reason_in_the_warning(place: Place) -> 
         while time.monotonic() < until_s:
             assert "send @CALNOW first" not in " ".join(place.robot.status().warnings)
         place.robot.command(Command.RESET)
-    with place.program() as program:  # a stopped program stays stopped
+    with place.program() as program:  # a new program, because the first one stays stopped
         assert program.say("@ENMOTORS ON", 2) == ["ACK\n", "ACK\n"]
         assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
         wait_status(

@@ -25,7 +25,7 @@ PATIENCE_S = 2.0
 """Time limit (s) of answers, long enough for a shared machine that pauses for a tenth of a second."""
 
 
-def test_node_enables_calibrates_looks_and_stops(tmp_path: Path) -> None:
+def test_a_node_on_the_real_firmware_enables_calibrates_moves_and_stops(tmp_path: Path) -> None:
     with Stage() as stage:
         mega = stage.mega(tmp_path / "board")
         stage.hardware("bea", str(tmp_path / "board"))
@@ -81,9 +81,9 @@ def mega_robot(shared: MegaRobot) -> MegaRobot:
         ("freeze", "go", True),
         ("unplug", "plug", False),
         ("reset", "", False),
-    ],  # a warning about a restart may remain
+    ],  # freeze comes first, because a warning about a restart may remain
 )
-def test_a_board_lost_in_mid_move_is_reported_and_found_again(
+def test_a_board_that_is_lost_during_a_motion_is_reported_and_found_again(
     mega_robot: MegaRobot, loss: str, cure: str, calibrated: bool
 ) -> None:
     robot = mega_robot.robot
@@ -148,7 +148,7 @@ def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) 
         assert again.stop().result
 
 
-def test_a_motion_is_not_continued_after_a_board_was_frozen(mega_robot: MegaRobot) -> None:
+def test_a_motion_is_not_continued_after_a_suspension_of_the_board(mega_robot: MegaRobot) -> None:
     robot = mega_robot.robot
     motion = robot.look(yaw=100, speed=20, wait=False)
     until(lambda: robot.positions().commanded.short > 5, "moving")

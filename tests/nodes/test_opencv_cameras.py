@@ -1,4 +1,4 @@
-"""A camera that OpenCV reads as an eye of a robot: open while subscribed, lost and found."""
+"""A camera that OpenCV reads as an eye of a robot: open while a client subscribes, lost and found."""
 
 from __future__ import annotations
 

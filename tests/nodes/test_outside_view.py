@@ -1,4 +1,4 @@
-"""The outside view of a simulation: drawn while subscribed, after the eyes."""
+"""The outside view of a simulation: drawn while a client subscribes, with a lower priority than the eyes."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ def test_the_outside_view_shows_the_head(robot: Robot) -> None:
 
 
 def irises(picture: npt.NDArray[np.uint8]) -> list[tuple[float, float]]:
-    """Column and row (px) of the irises of the robot's own face, from the left to the right of the picture."""
+    """Return column and row (px) of the irises of the robot's face, from the left to the right of the picture."""
     face = picture[: HEIGHT * 2 // 3]  # the rings below are blue and green
     red, green, blue = (face[..., colour].astype(int) for colour in range(3))
     rows, columns = np.nonzero((red < 50) & (green > 80) & (blue > green) & (blue < 1.4 * green))
     assert len(rows) > 200, "the face is not in the picture"
     middle = (
         columns.mean()
-    )  # without the outermost pixels, because a pixel of the room may have the same colour
+    )  # not the middle of the outermost pixels, because a pixel of the room may have the same colour
     return [
         (float(np.median(columns[side])), float(np.median(rows[side])))
         for side in (columns < middle, columns > middle)
@@ -107,7 +107,7 @@ def test_a_recording_draws_no_outside_view(stage: Stage, robot: Robot) -> None:
 
 
 def eyes_of(subscriptions: RobotSubscriptions) -> set[str]:
-    """Eyes of the pictures that have arrived."""
+    """Return the eyes of the pictures that have arrived."""
     return {
         value.eye
         for value in (arrival.value for arrival in subscriptions.take())
@@ -136,4 +136,4 @@ def test_with_ray_casting_the_eyes_have_priority(slow: Robot) -> None:
         eye, view = left.next(FIRST_S).seq, outside.next(FIRST_S).seq
         until(lambda: left.next(FIRST_S).seq >= eye + 12, "a dozen pictures of the eye", FIRST_S)
         assert outside.latest is not None
-        assert outside.latest.seq - view <= 7, "one eye picture in three, with a tolerance"
+        assert outside.latest.seq - view <= 7, "one for three pictures of the eye, with a tolerance"

@@ -57,7 +57,7 @@ def test_by_the_clock_the_simulation_does_not_wait_for_slow_hardware(twin: Twin,
     )
 
 
-def test_in_lockstep_both_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
+def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
     twin.hw.look(yaw=-100, speed=90)
     begun.clear()
     titles: list[str] = []
@@ -76,7 +76,7 @@ def test_with_a_lead_the_hardware_begins_each_pose_later_by_the_lead(twin: Twin,
     assert lags == pytest.approx([1.2] * 3, abs=0.2)
 
 
-def test_stop_at_one_robot_ends_the_choreography_on_both(
+def test_stop_at_one_robot_ends_the_choreography_on_both_robots(
     stage: Stage, twin: Twin, begun: list[Begun]
 ) -> None:
     other = stage.robot("bea", "hw", "ben")

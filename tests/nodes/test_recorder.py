@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.viewer import verify
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/record.md"
 NEAR_NS = 20_000_000
-"""Tolerance on one computer, because wall and monotonic clock are read one after the other."""
+"""Tolerance (ns) on one computer, because wall and monotonic clock are read one after the other."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def recorder(stage: Stage, path: Path, *options: str) -> Process:
 
 @pytest.fixture(scope="module")
 def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
-    """Both robots turn; one motion is refused, one is stopped."""
+    """Record a lesson in which both robots turn, one motion is refused, and one is stopped."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
     process = recorder(stage, path)
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
@@ -65,7 +65,7 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
         with pytest.raises(Interrupted):
             motion.wait()
         arrivals = subscription.take_arrivals(0.5)
-        # Once the file has a later sample of each robot, it also has the publications above.
+        # When later samples of both robots have arrived, the recorder has received the publications above, too.
         until(
             lambda: {SIM, HW} <= {(a.robot, a.twin) for a in subscription.take_arrivals(0.5)},
             "positions of both",
@@ -93,7 +93,7 @@ def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
             np.testing.assert_allclose(samples.arms[row], np.degrees([arms.x, arms.y, arms.z]), atol=1e-9)
 
 
-def test_both_robots_are_on_one_time_line(lesson: Lesson) -> None:
+def test_the_samples_of_both_robots_have_one_time_line(lesson: Lesson) -> None:
     for samples in lesson.recorded.robots.values():
         assert np.all(np.diff(samples.time_ns) >= 0)
         assert np.median(np.abs(samples.time_ns - samples.robot_ns)) < NEAR_NS, (
@@ -193,7 +193,7 @@ def test_a_killed_recorder_loses_no_more_than_a_second(
 
 
 def run(stage: Stage, *words: str, code: int = 0) -> str:
-    """Run a verb and return its output."""
+    """Run a verb, assert its exit code, and return its output."""
     process = stage.process("beatrix_zenoh.cli", *words)
     assert process.wait(30.0) == code, process.lines
     return "\n".join(process.lines)
@@ -239,7 +239,7 @@ def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     assert not path.exists()
     one, two = (read(file).robots[SIM].time_ns for file in (first, second))
     assert 0 < two[0] - one[-1] < 60_000_000  # no sample is lost between the files
-    assert read(second).states[SIM].texts  # and each file has the state
+    assert read(second).states[SIM].texts  # each file contains the state
 
 
 def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path: Path) -> None:

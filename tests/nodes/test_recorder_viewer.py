@@ -1,4 +1,4 @@
-"""The live output with real viewers that start, freeze and end; it never waits for them."""
+"""The live output with real viewers that start, hang and end; the output never waits for them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def server(port: int, *words: str) -> Iterator[Viewer]:
 
 
 def resident_mb() -> float:
-    """Memory of this process (MB)."""
+    """Return the memory of this process (MB)."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
@@ -107,7 +107,7 @@ def samples_in(path: Path) -> int:
         return 0
 
 
-def test_a_frozen_viewer_costs_no_memory_and_gets_rows_again() -> None:
+def test_a_suspended_viewer_needs_no_memory_of_the_recorder_and_gets_rows_again() -> None:
     with server(port := free_port()) as viewer:
         feed = Feed(port)
         feed.until(ViewerState.CONNECTED)
@@ -138,7 +138,7 @@ def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
     assert [sentence.split()[0] for sentence in feed.messages] == ["No", "The"]
 
 
-def test_close_does_not_wait_for_a_frozen_viewer(tmp_path: Path) -> None:
+def test_close_does_not_wait_for_a_suspended_viewer(tmp_path: Path) -> None:
     port = free_port()
     with Stage() as stage, server(port) as viewer:
         node = stage.hardware("bea")

@@ -69,7 +69,7 @@ def off_path(live: LiveRecording, played: Following) -> Comparison:
     return compare(first, Recording(arms.t - arms.t[begin], np.hstack([arms.angles, arms.angles])))
 
 
-def test_both_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
+def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
     played = following(NOD)
     sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))
     for live in (sim, hw):
@@ -89,7 +89,7 @@ def test_both_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, t
     assert after.axes[1].lag_s - before.axes[1].lag_s == pytest.approx(0.2, abs=0.005)
 
 
-def test_a_recording_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> None:
+def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> None:
     path = tmp_path / "turn.csv"
     other = stage.robot("bea", "hw", "eve")
 
@@ -136,7 +136,7 @@ def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
 SLOW = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n20,60,0,0\n"
 
 
-def test_stop_by_another_seat_ends_the_replay_on_both(stage: Stage, twin: Twin) -> None:
+def test_stop_by_another_seat_ends_the_replay_on_both_robots(stage: Stage, twin: Twin) -> None:
     other = stage.robot("bea", "sim", "ben")
     with ThreadPoolExecutor(1) as pool:
         played = pool.submit(replay, twin, following(SLOW))
@@ -162,7 +162,7 @@ def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(stage: Stage, tw
     until(lambda: not twin.sim.status().moving, "the simulation rests, too")
 
 
-def test_another_seat_cannot_take_the_lease_during_a_replay(stage: Stage, twin: Twin) -> None:
+def test_another_seat_cannot_move_the_robot_during_a_replay(stage: Stage, twin: Twin) -> None:
     other = stage.robot("bea", "hw", "ben")
     with ThreadPoolExecutor(1) as pool:
         played = pool.submit(replay, twin.hw, following(NOD))

@@ -33,7 +33,7 @@ def lab(tmp_path: Path) -> Path:
 
 
 def doctor(stage: Stage) -> dict[str, str]:
-    """The to-do lines of `beatrix doctor`, by topic."""
+    """Return the to-do lines of `beatrix doctor`, by topic."""
     done = beatrix("doctor", "--json", "--connect", stage.endpoint)
     return {found["what"]: found["todo"] for found in json.loads(done.stdout)["findings"] if found["todo"]}
 
@@ -69,7 +69,7 @@ def test_doctor_and_preview_report_twins_with_different_values(
     assert doctor(stage) == {}
 
 
-def test_up_passes_its_robot_file_to_both(lab: Path) -> None:
+def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:
     endpoint = free_endpoint()
     words = ("up", "--hw", "virtual:", "--name", "bea", "--connect", endpoint, "--robot-file", str(lab))
     process = Process(*CLI[1:], *words)

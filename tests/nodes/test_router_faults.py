@@ -1,4 +1,4 @@
-"""Faults of the router: robots stop without it, and all sessions return with it."""
+"""Faults of the router: robots stop when it is lost, and all sessions connect again when it returns."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def stage() -> Iterator[Stage]:
 
 
 def refused(robot: Robot) -> bool:
-    """Send a motion; return whether it fails. A late notice that this client was lost may end it."""
+    """Send a motion; return whether it fails, for example because of a late notice that this client was lost."""
     try:
         robot.look(yaw=1, speed=60)
     except (Refused, NoAnswer, Interrupted):
@@ -89,7 +89,7 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
         until(lambda: not refused(robot), "the seat is connected again", 5.0)
 
 
-def test_node_started_before_the_router_waits_for_it(stage: Stage) -> None:
+def test_a_node_that_is_started_before_the_router_waits_for_it(stage: Stage) -> None:
     endpoint = free_endpoint()
     process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     assert f"`beatrix router --listen {endpoint}`" in process.expect("No router at")
@@ -106,7 +106,7 @@ def test_ctrl_c_ends_a_node_that_waits_for_its_router(stage: Stage) -> None:
     assert process.wait(5) == 0
 
 
-def test_a_frozen_router_counts_as_lost(stage: Stage) -> None:
+def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
@@ -116,7 +116,7 @@ def test_a_frozen_router_counts_as_lost(stage: Stage) -> None:
             ready(robot).look(yaw=150, speed=10, wait=False)
             until(lambda: node.context.controller.arms()[0] > 0.05, "moving")
             router.send(signal.SIGSTOP)
-            until(lambda: not node.context.snapshot.status().moving, "stopped after the lease of 2 s", 10.0)
+            until(lambda: not node.context.snapshot.status().moving, "stopped after a silence of 2 s", 10.0)
             assert 0 < node.context.controller.arms()[0] < math.radians(100), "not at its goal"
             router.send(signal.SIGCONT)
             until(lambda: not refused(robot), "all sessions are connected again", 10.0)
@@ -124,7 +124,7 @@ def test_a_frozen_router_counts_as_lost(stage: Stage) -> None:
         node.close()
 
 
-def test_the_error_for_a_frozen_router_explains_that_robots_stop(stage: Stage) -> None:
+def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")

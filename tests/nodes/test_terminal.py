@@ -89,7 +89,7 @@ class Port:
 
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
-        """A program that opens and closes the terminal; all events in between must be expected before it closes."""
+        """Open the terminal with a program, and close it; `expect` all events in between before the block ends."""
         with contextlib.closing(Program(self.terminal.path)) as program:
             self.listener.expect("opened")
             yield program

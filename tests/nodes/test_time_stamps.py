@@ -16,7 +16,7 @@ from beatrix_zenoh.recording.series import Recording, recording
 SPEED_DEG_S = 80.0
 LAG_S = 0.2
 CLOCK_SD_S = 0.001
-"""Largest standard deviation of the stamps against the true time."""
+"""Largest standard deviation (s) of the errors of time stamps."""
 
 
 def recorded(robot: Robot, *yaws: float) -> list[Positions]:
@@ -32,7 +32,7 @@ def recorded(robot: Robot, *yaws: float) -> list[Positions]:
 
 
 @pytest.mark.parametrize("twin", ["sim", "hw"])
-def test_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, twin: str) -> None:
+def test_time_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, twin: str) -> None:
     turn = recorded(ready(stage.robot("bea", twin)), 90)
     steady = [
         at for at in turn if 25 < np.degrees(at.commanded.x) < 65
@@ -68,7 +68,7 @@ def test_a_known_lag_is_found(stage: Stage) -> None:
 
 
 def from_first_movement(recorded_angles: Recording) -> Recording:
-    """Shift times to the moment at which the short arm has turned by a degree."""
+    """Return the recording with time 0 at the moment at which the short arm has turned by a degree."""
     short = recorded_angles.angles[:, 0]
     begin = int(np.argmax(np.abs(short - short[0]) > 1.0))
     return Recording(recorded_angles.t - recorded_angles.t[begin], recorded_angles.angles)

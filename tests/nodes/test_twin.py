@@ -19,7 +19,7 @@ from beatrix_zenoh.client.robot import stop_together
 
 @pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots, enabled and calibrated, without a latch."""
+    """Both robots, enabled and calibrated, without an emergency latch."""
     with Twin("bea", connect=stage.endpoint, who="ana") as made:
         made.stop()
         made.sim.reset()
@@ -46,7 +46,7 @@ def test_a_preview_moves_nothing_and_is_faster_than_the_motion(twin: Twin) -> No
     plan.abort()
 
 
-def test_commit_moves_both_to_the_same_place_the_simulation_first(
+def test_commit_moves_both_robots_to_one_place_and_the_simulation_first(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     accepted: list[str] = []
@@ -217,7 +217,7 @@ def test_stop_at_one_robot_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert commanded(twin.sim)[0] < 60
 
 
-def test_stop_is_sent_to_both_before_waiting_for_either(twin: Twin) -> None:
+def test_stop_is_sent_to_both_robots_before_waiting_for_a_reply(twin: Twin) -> None:
     motions = [robot.look(yaw=90, wait=False) for robot in (twin.sim, twin.hw)]
     answers = stop_together((twin.sim, twin.hw))
     robot, _ = next(answers)

@@ -24,13 +24,13 @@ from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 
 def steps(robot: Robot) -> Steps:
-    """The step counters of the board."""
+    """Return the set points of a robot, in steps."""
     key = keys.positions(robot.name, robot.twin)
     return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def number_of_a_motion(twin: Twin) -> int:
-    """Make a motion; return its number at the hardware, because a node starts with a random number and counts up."""
+    """Move both robots; return the motion's number at the hardware: a node counts up from a random number."""
     twin.look(yaw=1, speed=60)
     return twin.hw.status().motion
 
@@ -119,7 +119,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved(twin: Twin) -> None:
 
 
 def first_move_ns(positions: Subscription[Positions]) -> int:
-    """Time at which a robot had turned by half a degree, by the common clock of both nodes."""
+    """Return the time (ns) at which a robot has turned by half a degree, by the common clock of both nodes."""
     for reading in positions:
         if abs(reading.commanded.x) > 0.0087:
             return reading.t_mono_ns

@@ -65,7 +65,7 @@ def eye(robot: Robot) -> CameraStatus:
 
 
 def streams(camera: FakeCamera, images: Subscription[CameraImage], picture: bytes = PICTURE) -> CameraImage:
-    """Send pictures until one arrives: pictures before the start of the stream are lost."""
+    """Send pictures until one arrives, and return it; pictures before the start of the stream are lost."""
     found: list[CameraImage] = []
 
     def arrived() -> bool:
@@ -152,7 +152,7 @@ def test_a_camera_in_use_by_another_program_is_tried_again(left: FakeCamera, rob
     assert eye(robot).trouble == ""
 
 
-def test_a_bus_without_bandwidth_gets_half_the_rate(left: FakeCamera, robot: Robot) -> None:
+def test_without_usb_bandwidth_a_camera_streams_at_half_the_rate(left: FakeCamera, robot: Robot) -> None:
     left.refuse(errno.ENOSPC, from_hz=30)
     with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
         streams(left, images)

@@ -65,7 +65,7 @@ def resting(state: dict[str, Any]) -> bool:
 def hold_button(
     page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str
 ) -> dict[str, Any]:
-    """Hold a button until a message fulfils `holds`, with a heartbeat for each state."""
+    """Hold a button until a message fulfils `holds`, with a heartbeat for each state; return the message."""
     press = next(PRESSES)
 
     def held(message: dict[str, Any]) -> bool:
@@ -173,7 +173,7 @@ def test_a_name_drives_from_one_page_only(driver: WebSocket, browser: WebClient)
     other.close()
 
 
-def test_each_page_with_a_name_in_other_letters_has_a_guest_seat_of_its_own(
+def test_each_page_with_a_name_without_latin_letters_has_a_guest_seat_of_its_own(
     port: int, browser: WebClient, robot: Robot
 ) -> None:
     robot.emergency_stop()  # frees the robot at once
@@ -241,7 +241,7 @@ def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
 
 
 @pytest.mark.parametrize("way", ["web socket", "post"])
-def test_every_page_can_stop(driver: WebSocket, port: int, robot: Robot, way: str) -> None:
+def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robot, way: str) -> None:
     with WebClient(port) as viewer:
         viewer.load()
         page = viewer.connect()

@@ -86,7 +86,7 @@ def test_a_foreign_page_cannot_send_stop(browser: WebClient, headers: dict[str, 
 
 
 @pytest.mark.parametrize("use", ["image", "iframe", "script"])
-def test_a_foreign_page_that_embeds_the_page_is_not_logged_in(port: int, use: str) -> None:
+def test_a_page_that_is_embedded_in_a_foreign_page_gets_no_cookies(port: int, use: str) -> None:
     with WebClient(port) as browser:
         response = browser.fetch("/", **{"Sec-Fetch-Dest": use})
     assert (response.code, browser.cookies) == (403, {})
@@ -110,7 +110,7 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
 
 
-def test_scripts_load_nothing_from_elsewhere(browser: WebClient) -> None:
+def test_the_files_of_the_page_load_nothing_from_elsewhere(browser: WebClient) -> None:
     for name in ("page.html", "login.html", "page.js", "eyes.js", "texts.js", "page.css"):
         text = (server.STATIC / name).read_text()
         assert "http://" not in text
@@ -118,14 +118,14 @@ def test_scripts_load_nothing_from_elsewhere(browser: WebClient) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"do":"fly"}', '{"do":"hold","press":1}', "x" * 100])
-def test_a_message_that_cannot_be_read_closes_the_page(browser: WebClient, text: str) -> None:
+def test_a_message_that_cannot_be_read_closes_the_web_socket(browser: WebClient, text: str) -> None:
     page = browser.connect()
     page.send_raw(text)
     until(lambda: page.read() is None, "closed")
     assert page.code == 4002
 
 
-def test_a_page_that_floods_is_closed(browser: WebClient) -> None:
+def test_the_web_socket_of_a_page_that_floods_is_closed(browser: WebClient) -> None:
     page = browser.connect()
     with contextlib.suppress(WebSocketClosedError):
         for _ in range(1000):
@@ -159,7 +159,7 @@ def test_too_many_connections_of_an_address_are_refused_with_a_reason(
 
 @pytest.fixture
 def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
-    """A browser at a server with a PIN, which serves loopback only: tests must not open other ports."""
+    """A browser of a server with a PIN. The server uses loopback only, because tests must not open other ports."""
     monkeypatch.setattr(server, "ALL", server.LOOPBACK)
     with serving(stage.endpoint, pin=PIN) as port, WebClient(port) as made:
         yield made
@@ -182,7 +182,7 @@ def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
     assert list(locked.cookies) == ["_xsrf"]
 
 
-def test_wrong_pins_are_limited(locked: WebClient) -> None:
+def test_the_number_of_wrong_pins_is_limited(locked: WebClient) -> None:
     locked.load()
     for _ in range(5):
         locked.log_in("000000")
@@ -194,7 +194,7 @@ def test_wrong_pins_are_limited(locked: WebClient) -> None:
 # -- the verb ------------------------------------------------------------------------------------------
 
 
-def test_the_verb_prints_its_address_and_ends_with_ctrl_c(stage: Stage) -> None:
+def test_the_verb_prints_its_url_and_ends_with_ctrl_c(stage: Stage) -> None:
     words = ("--connect", stage.endpoint, "--who", "ana", "--port", str(free_port()))
     process = Process(*CLI, "web", *words)
     process.expect(f"ready http://127.0.0.1:{words[-1]}/")
