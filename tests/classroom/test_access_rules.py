@@ -94,7 +94,7 @@ def reads_router(router: ClassRouter, account: str, key: str) -> bool:
 Kind = Callable[[ClassRouter, str, str], bool]
 ANY = "*"
 TABLE: list[tuple[str, Kind, str, bool]] = [
-    # a student drives the robots of the class and of the seat, under the name of the seat
+    # a student may drive the robots of the class and the seat's own robot, only under the name of the seat
     ("ana", asks, keys.command("bea1", HW, "ana"), True),
     ("ana", asks, keys.motion("bea1", SIM, "ana"), True),
     ("ana", asks, keys.motion("ana", SIM, "ana"), True),
@@ -107,7 +107,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, keys.target("ben"), False),
     ("ana", puts, keys.arm_target("bea1", HW, "short"), False),
     ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
-    # every account reads all publications
+    # every account may read all publications
     ("ana", asks, keys.positions("ben", SIM), True),
     ("ana", asks, keys.positions(ANY, ANY), True),
     ("ana", asks, keys.info("bea2", HW), True),
@@ -132,7 +132,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("teacher", reads_router, "@/**", True),
     ("ana", reads_router, "@/**", False),
     ("bea1", reads_router, "@/**", False),
-    # robots serve and publish under their own names
+    # robots may serve and publish under their own names only
     ("bea1", puts, keys.positions("bea1", HW), True),
     ("ana", puts, keys.positions("ana", SIM), True),
     ("bea1", serves, keys.clock("bea1", HW), True),
@@ -140,7 +140,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("bea1", announces, keys.claim("bea1", HW, "abc"), True),
     ("bea1", asks, keys.command("bea2", HW, "bea1"), False),
     ("ana", announces, keys.seat("ana", "abc"), True),
-    # accounts cannot forge positions, tokens, queryables
+    # accounts cannot forge positions, tokens and queryables
     ("ana", puts, keys.positions("bea1", HW), False),
     ("ana", puts, keys.positions("ben", SIM), False),
     ("ana", puts, keys.events("bea1", HW), False),

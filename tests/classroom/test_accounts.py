@@ -39,7 +39,7 @@ def certificates(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRout
 
 
 def refused(endpoint: str, account: Account | None) -> str:
-    """Return the error message for the owner of a refused account."""
+    """Connect with an account that the router must refuse; return the error message."""
     with pytest.raises(NoAnswer) as error:
         zbus.connect(endpoint, account=account)
     return error.value.message
@@ -62,7 +62,7 @@ def test_a_program_without_account_is_refused(passwords: ClassRouter, certificat
 
 
 def with_certificate(account: Account, issuer: Authority, days: int, trusted: Authority) -> Account:
-    """Return the account with a certificate of `issuer`, valid for `days`, and `trusted` for the router's."""
+    """Return the account with a certificate of `issuer`, valid for `days`; it checks the router against `trusted`."""
     identity = issuer.issue(account.name, days=days)
     return msgspec.structs.replace(
         account,
@@ -157,7 +157,7 @@ def joined(passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     return passwords.account("ana")
 
 
-def test_a_seat_that_has_joined_uses_router_account_and_seat_everywhere(
+def test_after_join_all_programs_use_the_router_and_the_name_of_the_account(
     passwords: ClassRouter, joined: Account, tmp_path: Path
 ) -> None:
     stored = tmp_path / "beatrix" / "account.toml"
@@ -194,7 +194,7 @@ def test_secrets_are_in_no_output_and_no_process_list(
     assert joined.password not in everything
 
 
-def test_a_program_that_claims_another_seat_is_refused_on_its_own_computer(joined: Account) -> None:
+def test_names_of_other_accounts_are_rejected_without_a_request(joined: Account) -> None:
     assert beatrix("enable", "--who", "ben").returncode == 2
     node = beatrix("hw", "--port", "virtual:", "--name", "bea1")
     assert node.returncode == 2
@@ -208,14 +208,14 @@ def test_stop_needs_no_readable_account(
     done = beatrix("ls")
     assert done.returncode == 2
     assert "is not an account file" in done.stderr
-    # Robots of the developer may be at the default router.
+    # Robots of the developer may be at the default router; STOP must not reach them.
     monkeypatch.setenv("BEATRIX_CONNECT", free_endpoint())
     done = beatrix("stop")
     assert "is not an account file" in done.stderr
     assert done.returncode == 3, "the program looked for a router"
 
 
-def test_leaving_the_class_or_an_empty_variable_removes_the_account(
+def test_an_empty_variable_hides_the_account_and_leaving_the_class_deletes_it(
     joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert resolve().account == joined
@@ -227,7 +227,7 @@ def test_leaving_the_class_or_an_empty_variable_removes_the_account(
     assert not list((tmp_path / "beatrix").iterdir())
 
 
-def test_an_account_may_be_named_by_file_and_environment(
+def test_an_account_may_be_named_by_a_file_or_the_environment(
     passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -267,7 +267,7 @@ def test_join_reads_an_account_from_standard_input(
         ),
     ],
 )
-def test_the_refusal_of_a_wrong_file_describes_an_account_file(tmp_path: Path, text: str, cause: str) -> None:
+def test_the_error_for_a_wrong_file_names_cause_and_right_file(tmp_path: Path, text: str, cause: str) -> None:
     path = tmp_path / "wrong.toml"
     path.write_text(text)
     done = beatrix("join", str(path))
@@ -290,7 +290,7 @@ def test_the_refusal_states_why_a_file_is_no_account_file(passwords: ClassRouter
         assert f"{path} is not an account file: {cause}" in beatrix("join", str(path)).stderr
 
 
-def test_another_router_gets_no_account_of_the_class(joined: Account) -> None:
+def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) -> None:
     elsewhere = resolve("toy", "tcp/127.0.0.1:1", "zoe")
     assert (elsewhere.account, elsewhere.robot, elsewhere.who) == (None, "toy", "zoe")
     assert resolve(connect=joined.connect).account == joined

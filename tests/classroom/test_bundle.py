@@ -1,4 +1,4 @@
-"""The archive for a room without network: installed and used without network, and the packages of another platform."""
+"""The archive for a room without a network: it installs and runs there, and names the packages of other platforms."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_a_bundle_installs_and_runs_without_network(tmp_path: Path) -> None:
     assert "No router at" in done.stderr
 
 
-def test_other_platforms_have_packages_of_their_own() -> None:
+def test_the_packages_for_windows_are_pinned_and_exclude_those_of_linux() -> None:
     values = bundle.environment("windows-x86_64", "3.12")
     names = bundle.names_of(list(bundle.own_requirements(["all"])), values)
     assert {"opencv-python-headless", "mujoco", "pyqt5", "rerun-sdk", "colorama"} <= names

@@ -44,13 +44,13 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 
 
 def robot_of(router: ClassRouter, seat: str) -> Robot:
-    """The robot through a session of a seat."""
+    """Return the robot through a new session of a seat."""
     account = router.account(seat)
     client = patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
     return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
 
 
-def test_one_of_thirty_seats_takes_the_robot_and_the_others_read_its_name(router: ClassRouter) -> None:
+def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassRouter) -> None:
     gate = threading.Barrier(SEATS)
 
     def take(robot: Robot) -> Refused | None:
@@ -108,7 +108,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
             until(lambda: abs(next_one.positions().commanded.short - start) > 1, "moving")
             faults[fault]()
             until(lambda: not next_one.status().moving, "the robot stops")
-            until(lambda: next_one.status().holder == "seat02", "the lease is free, and handed over")
+            until(lambda: next_one.status().holder == "seat02", "the waiting seat gets the lease")
             assert abs(next_one.positions().commanded.short) < 140, "the motion has not reached its goal"
             assert not next_one.status().moving
             lease.ask(next_one, LeaseAction.GIVE_BACK)

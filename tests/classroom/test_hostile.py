@@ -33,7 +33,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 
 
 def start(folder: Path, account: Path, *command: str) -> Process:
-    """Start a program that uses an account."""
+    """Start a program that uses an account; return when it is ready."""
     use_account(folder, account)
     process = Process(*command, folder=folder, traced=False)
     process.expect("ready")

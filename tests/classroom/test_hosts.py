@@ -62,7 +62,7 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
 
 
 def computer(lesson: Lesson, place: str) -> Host:
-    """A computer whose programs use the account of a name in a class."""
+    """Create a computer whose programs use the account of a place: a name and a class, such as `ana 8a`."""
     name, class_name = place.split()
     lesson.hosts[place] = lesson.school.host(place)
     use_account(lesson.hosts[place].folder, lesson.routers[class_name].path(name))
@@ -103,7 +103,7 @@ def test_programs_receive_publications_of_their_own_class_only(lesson: Lesson) -
         seat.until(f"{{key.split('/')[1] for key, _ in publications()}} == {robots}", "their own robots")
         keys = [key for key, _ in seat.does("publications()")]  # type: ignore[attr-defined]
         assert all(key.startswith("beatrix/") and "/hw/state/" in key for key in keys), keys
-        assert len(set(keys)) == len(keys), "each key belongs to the own class"
+        assert len(set(keys)) == len(keys), "each key comes from one session, that of the own class"
         assert seat.does("queries()") == []
 
 
@@ -133,7 +133,7 @@ def test_only_the_routers_listen_and_no_program_sends_datagrams(lesson: Lesson) 
 def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
     if not lesson.school.isolated:
         assert "refused" in lesson.seats["ana 8a"].refused(CONNECT.format("127.0.0.1", 7446))
-        return  # without namespaces all computers of the other tests are this one
+        return  # without namespaces, the programs of all these computers run on this one
     for place, seat in lesson.seats.items():
         for other, host in lesson.hosts.items():
             if other != place:

@@ -1,4 +1,4 @@
-"""`beatrix classroom init`: from a short file to accounts, a router and cards."""
+"""`beatrix classroom init`: makes accounts, the configuration of a router, and cards from a class file."""
 
 from __future__ import annotations
 

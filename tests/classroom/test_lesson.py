@@ -77,7 +77,7 @@ def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: 
         assert second.outcome("stop")["ok"]
 
 
-def test_a_student_stops_all_robots_in_an_emergency(
+def test_an_emergency_stop_of_a_student_reaches_all_robots(
     router: ClassRouter, clients: dict[str, Client], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robots = [Robot(name, "hw", client=clients["teacher"]) for name in ("bea1", "ana")]

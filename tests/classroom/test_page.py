@@ -1,4 +1,4 @@
-"""The page about a class: its file and its commands work as printed."""
+"""The documentation page about a class: its class file and its commands work as printed."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def denied(lesson: Lesson) -> Iterator[Case]:
 
 @contextlib.contextmanager
 def absent(lesson: Lesson) -> Iterator[Case]:
-    """The simulation of a robot whose hardware is on line."""
+    """A request to the absent simulation of a robot whose hardware is on line."""
     yield Case(lesson.router.account("ana"), twin="sim")
 
 
@@ -175,7 +175,7 @@ def hanging(lesson: Lesson) -> Iterator[Bus]:
 
 @contextlib.contextmanager
 def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
-    """A session of an account, closed at the end of the case."""
+    """Open a session of an account; close it at the end of the block."""
     with contextlib.closing(lesson.router.open(name)) as bus:
         yield bus
 
@@ -209,7 +209,7 @@ def enable(case: Case, timeout_s: float) -> None:
     """Send the request of a case with the SDK."""
     account = case.account
     with Client(Settings("", account.connect, account.name, account=account)) as client:
-        client.robots()  # a node counts as lost only if it was on line before
+        client.robots()  # a node counts as lost only if this client has seen it on line before
         Robot(case.name, case.twin, client=client, timeout_s=timeout_s).enable()
 
 
@@ -234,7 +234,7 @@ def test_the_command_line_ends_with_the_exit_code_of_each_missing_answer(
     assert done.stdout == ""
 
 
-def test_a_robot_that_lost_the_request_and_is_on_line_again_is_not_called_new(lesson: Lesson) -> None:
+def test_the_error_reports_a_robot_that_was_lost_and_is_on_line_again(lesson: Lesson) -> None:
     received: list[threading.Timer] = []
 
     def lose(incoming: Incoming) -> None:
@@ -252,7 +252,7 @@ def test_a_robot_that_lost_the_request_and_is_on_line_again_is_not_called_new(le
     assert caught.value.reason is Reason.NODE_LOST
 
 
-def test_a_seat_without_its_simulation_does_not_move_the_only_robot_of_the_class(
+def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
     lesson: Lesson, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(lesson.folder)
@@ -269,10 +269,10 @@ def test_each_cause_of_a_missing_answer_has_an_exit_code_of_its_own() -> None:
 
 
 def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[str, list[dict[str, str]]]:
-    """The findings of `beatrix doctor` about router, account and robots, by their subject."""
+    """Return the findings of `beatrix doctor` about router, account and robots, by their subject."""
     monkeypatch.chdir(lesson.folder)
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-    monkeypatch.setenv("MUJOCO_GL", "off")  # the test of OpenGL is not needed here
+    monkeypatch.setenv("MUJOCO_GL", "off")  # skips the check of OpenGL, which is not needed here
     done = beatrix("doctor", "--json")
     found: dict[str, list[dict[str, str]]] = {}
     for row in json.loads(done.stdout)["findings"]:
@@ -303,7 +303,7 @@ def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch
 
 def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) -> None:
     with wrong_account(lesson) as case, Linked(case.account.connect, account=case.account) as linked:
-        world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "it is refused")
+        world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "the account is refused")
         banner = State().view(world).banner
         assert banner is not None
         assert "refuses this window's account" in banner.text
@@ -319,7 +319,7 @@ def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path)
             router.process.end(signal.SIGKILL)
             router.make_anew()
             router.start_again()
-            until(lambda: not client.bus.connected, "it is refused")
+            until(lambda: not client.bus.connected, "the account is refused")
             with pytest.raises(NoAnswer) as caught:
                 Robot("bea1", HW, client=client).status()
     assert caught.value.reason is Reason.ACCOUNT_REFUSED
@@ -330,7 +330,7 @@ def test_a_node_whose_account_was_replaced_reports_that_the_router_refuses_it(tm
         node = start_node(tmp_path, router.path("bea1"))
         try:
             router.process.end(signal.SIGKILL)
-            node.expect("The router at")  # the node reports that it is lost
+            node.expect("The router at")  # the node reports that the router is lost
             router.make_anew()
             router.start_again()
             line = node.expect(f"The router at {router.classroom.connect} refuses account bea1 of class 8b")

@@ -21,7 +21,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture(scope="session")
 def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Body]:
-    """One body, shared by all tests."""
+    """Yield a body of one kind, shared by all tests on this kind."""
     kind: str = request.param
     with Stage() as stage:
         if kind == "sim":

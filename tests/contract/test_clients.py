@@ -18,7 +18,7 @@ from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.lease import QUIET_S
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # the node alone decides about access
+pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about access
 FLOOD_S = 40.0
 """Time limit (s) of events that a flood delays on a busy machine."""
 
@@ -54,7 +54,7 @@ def test_the_robot_is_free_two_seconds_after_a_motion(body: Body, robot: Robot) 
     until(lambda: robot.status().holder == "", "lease over", 4.0)
 
 
-def test_the_teacher_replaces_a_motion(body: Body, robot: Robot) -> None:
+def test_a_motion_of_the_teacher_replaces_that_of_another_seat(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     motion = robot.look(yaw=30, wait=False)
     teacher.look(yaw=0, speed=60)
@@ -179,7 +179,7 @@ class Flood:
         for query in self._queries:
             query.close()
         self._robot.timeout_s = 10.0
-        self._robot.info()  # answered after the queries that are still arriving
+        self._robot.info()  # waits, because it is answered after the queries that are still arriving
 
 
 @pytest.mark.bodies("sim", "in-process")

@@ -1,4 +1,4 @@
-"""BoardStatus while the connection to the board is disturbed, on the bodies where a test can do that."""
+"""BoardStatus while the connection to the board is disturbed, on the bodies whose connection a test can disturb."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from beatrix_zenoh.board.state import Port
 from hw_node.body import VirtualHardware
 
 AT_ONCE_NS = 0.3e9
-"""Longest time from a change to its publication."""
+"""Longest time from a change to its publication (ns)."""
 LOST_NS = 0.5e9
-"""Longest time from the last byte of a board to its loss."""
+"""Longest time after the last byte of a board until it counts as lost (ns)."""
 NOISE = b"\x05noise\0"
 
 
@@ -37,7 +37,7 @@ class Cable:
     noise: list[bytes] = field(default_factory=list)
 
     def freeze(self, *, frozen: bool) -> None:
-        """Pause the board, or let it continue."""
+        """Suspend the board, or let it continue."""
         self._send("freeze" if frozen else "go")
         self.frozen = frozen
 

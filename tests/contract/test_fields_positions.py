@@ -44,7 +44,7 @@ def ask_positions(robot: Robot) -> Positions:
 
 
 def arms_of_pose() -> Arms:
-    """Arm angles of POSE in rad."""
+    """Return the arm angles of POSE (rad)."""
     yaw, pitch, roll = map(math.radians, POSE)
     return Neck().inverse(yaw, pitch, roll)
 
@@ -56,7 +56,7 @@ def constant_speed(samples: list[Positions], target: Arms) -> list[Positions]:
 
 
 def slope(times: list[float], values: list[float]) -> float:
-    """Change of a value with time, by least squares."""
+    """Return the change of a value per second, by least squares."""
     return statistics.linear_regression(times, values).slope
 
 
@@ -77,7 +77,7 @@ def test_velocity_is_the_change_of_position_with_time(robot: Robot) -> None:
     times = [at.t_mono_ns / 1e9 for at in middle]
     for arm in range(3):
         expected = math.radians(SPEED) * target[arm] / longest
-        # The simulated arms shake by 3 deg/s as the motors step.
+        # The simulated arms shake by 3 deg/s as the motors step, so the test compares means.
         near = pytest.approx(expected, abs=0.1 * abs(expected) + math.radians(2))
         assert statistics.mean(arms(at.velocity)[arm] for at in middle) == near
         assert slope(times, [arms(at.position)[arm] for at in middle]) == near
@@ -171,14 +171,14 @@ def test_positions_are_published_at_50_hz(robot: Robot) -> None:
     assert (len(samples) - 1) / lasted_s == pytest.approx(keys.POSITIONS_HZ, rel=0.2)
 
 
-def test_time_stamps_increase_and_are_those_of_this_computer(robot: Robot) -> None:
+def test_time_stamps_never_decrease_and_are_by_the_clocks_of_this_computer(robot: Robot) -> None:
     began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
     positions = published_positions(robot)
     samples = list(one_second(positions))
     ended_ns, ended_wall_ns = time.monotonic_ns(), time.time_ns()
     stamps = [at.t_mono_ns for at in samples]
     assert stamps == sorted(stamps)
-    assert len(set(stamps)) > 0.2 * len(stamps), "an emulated Mega sends fewer on a busy computer"
+    assert len(set(stamps)) > 0.2 * len(stamps), "a simulated Mega sends less telemetry on a busy computer"
     assert began_ns - 0.1e9 < stamps[0] <= stamps[-1] <= ended_ns, "not later than now, and not old"
     assert ended_ns - stamps[-1] < 0.5e9
     assert began_wall_ns - 0.1e9 < samples[0].t_wall_ns <= samples[-1].t_wall_ns <= ended_wall_ns
@@ -190,5 +190,5 @@ def test_a_relative_pose_adds_to_yaw_pitch_and_roll(robot: Robot) -> None:
     robot.look(8, 5, -6, speed=60)
     robot.look(3, -4, 2, relative=True, speed=60)
     yaw, pitch, roll = Neck().forward(arms(ask_positions(robot).commanded))
-    # Both poses are rounded to whole microsteps.
+    # Both poses are rounded to whole microsteps, so their sum is not exact.
     assert tuple(map(math.degrees, (yaw, pitch, roll))) == pytest.approx((11, 1, -4), abs=0.4)

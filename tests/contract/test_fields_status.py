@@ -31,7 +31,7 @@ from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.robot_file import fingerprint
 
 AT_ONCE_NS = 0.3e9
-"""Longest time from a change to its publication."""
+"""Longest time from a change to its publication (ns)."""
 LEASE_S = 2.0
 
 
@@ -94,7 +94,7 @@ def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
     assert len({0, *numbers}) == 3
 
 
-def test_the_robot_is_held_until_two_seconds_after_rest_and_published_free_at_once(
+def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
     body: Body, robot: Robot
 ) -> None:
     other = body.robot("ben")

@@ -1,4 +1,4 @@
-"""Leases over real sessions: a seat takes the robot, others wait, the teacher governs."""
+"""Leases over real sessions: a seat takes the robot, others wait, the teacher freezes it and limits its speed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.client import lease
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # the node alone decides about leases
+pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about leases
 
 
 @pytest.fixture(autouse=True)
@@ -62,7 +62,7 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
 
 
 def test_a_waiting_seat_that_loses_its_place_waits_again(body: Body, robot: Robot) -> None:
-    """Here another program of the seat gives up. A restart of the node or a suspended computer has the same effect."""
+    """Another program of the seat gives its place back; a restart of the node or a suspended computer does the same."""
     holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
     held = holder.lease()
     taken: list[int] = []
@@ -92,7 +92,7 @@ def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) ->
     assert reason_of(refused) is Reason.NOT_HOLDER
 
 
-def test_the_teacher_freezes_and_unfreezes(body: Body, robot: Robot) -> None:
+def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     with pytest.raises(Refused) as refused:
         lease.freeze(robot)
@@ -110,7 +110,7 @@ def test_the_teacher_freezes_and_unfreezes(body: Body, robot: Robot) -> None:
     assert not robot.status().frozen
 
 
-def test_the_teacher_limits_the_speed(body: Body, robot: Robot) -> None:
+def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     with pytest.raises(Refused) as refused:
         lease.limit_speed(teacher, 2.0)

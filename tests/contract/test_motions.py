@@ -18,7 +18,7 @@ MEASURED_DEG = 0.25
 
 
 def raw_positions(robot: Robot) -> Positions:
-    """Positions in rad, with steps."""
+    """Return the positions in rad, with steps."""
     key = keys.positions(robot.name, robot.twin)
     return robot.client.ask(robot.name, robot.twin, key, None, Positions, 2.0)
 
@@ -58,7 +58,7 @@ def test_a_relative_pose_is_added_to_the_present_pose(robot: Robot) -> None:
     until(lambda: near(robot.positions().head, (10, 5, 0), 0.4), "head at the pose", 2.0)
 
 
-def test_equal_arms_turn_the_head_left(robot: Robot) -> None:
+def test_equal_arm_angles_turn_the_head_left(robot: Robot) -> None:
     robot.move(12, 12, 12, speed=60)
     until(lambda: near(robot.positions().head, (12, 0, 0), MEASURED_DEG), "head turned left", 2.0)
 
@@ -157,7 +157,7 @@ def test_an_impossible_motion_is_refused_and_nothing_moves(
 
 @pytest.mark.bodies("in-process")
 @pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (60.0, "35"), (80.0, "35"), (179.0, "")])
-def test_the_refusal_of_an_impossible_pose_has_the_limit(robot: Robot, pitch: float, word: str) -> None:
+def test_the_refusal_of_an_impossible_pose_states_the_limit(robot: Robot, pitch: float, word: str) -> None:
     with pytest.raises(Refused) as refusal:
         robot.look(pitch=pitch)
     assert refusal.value.reason is Reason.OUT_OF_REACH

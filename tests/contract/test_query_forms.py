@@ -21,7 +21,7 @@ def key_of(robot: Robot, action: str) -> str:
 
 
 def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
-    """Return the last reply as JSON text, as a user of z_get sees it."""
+    """Assert that the last reply is one line of JSON, as z_get prints it; return it decoded."""
     answer = ask_raw(robot.client, selector, payload)[-1]
     assert answer.encoding == codec.JSON
     assert b"\n" not in answer.payload
@@ -81,7 +81,7 @@ def test_disable_is_accepted_as_a_command_name(robot: Robot) -> None:
     assert not robot.status().enabled
 
 
-def test_a_refused_angle_in_text_explains_radians(robot: Robot) -> None:
+def test_the_refusal_of_an_angle_in_text_explains_radians(robot: Robot) -> None:
     reply = last_json(robot, key_of(robot, "pose") + "?yaw=20")
     assert "10° = 0.1745 rad" in str(reply["message"])
 

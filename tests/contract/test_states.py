@@ -26,7 +26,7 @@ def test_a_motion_before_calibration_is_refused(robot: Robot) -> None:
     assert refusal.value.reason is Reason.NOT_CALIBRATED
 
 
-def test_switching_the_motors_clears_calibration(robot: Robot) -> None:
+def test_switching_the_motors_off_clears_the_calibration(robot: Robot) -> None:
     assert robot.status().calibrated
     robot.disable()
     robot.enable()
@@ -58,7 +58,7 @@ def test_calibrating_again_at_another_position_is_reported(robot: Robot) -> None
 
 
 def test_calibrate_far_from_a_known_home_is_refused(robot: Robot) -> None:
-    """The yaw limit, which protects the cables, counts from home; repeated calibration would exceed it."""
+    """The yaw limit, which protects the cables, counts from home; repeated calibration would bypass it."""
     robot.move(20, 20, 20, speed=80)
     with pytest.raises(Refused, match="20") as refusal:
         robot.calibrate()

@@ -86,7 +86,7 @@ def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robo
 
 
 def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -> None:
-    """Each command waits for telemetry, so that all of them take most of a second."""
+    """Each command waits for telemetry, so all of them take most of a second; STOP must not wait for them."""
     boss = body.robot("boss")
     key = keys.command(robot.name, robot.twin, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))

@@ -45,7 +45,7 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
 
 @pytest.mark.parametrize("page", PAGES)
 @pytest.mark.timeout(120)
-def test_python_of_page_runs(
+def test_the_python_of_a_page_runs(
     page: str, stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Names of keys, threads and printed tables in the pages are those of the code."""
+"""Keys, threads, tables and glossary of the pages have the names of the code; the changelog is brief."""
 
 from __future__ import annotations
 

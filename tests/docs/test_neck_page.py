@@ -13,11 +13,11 @@ from sim_node.model import build
 TEXT = neck_page.PAGE.read_text(encoding="utf-8")
 
 
-def test_page_is_as_generated() -> None:
+def test_the_page_is_as_generated() -> None:
     assert neck_page.page(TEXT) == TEXT, "run python tools/neck_page.py"
 
 
-def test_heads_of_the_table_need_the_arms_of_their_row() -> None:
+def test_the_head_angles_of_each_row_belong_to_its_arm_angles() -> None:
     rows = dict(re.findall(r"^\| ([a-z ,]+) \| (.*°) \|$", TEXT, re.MULTILINE))
     for title, pattern in neck_page.PATTERNS:
         yaw, pitch, roll = (math.radians(float(angle.strip(" °"))) for angle in rows[title].split("|"))
@@ -26,7 +26,7 @@ def test_heads_of_the_table_need_the_arms_of_their_row() -> None:
         assert all(abs(arm - goal) < 0.2 for arm, goal in zip(arms, expected, strict=True)), title
 
 
-def test_tree_names_every_body_joint_motor_and_loop() -> None:
+def test_the_tree_names_every_body_joint_motor_and_loop() -> None:
     model = build()
     names = [model.body(i).name for i in range(model.nbody)]
     names += [model.actuator(i).name for i in range(model.nu)]

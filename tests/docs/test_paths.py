@@ -10,10 +10,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
 CODE = re.compile(r"^```text\n.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
-"""Code in a line, and drawings."""
+"""Inline code, and drawings in text."""
 PATH = re.compile(r"[\w.-]+/[\w./-]*")
 FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").iterdir()) if path.is_dir()}
-"""Pages name files by their path in the repository, or in the library."""
+"""First parts of the paths in pages: folders of the repository, or of the library."""
 
 
 def named(page: Path) -> set[str]:
