@@ -1,4 +1,4 @@
-"""A program at a seat of a class: evaluates each line of its input, and prints `= result` or `! error`.
+"""A program that acts as a seat of a class: evaluates each line of its input, and prints `= result` or `! error`.
 
 It uses the account that `beatrix.toml` of its working folder names, as the programs of a student do.
 """
@@ -26,30 +26,30 @@ QUERIES: list[str] = []
 
 @cache
 def client() -> Client:
-    """The session of this program."""
+    """Return the client of this program; the first call connects it."""
     return patiently(lambda: Client(resolve()))
 
 
 @cache
 def robot(name: str) -> OneRobot:
-    """A robot of the class."""
+    """Return the hardware of a robot of the class."""
     return OneRobot(name, "hw", client=client(), timeout_s=PATIENCE_S)
 
 
 def ready(name: str) -> str:
-    """Make a robot ready to move."""
+    """Make a robot ready to move; return its name."""
     robot(name).make_ready()
     return name
 
 
 def begin(name: str, yaw: float, speed: float = 10.0) -> str:
-    """Begin a motion of the head; yaw in deg, speed in deg/s."""
+    """Begin a motion of the head; yaw in deg, speed in deg/s. Return the robot's name."""
     robot(name).look(yaw=yaw, speed=speed, wait=False)
     return name
 
 
 def yaw(name: str) -> float:
-    """Commanded angle of the short arm, to a tenth of a degree."""
+    """Return the commanded angle of the short arm (deg), rounded to 0.1; it is the yaw of an upright head."""
     return round(robot(name).positions().commanded.short, 1)
 
 
@@ -61,23 +61,23 @@ def listen(*keys: str) -> int:
 
 
 def publications() -> list[tuple[str, str]]:
-    """Return the different pairs of key and publisher's session of the publications that have arrived."""
+    """Return the distinct pairs of key and publisher's session among the publications that have arrived."""
     return list(RECEIVED)
 
 
 def spy(key: str) -> str:
-    """Serve a key that belongs to another account."""
+    """Declare a queryable on a key that belongs to another account; return the key. See `queries`."""
     client().bus.serve(key, lambda incoming: QUERIES.append(incoming.key))
     return key
 
 
 def queries() -> list[str]:
-    """Keys of the queries that have arrived."""
+    """Return the keys of the queries that have arrived."""
     return QUERIES
 
 
 def can_connect(account: str, endpoint: str = "") -> bool:
-    """Return True if a session with the account in this file opens, at `endpoint` or the router of its class.
+    """Open and close a session with the account in this file, at `endpoint` or the router of its class; return True.
 
     Raises NoAnswer if the router refuses the account.
     """

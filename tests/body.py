@@ -1,4 +1,4 @@
-"""The bodies that contract tests run against: simulation, hardware node, Mega."""
+"""The bodies on which contract tests run: robots of several kinds, each on a stage of its own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Body:
 
 
 def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:
-    """Run a test that uses this fixture on each body in its mark `bodies`, or on all bodies."""
+    """Parametrize a test that uses this fixture with the bodies in its mark `bodies`, or with all bodies."""
     if fixture in metafunc.fixturenames:
         mark = metafunc.definition.get_closest_marker("bodies")
         metafunc.parametrize(fixture, mark.args if mark else bodies, indirect=True)

@@ -111,7 +111,7 @@ class Browser:
         return done["result"].get("value")
 
     def text(self, selector: str) -> str:
-        """The text of an element; empty if there is none."""
+        """Return the text of an element; empty if there is no such element."""
         found: str = self.run(f"document.querySelector({json.dumps(selector)})?.textContent ?? ''")
         return found
 
@@ -127,7 +127,7 @@ class Browser:
         self._mouse("mousePressed", selector)
 
     def release(self, selector: str) -> None:
-        """Release the mouse button."""
+        """Release the mouse button on an element."""
         self._mouse("mouseReleased", selector)
 
     def click(self, selector: str) -> None:
@@ -156,7 +156,7 @@ class Browser:
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
 
     def errors(self) -> list[str]:
-        """Errors that the page has logged."""
+        """Return the exceptions and logged errors of the page, as JSON."""
         return [
             json.dumps(event["params"])
             for event in self.events

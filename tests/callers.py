@@ -1,4 +1,4 @@
-"""Callers of the access rules, and the reasons of their refusals."""
+"""Callers for tests of the access rules, and a function that returns the reason of a refusal."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def two_free_ports() -> int:
 
 
 class Answering:
-    """A queryable that answers each query on its own concrete key, and keeps the keys of queries that arrived."""
+    """A queryable that replies to each query under one concrete key, and stores the keys of the queries in `asked`."""
 
     def __init__(self, bus: Bus, key: str, reply_key: str = "", payload: bytes = b"real") -> None:
         self.asked: list[str] = []
@@ -59,7 +59,7 @@ class Answering:
         incoming.finish()
 
     def _concrete(self, asked: str) -> str:
-        """Return the queryable's own key with the seat of the query."""
+        """Return the queryable's key, its wildcard replaced by the seat of the query, or by `zoe`."""
         own, chunks = self._key.split("/"), asked.split("/")
         seats = chunks if len(chunks) == len(own) else own
         return "/".join(
@@ -83,7 +83,7 @@ class ReceivedKeys:
                 return received
 
     def so_far(self) -> list[str]:
-        """Return all keys that have arrived."""
+        """Remove and return all keys that have arrived."""
         found = []
         while not self._queue.empty():
             found.append(self._queue.get())
@@ -107,7 +107,7 @@ def class_text(
 
 
 class ClassRouter:
-    """The router of a class on a computer: seats ana and ben, robots bea1 and bea2, a teacher.
+    """The process of a class's router: robots bea1 and bea2, a teacher, and by default the seats ana and ben.
 
     `options` are those of `class_text`.
     """
@@ -127,7 +127,7 @@ class ClassRouter:
         self._processes: list[Process] = [self.process]
 
     def start(self, file: Path | None = None) -> Process:
-        """Start the router of this class, or of another file."""
+        """Start the router of this class file, or of another one; return when it is ready."""
         process = Process(*CLI, "router", "--class", str(file or self.class_file), inside=self._inside)
         process.expect("ready")
         return process
@@ -143,7 +143,7 @@ class ClassRouter:
         self._processes.append(self.process)
 
     def make_anew(self) -> None:
-        """Create all accounts again, as after the loss of the folder; the next router that starts uses them."""
+        """Create all accounts with new secrets, as after a loss of the folder. Only a new router process uses them."""
         shutil.rmtree(self.folder)
         provision.init(self.classroom, self.folder)
 
@@ -180,7 +180,7 @@ class ClassRouter:
 
 
 def start_node(folder: Path, account: Path) -> Process:
-    """Start a virtual robot with an account; a file `beatrix.toml` in `folder` names the account's file."""
+    """Start a virtual robot with an account, which a new `beatrix.toml` in `folder` names; return when it is ready."""
     (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
     node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
     node.expect("ready")

@@ -1,4 +1,4 @@
-"""Fixtures of every test: a clean environment, loopback only, and a check for remaining threads and processes."""
+"""Fixtures and hooks of all tests: clean settings, loopback only, no remaining threads and processes, scheduling."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
 from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
-# Hypothesis has no deadline, because a busy machine is no fault of the code; pytest's timeout applies. Each run draws
-# new examples.
+# Hypothesis has no deadline, because tests of correct code may be slow on a busy machine; pytest's timeout applies.
+# Each run draws new examples.
 settings.register_profile("beatrix", deadline=None, max_examples=50)
 settings.load_profile("beatrix")
 
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
 SECONDS_TO_GO = 3.0
-"""How long threads and processes may take to end after their test."""
+"""How long (s) threads and processes may take to end after their test."""
 COMPUTING_WORKER = "gw0"
-"""Process of `make test` that executes the tests that compute."""
+"""Process of `make test` that executes the tests that keep a processor busy; see `computes`."""
 FEWEST_WORKERS = 3
-"""With fewer processes every process executes tests of both kinds."""
+"""With fewer processes, each executes tests that keep a processor busy, and others."""
 NICE = 5
 """Added to the niceness of COMPUTING_WORKER."""
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
@@ -43,7 +43,7 @@ BEGIN_S = pytest.StashKey[float]()
 
 
 def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
-    """Audit hook that raises PermissionError if a socket of Python would leave this machine."""
+    """Audit hook that raises PermissionError if a Python socket would reach another machine."""
     if event in {"socket.bind", "socket.connect", "socket.sendto"}:
         address = args[1]
         if isinstance(address, tuple) and address[0] not in LOOPBACK:
@@ -51,23 +51,23 @@ def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
 
 
 sys.addaudithook(refuse_other_networks)
-# A script that starts pytest with `&` makes it ignore SIGINT; child processes would inherit that.
+# A script that starts pytest with `&` makes it ignore SIGINT. Handle it again, because child processes inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def computes(nodeid: str) -> bool:
-    """Return whether a test uses a processor without pause; robots of the other tests move in real time."""
+    """Return whether a test keeps a processor busy all the time; the other tests have robots that move in real time."""
     return nodeid.startswith(("tests/unit/", "tests/firmware/", "tests/avr/"))
 
 
 class Sharing(LoadScopeScheduling):  # type: ignore[misc]
     """Keeps tests that share robots, or a build, in one process; else each process would start its own.
 
-    Marks have no effect: pytest-xdist 3.8 writes the group of `xdist_group` where pytest 9.2 no longer reads it.
+    The mark `xdist_group` has no effect: pytest-xdist 3.8 writes its group where pytest 9.2 no longer reads it.
 
-    The first process executes the tests that compute, at low priority, so that they do not delay the robots of the
-    others.
+    The first process executes the tests that compute, at low priority, so that they do not delay robots in the other
+    processes.
     """
 
     def _split_scope(self, nodeid: str) -> str:
@@ -77,7 +77,7 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
         return nodeid if file.startswith("tests/unit/") else file
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        """Assign the next scope of the process's own kind; at the end the others also run scopes of the first."""
+        """Assign the next scope of the process's kind; at the end, the others also get scopes of the first process."""
         first = node.gateway.id == COMPUTING_WORKER and self.numnodes >= FEWEST_WORKERS
         scope = next(
             (scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first), None
@@ -92,12 +92,12 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Sharing | None:
-    """Return the order of `make test`."""
+    """Return the scheduler of `make test`."""
     return Sharing(config, log) if config.getoption("dist") == "loadgroup" else None
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Lower the priority of the process whose tests compute; start the witness of the others."""
+    """Lower the priority of the process whose tests compute; start a witness in the others."""
     worker = os.environ.get("PYTEST_XDIST_WORKER")
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     if worker == COMPUTING_WORKER and workers >= FEWEST_WORKERS:
@@ -129,13 +129,13 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Note when the test begins."""
+    """Store the start time of the test."""
     item.stash[BEGIN_S] = time.monotonic()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Skip a failed test about robots during which this computer stood still: it has no result."""
+    """Report a failed test of robots as skipped if this computer stood still meanwhile: the test has no result."""
     report = yield
     witness = item.config.stash.get(WITNESS, None)
     if report.failed and witness and not computes(item.nodeid):
@@ -172,7 +172,7 @@ def running_threads() -> set[threading.Thread]:
 
 
 def running_children() -> dict[int, str]:
-    """Command lines of this process's living children by process number; empty where /proc is missing."""
+    """Return the command lines of this process's living children by process number; none if /proc is missing."""
     found = {}
     for listing in Path(f"/proc/{os.getpid()}/task").glob("*/children"):
         try:

@@ -17,7 +17,7 @@ class Entry(NamedTuple):
 
 
 def read(path: Path) -> list[Entry]:
-    """Read a recorded dialogue; escapes are resolved."""
+    """Return the entries of a recorded dialogue, with escapes resolved."""
     entries = []
     for line in path.read_text(encoding="ascii").splitlines():
         if not line.startswith("#"):

@@ -1,11 +1,11 @@
 /* A V4L2 camera for tests: preloaded into a program, it answers the ioctls that the program makes on a named pipe.
  *
- * The system itself opens the pipe and waits for it. The structures are those of its header, so a program that fills
- * them wrongly fails. Pictures come through the pipe, each after two numbers: its length in bytes, and 1 if the camera
- * marks it as damaged. A picture of no bytes unplugs the camera. While the camera does not stream, pictures are discarded. A
- * file beside the pipe, named like it with `.refuses` at the end, contains an errno and a rate (1/s): a stream at
- * this rate or above does not start, but fails with the errno. During a stream a file that ends in `.asked` contains
- * its settings. */
+ * The system itself opens the pipe and waits for it. The structures are those of the system's header, so a program that
+ * fills them wrongly fails. Pictures come through the pipe, each after two numbers: its length in bytes, and 1 if the
+ * camera marks it as damaged. A picture of no bytes unplugs the camera. Pictures that come before the stream starts are
+ * discarded. A file beside the pipe, named like it with `.refuses` at the end, contains an errno and a rate (1/s): a
+ * stream at this rate or above does not start, but fails with the errno. During a stream a file that ends in `.asked`
+ * contains the settings of the stream. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

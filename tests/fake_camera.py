@@ -15,7 +15,7 @@ PIPE = 1 << 20
 
 
 def library(folder: Path) -> Path:
-    """Build the library for LD_PRELOAD."""
+    """Build the library for LD_PRELOAD; return its path."""
     built = folder / "fake_camera.so"
     command = [
         "gcc",
@@ -55,7 +55,7 @@ class FakeCamera:
         os.close(self._pipe)
 
     def send(self, picture: bytes, *, damaged: bool = False) -> None:
-        """Deliver a picture."""
+        """Send a picture."""
         data = HEAD.pack(len(picture), damaged) + picture
         assert os.write(self._pipe, data) == len(data), "the pipe is full"
 

@@ -10,16 +10,16 @@ import numpy as np
 from hw_node.cameras.opencv import Pixels
 
 PLUM = (40, 20, 120)
-"""Blue, green, red of its pictures."""
+"""Blue, green and red of the camera's pictures."""
 
 
 def plain(width: int = 640, height: int = 480) -> Pixels:
-    """A picture of one colour."""
+    """Return a picture of one colour."""
     return np.full((height, width, 3), PLUM, np.uint8)
 
 
 class FakeOpenCv:
-    """Stands for the module `cv2`."""
+    """A replacement for the module `cv2`."""
 
     CAP_ANY, CAP_DSHOW, CAP_AVFOUNDATION = 0, 700, 1200
     CAP_PROP_FRAME_WIDTH, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FPS, CAP_PROP_FOURCC = 3, 4, 5, 6
@@ -52,7 +52,7 @@ class FakeOpenCv:
 
 
 class FakeCapture:
-    """Stands for `cv2.VideoCapture`."""
+    """A replacement for `cv2.VideoCapture`."""
 
     def __init__(self, module: FakeOpenCv) -> None:
         self._module, self._connected = module, module.plugged

@@ -68,7 +68,7 @@ class School:
         return ROUTER if self.isolated else "127.0.0.1"
 
     def host(self, name: str) -> Host:
-        """Create a computer and plug its cable in."""
+        """Create a computer, and plug its cable in; return it."""
         host = self._host(name)
         if self.isolated:
             cable, own, pid = f"cable{host.number}", HOST.format(host.number), self._namespaces[-1].pid
@@ -136,7 +136,7 @@ class School:
 
 
 def sockets(pid: int) -> list[tuple[str, str]]:
-    """Protocol and state of all internet sockets of a process, from /proc."""
+    """Return protocol and state of all internet sockets of a process, from /proc."""
     links = [str(path.readlink()) for path in Path(f"/proc/{pid}/fd").iterdir() if path.is_symlink()]
     own = {link.partition("[")[2].rstrip("]") for link in links if link.startswith("socket:")}
     rows = [

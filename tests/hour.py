@@ -1,7 +1,8 @@
 """Simulate an hour of work in the window, shortened; print what the window keeps at its end, as JSON.
 
-It needs a process of its own. With the objects of other tests, PyQt may double its table of all objects at any time,
-which looks like a leak; and tracemalloc of Python 3.11 crashes when it stops while a thread of Zenoh allocates.
+It needs a process of its own. In a process with the objects of other tests, PyQt's table of all objects may become full
+and be doubled, which looks like a leak; and tracemalloc of Python 3.11 crashes if it stops while a thread of Zenoh
+allocates memory.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The link of a window without the window, with waits for its reports."""
+"""The link of a window without a window, and functions that wait for its reports."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Linked:
 
     @property
     def world(self) -> World:
-        """Return the present world."""
+        """The present world."""
         return self.link.world()
 
     def do(self, action: Action) -> None:
@@ -64,7 +64,7 @@ class Linked:
         assert time.monotonic() - began_s < 1.0, "the call waited"
 
     def until(self, holds: Callable[[World], bool], what: str, timeout_s: float = PATIENCE_S) -> World:
-        """Wait for the first world that fulfils `holds`."""
+        """Wait for the first world that fulfils `holds`, and return it."""
         seen: list[World] = []
 
         def look() -> bool:
@@ -92,13 +92,13 @@ class Linked:
         return [found for found in list(self.outcomes) if found.row == row and twin in (None, found.twin)]
 
     def end_of(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
-        """Wait for the last outcome of a row and twin."""
+        """Wait for the last outcome of a row and twin, and return it."""
         until(lambda: any(found.done for found in self.of(row, twin)), f"row {row} {twin} ends", timeout_s)
         (last,) = [found for found in self.of(row, twin) if found.done]
         return last
 
     def accepted(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
-        """Wait for the first outcome of a row and twin, and assert that the robot accepted the request."""
+        """Wait for the first outcome of a row and twin; assert that the robot accepted the request; return it."""
         until(lambda: bool(self.of(row, twin)), f"row {row} {twin} is accepted", timeout_s)
         first = self.of(row, twin)[0]
         assert first.accepted, first
@@ -118,14 +118,14 @@ class Linked:
 
 
 def short(world: World, twin: str) -> float:
-    """Commanded angle of the short arm (deg)."""
+    """Return the commanded angle of the short arm (deg)."""
     reading = world.twin(twin).reading
     assert reading is not None
     return reading.commanded.short
 
 
 def at_home(linked: Linked) -> None:
-    """Stop both robots, and make them ready at their present position."""
+    """Stop both robots, make them ready, and wait until all their commanded angles are 0."""
     linked.outcomes.clear()
     linked.on_line("sim", "hw")
     linked.do(StopBoth(-1))

@@ -79,7 +79,7 @@ class Rig:
             return self.virtual.firmware.steps()
 
     def rest(self) -> tuple[int, int, int]:
-        """Wait until no arm has stepped for 0.2 s; return their positions."""
+        """Wait until no arm has stepped for 0.2 s; return the positions of the arms."""
         seen: list[tuple[int, int, int]] = []
 
         def at_rest() -> bool:

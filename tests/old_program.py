@@ -33,7 +33,7 @@ class Program:
         return [self.port.readline().decode() for _ in range(lines)]
 
     def begin(self) -> Program:
-        """Enable the motors and set the zero, as programs of 2023 begin."""
+        """Enable the motors and set the zero, as programs of 2023 do first."""
         assert self.say("@ENMOTORS ON") == self.say("@CALNOW") == ["ACK\n", "ACK\n"]
         self._begun()
         return self
@@ -62,13 +62,13 @@ class Place:
         return f"@MOVRALL {away} {away} {away} 200\r".encode()
 
     def events(self, since: int = -1) -> list[Event]:
-        """Stored events with a number above `since`, oldest first."""
+        """Return the stored events with a number above `since`, oldest first."""
         (answer,) = ask_raw(self.robot.client, keys.events_json("bea", self._twin))
         events = msgspec.json.decode(answer.payload, type=Events).events
         return [event for event in events if event.seq > since]
 
     def newest_event(self) -> int:
-        """Number of the newest event."""
+        """Return the number of the newest event; -1 if there is none."""
         return max((event.seq for event in self.events()), default=-1)
 
     def _remember(self) -> None:

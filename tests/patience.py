@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def patiently(connect: Callable[[], T]) -> T:
-    """Try to connect for PATIENCE_S; raises the last NoAnswer."""
+    """Try to connect for PATIENCE_S; raise the last NoAnswer if no attempt succeeds."""
     deadline, pause = time.monotonic() + PATIENCE_S, threading.Event()
     while True:
         try:

@@ -23,7 +23,7 @@ BYTE_MS: Final = 10 / 9.6
 """Time of a byte (ms) at 9600 baud."""
 HEARTBEAT_MS: Final = 100
 LOOK_MS: Final = 10
-"""Default time (ms) between two polls of the replies, because a poll takes longer than the firmware between polls."""
+"""Default time (ms) between two polls of the replies; a poll takes longer than the simulation of this time."""
 LAST: Final = 1
 
 
@@ -63,7 +63,7 @@ class Program:
         return self.new()
 
     def frame(self, kind: FrameType, payload: bytes = b"") -> None:
-        """Send a frame, as another program does."""
+        """Send a frame, as a host with frames does."""
         self.send(encode(kind, 1, payload))
 
     def ready(self) -> Program:
@@ -72,7 +72,7 @@ class Program:
         return self
 
     def run(self, line: str, limit_ms: int = 60_000) -> list[str]:
-        """Send a line and wait for both replies."""
+        """Send a line and wait for both replies; return the new lines."""
         self.send(line.encode("ascii") + b"\r")
         end_ms = self.ms + limit_ms
         while len(self.lines) - self._read < 2 and self.ms < end_ms:
@@ -98,7 +98,7 @@ class Program:
 
     @property
     def position(self) -> Steps:
-        """Return the position that the port reports to the program."""
+        """The position that the port reports to the program."""
         self.new()
         ack, empty, numbers, done = self.say("@GETALLPOS")
         assert (ack, empty, done) == ("ACK\n", "\n", "ACK\n")

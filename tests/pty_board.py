@@ -1,4 +1,4 @@
-"""A board on a pseudo-terminal that can be plugged in and pulled out: the real firmware behind a real port."""
+"""A board on a pseudo-terminal that can be plugged in and unplugged: the real firmware behind a real port."""
 
 from __future__ import annotations
 

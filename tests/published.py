@@ -64,7 +64,7 @@ def published_statuses(robot: Robot) -> Published[Status]:
 
 
 def without_clocks(status: Status) -> Status:
-    """Return a status without the fields that differ in each publication: clocks and physics counters."""
+    """Return a status without the fields that differ in each publication: clocks, physics counters, camera rates."""
     cameras = [msgspec.structs.replace(camera, hz=0.0) for camera in status.cameras]
     return msgspec.structs.replace(status, t_mono_ns=0, t_wall_ns=0, plant=None, cameras=cameras)
 

@@ -1,4 +1,4 @@
-"""A link and states for tests of the window, which record its calls."""
+"""A link and states that record the calls of a window under test."""
 
 from __future__ import annotations
 

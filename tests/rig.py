@@ -1,4 +1,4 @@
-"""A firmware under test in virtual time, and the host that sends its requests."""
+"""A firmware under test in virtual time, and a host that sends requests to it."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class HostFirmware:
         self._drain()
 
     def steps(self) -> Steps:
-        """Set points in microsteps from home."""
+        """Return the set points in microsteps from home."""
         x, y, z = self._report()[6:9]
         return x, y, z
 
@@ -169,7 +169,7 @@ class Rig:
 
     @property
     def outcome(self) -> Outcome:
-        """Return the outcome of the last motion."""
+        """Outcome of the last motion."""
         return Outcome(self.last.outcome)
 
     @property
@@ -190,7 +190,7 @@ class Rig:
 
 
 def least_gap(steps: Steps) -> int:
-    """Smallest distance of neighbouring arms, microsteps."""
+    """Return the smallest gap between neighbouring arms (microsteps)."""
     x, y, z = steps
     last = ARM_TURN - 2 * ARM_SPACING
     return min(ARM_SPACING + y - x, ARM_SPACING + z - y, last + x - z)

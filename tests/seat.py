@@ -1,4 +1,4 @@
-"""A seat of a class: a program (at_seat.py) that evaluates expressions of a test."""
+"""A program (at_seat.py) that acts as a seat of a class and evaluates expressions of a test."""
 
 from __future__ import annotations
 

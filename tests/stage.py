@@ -1,4 +1,4 @@
-"""A stage for node tests: a router, and robots as real processes on it."""
+"""A stage for node tests: a router, and robots as real processes that are connected to it."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def untraced() -> dict[str, str]:
-    """Environment of a process whose coverage is not counted.
+    """Return the environment of a process whose coverage is not counted.
 
-    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer keeps its lock
-    forever.
+    Counting doubles the processor time of a robot; and a KeyboardInterrupt inside coverage's tracer keeps the
+    tracer's lock forever.
     """
     return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 
@@ -90,7 +90,7 @@ class Process:
         self._queue.put(None)
 
     def expect(self, beginning: str | tuple[str, ...], timeout_s: float = START_S) -> str:
-        """Wait for the next line with this beginning, or with one of several."""
+        """Return the next line with this beginning, or with one of several."""
         deadline = time.monotonic() + timeout_s
         while True:
             try:
@@ -240,7 +240,7 @@ class Stage:
 
 
 def ready(robot: Robot) -> Robot:
-    """Clear the emergency latch, enable and calibrate the robot."""
+    """Clear the emergency latch, enable and calibrate the robot; return it."""
     robot.reset()
     robot.enable()
     robot.calibrate()

@@ -65,7 +65,7 @@ class WebSocket:
         self._do(lambda: self._socket.write_message(text))
 
     def read(self) -> str | bytes | None:
-        """The next message; None if the web socket is closed."""
+        """Return the next message; None if the web socket is closed."""
         message = None
         if not self._closed:
             message = self._do(lambda: asyncio.wait_for(self._socket.read_message(), PATIENCE_S))
@@ -97,17 +97,17 @@ class WebSocket:
         return found[0]
 
     def state(self, holds: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
-        """The next state that fulfils `holds`."""
+        """Return the next state that fulfils `holds`."""
         return self.wait(lambda message: message["kind"] == "state" and holds(message), what)
 
     def outcome(self, control: str, *, heartbeat: bool = True) -> dict[str, Any]:
-        """The next outcome of a control."""
+        """Return the next outcome of a control."""
         return self.wait(
             lambda message: message.get("control") == control, f"outcome of {control}", heartbeat
         )
 
     def drive(self, name: str) -> Self:
-        """Take the robot."""
+        """Take the robot under this name, and wait until this page drives."""
         self.state(lambda state: state["robot"] is not None, "a robot")
         self.send("drive", name=name)
         self.state(lambda state: state["you"]["drives"], f"{name} drives")
@@ -148,7 +148,7 @@ class WebClient:
         return self._runner.run(run())
 
     def headers(self, **more: str) -> dict[str, str]:
-        """Headers of the control page; an empty value omits one."""
+        """Return the headers of requests of the control page, changed by `more`; an empty value omits a header."""
         own = {
             "Host": f"127.0.0.1:{self.port}",
             "Origin": f"http://127.0.0.1:{self.port}",
@@ -190,7 +190,7 @@ class WebClient:
         return page
 
     def log_in(self, pin: str) -> HTTPResponse:
-        """The response to a PIN."""
+        """Send a PIN; return the response."""
         return self.fetch("/", f"pin={pin}")
 
     def connect(self, path: str = "/live", **headers: str) -> WebSocket:
@@ -200,7 +200,7 @@ class WebClient:
         return socket
 
     def refusal(self, path: str = "/live", **headers: str) -> tuple[int, str]:
-        """Status and text of a web socket that is refused."""
+        """Return status code and text of the refusal of a web socket."""
         response = self.fetch(
             path,
             **{

@@ -49,7 +49,7 @@ def ready() -> World:
 
 
 def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known: bool | str) -> RobotState:
-    """A robot that this seat drives, with this head orientation."""
+    """Return a robot that this seat drives, with this head orientation."""
     made = robot(twin, arms=arms, known=status(twin, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
     assert made.positions is not None
     turned = msgspec.structs.replace(made.positions, head=Head(*map(math.radians, head)))
@@ -57,7 +57,7 @@ def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known
 
 
 def reported(state: State, intent: Intent, now: World, refused: Detail | None = None) -> None:
-    """Send an intent and report that both robots have done or refused it."""
+    """Let a state handle an intent; report that both robots have carried out its request, or refused it."""
     for action in state.handle(intent, now):
         if isinstance(action, Govern):
             state.report(Outcome(action.row, "", accepted=True, done=True, robots=len(now.robots)))
@@ -78,7 +78,7 @@ def outcome(action: Action, twin: str, refused: Detail | None) -> Outcome:
 
 
 def driving(theme: Theme, language: str, now: World) -> State:
-    """A state with some requests in its history."""
+    """Return a state with some requests in its history."""
     state = State()
     for intent in (
         SetTheme(theme),
@@ -100,11 +100,11 @@ SHARED: dict[str, dict[str, Any]] = {
     "turn": {"holder": "ben", "lease": 4, "waiting": ("cleo", "dora"), "limit_deg": 20.0},
     "frozen": {"frozen": True, "holder": "ben", "limit_deg": 20.0},
 }
-"""Status of both robots in the states of a lesson."""
+"""Fields of the status of both robots, by the name of a state of the window."""
 
 
 def shared(deciding: State, before: World, **known: Any) -> World:
-    """Return a world in which both robots have this status, after one in which the seat waited for them."""
+    """Let a state follow a world in which its seat waits, then the returned world: both robots have this status."""
     waiting = {
         twin: robot(twin, known=status(twin, holder="ana", waiting=("ben",))) for twin in ("sim", "hw")
     }
@@ -116,7 +116,7 @@ def shared(deciding: State, before: World, **known: Any) -> World:
 
 
 def class_world() -> World:
-    """The teacher's world: robots in several conditions."""
+    """Return the world of the teacher's window: robots in several conditions."""
     known = {
         "bea1": {"moving": True, "holder": "ana", "lease": 3, "waiting": ("ben", "cleo"), "limit_deg": 20.0},
         "bea2": {"frozen": True, "holder": "dora", "limit_deg": 20.0},
@@ -135,7 +135,7 @@ def class_world() -> World:
 
 
 def example(state: str, theme: Theme, language: str) -> View:
-    """The view of one of STATES."""
+    """Return the view of one of STATES."""
     now = ready()
     deciding = driving(theme, language, now)
     if state == "preview":

@@ -38,7 +38,7 @@ class Windowed:
         return self.window.panels.stop_bar.last.text()
 
     def press(self, button: QWidget) -> None:
-        """Click with the mouse."""
+        """Click a button with the mouse."""
         assert button.isVisible(), f"{button.accessibleName()} is hidden"
         assert button.isEnabled(), f"{button.accessibleName()} is off: {button.toolTip()}"
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -84,7 +84,7 @@ class Windowed:
         self.until(lambda: not self.window.refresh_pending, "the request is shown")
 
     def type_number(self, box: QAbstractSpinBox, number: float) -> None:
-        """Type a number into a box, and Enter."""
+        """Type a number into a box, and press Enter."""
         box.setFocus()
         self.until(box.hasFocus, "the box has the focus")
         box.selectAll()
@@ -125,7 +125,7 @@ def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool
 def windowed(
     endpoint: str, robot: str = "bea", who: str = "ana", saved: Saved | None = None
 ) -> Iterator[Windowed]:
-    """A shown and active window; closing it must take less than 3 s."""
+    """Open a window, shown and active; assert that closing it takes less than 3 s."""
     state = State(saved or Saved())
     with linked_window(Settings(robot, endpoint, who), state, name_given=True) as window:
         window.resize(*SIZE)

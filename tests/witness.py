@@ -1,7 +1,7 @@
 """A process that measures how long this computer delays a process that is ready to run.
 
 Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of
-robots has no result: it is skipped if it fails, and the skip says how long the computer stood still.
+robots has no result: it is skipped if it fails, and the reason states how long the computer stood still.
 
 `python tests/witness.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
 STALL_S.
@@ -46,7 +46,7 @@ class Witness:
         return bool(self._stalls)
 
     def longest_s(self, since_s: float) -> float:
-        """The longest delay since a time of the monotonic clock (s); 0 if there was none above STALL_S."""
+        """Return the longest delay (s) since a time of the monotonic clock (s); 0 if there was none above STALL_S."""
         return max((late_s for woke_s, late_s in self._stalls if woke_s >= since_s), default=0.0)
 
     def close(self) -> None:

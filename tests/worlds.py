@@ -48,7 +48,7 @@ def status(
     frozen: bool = False,
     limit_deg: float = 0.0,
 ) -> Status:
-    """A status; by default of a ready robot."""
+    """Return a status; by default of a ready robot."""
     return Status(
         t_mono_ns=0,
         t_wall_ns=0,
@@ -81,7 +81,7 @@ def status(
 
 
 def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0.0) -> Positions:
-    """Positions of a robot at rest; `arms` and `yaw` in deg."""
+    """Return the positions of a robot at rest; `arms` and `yaw` in deg."""
     return Positions(
         seq=1,
         t_mono_ns=0,
@@ -103,7 +103,7 @@ def robot(
     known: Status | None = None,
     events: tuple[Event, ...] = (),
 ) -> RobotState:
-    """A robot; by default ready with its arms at home."""
+    """Return a robot; by default ready with its arms at home."""
     here = presence is not Presence.ABSENT
     return RobotState(
         robot="bea1",
@@ -120,7 +120,7 @@ def robot(
 
 
 def absent(twin: str) -> RobotState:
-    """A robot that is not on line."""
+    """Return a robot that is not on line."""
     return robot(twin, presence=Presence.ABSENT)
 
 
@@ -138,7 +138,7 @@ def world(
     seat: str = "ben",
     robots: tuple[RobotState, ...] = (),
 ) -> World:
-    """A world; by default both robots are ready, and the seat is `ben`."""
+    """Return a world; by default both robots are ready, and the seat is `ben`."""
     return World(
         now_s=100.0,
         phase=phase,

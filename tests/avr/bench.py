@@ -20,12 +20,12 @@ SIGNALS: Final = ("step", "direction", "enable")
 VECTORS: Final = {17: "step x", 18: "step y", 19: "step z", 25: "receive", 26: "transmit", 32: "tick"}
 """Interrupts of the firmware by their number on the ATmega2560."""
 BUDGETS: Final = {"step x": 300, "step y": 300, "step z": 300, "receive": 100, "transmit": 100, "tick": 8000}
-"""Cycles that firmware/beatrix/src/core/hal.h allows; up to half of a step interrupt is waiting for the exact cycle."""
+"""Cycles per call that firmware/beatrix/src/core/hal.h allows; a step interrupt may spend half of them waiting."""
 TICK: Final = 32
 _ENDED_STATES: Final = (6, 7)
 """States of libsimavr: the program ended, or crashed."""
 _RECEIVE_SIZE: Final = 4096
-"""Most bytes that one call fetches."""
+"""Largest number of bytes that one call fetches."""
 _PIECE: Final = 16_000_000
 """Cycles for each call into C, so that Python can handle a keyboard interrupt."""
 
@@ -64,14 +64,14 @@ BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
 
 
 class Work(NamedTuple):
-    """Cycles of an interrupt, without nested interrupts."""
+    """Calls and cycles of an interrupt, without nested interrupts."""
 
     calls: int
     cycles: int
     """Cycles of all calls."""
     longest: int
     last: int
-    """Cycle of the last call."""
+    """Cycle at which the last call began."""
 
 
 class Byte(NamedTuple):
@@ -83,7 +83,7 @@ class Byte(NamedTuple):
 
 @cache
 def _library() -> ctypes.CDLL:
-    """Compile mega.c if it is newer than the library; two tests in parallel may compile it at the same time."""
+    """Return the library of mega.c, compiled if mega.c is newer; processes may compile it at the same time."""
     BUILD.mkdir(parents=True, exist_ok=True)
     source, library = HERE / "mega.c", BUILD / "mega.so"
     if not library.exists() or library.stat().st_mtime < source.stat().st_mtime:
@@ -114,13 +114,13 @@ class Avr:
     """An Arduino Mega with this firmware (.elf or .hex), after reset. Use it in `with`.
 
     Times are cycles of 62.5 ns since power-on, or milliseconds of 16 000 cycles. `eeprom` is the initial content of the
-    memory, by default erased. Methods that run the program raise Crashed if it ends or crashes.
+    EEPROM, by default erased. Methods that run the program raise Crashed if it ends or crashes.
     """
 
     def __init__(self, firmware: Path, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
         self._c = _library()
         self._board: int | None = self._c.bench_open(str(firmware).encode(), eeprom, len(eeprom))
-        assert self._board, f"{firmware}: no firmware that libsimavr can load"
+        assert self._board, f"{firmware}: libsimavr cannot load this file"
         self._report = self._c.bench_report(self._board).contents
         self.byte_cycles = round(16_000_000 * 10 / baud)
         """Cycles of a byte on the host's wire: 10 bits."""
@@ -171,16 +171,16 @@ class Avr:
         return self._wire_free
 
     def deliver(self, data: bytes) -> None:
-        """Send, and run until the board has received the last byte."""
+        """Send bytes, and run until the board has received the last one."""
         self.run_until(self.send(data))
 
     def sent(self, since: int = 0) -> NDArray[np.void]:
-        """All bytes from the board, from this index on: fields `cycle` (of the stop bit) and `byte`."""
+        """Return the bytes from the board, from this index on: fields `cycle` (of the stop bit) and `byte`."""
         count = int(self._report.sent)
         return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
 
     def receive(self) -> bytes:
-        """Complete bytes from the board since the last call."""
+        """Return the complete bytes from the board since the last call."""
         received = b""
         while count := self._c.bench_receive(self._board, self._receive_buffer, _RECEIVE_SIZE):
             received += self._receive_buffer.raw[:count]
@@ -194,17 +194,17 @@ class Avr:
     # --- pins
 
     def edges(self, signal: str, arm: int = 0) -> NDArray[np.void]:
-        """Changes of a wire ("step", "direction", "enable"): fields `cycle` and `level`."""
+        """Return the changes of a wire ("step", "direction", "enable"): fields `cycle` and `level`."""
         edges = self.all_edges()
         chosen: NDArray[np.void] = edges[edges["signal"] == 3 * SIGNALS.index(signal) + arm]
         return chosen
 
     def all_edges(self) -> NDArray[np.void]:
-        """Changes of all wires in order; `signal` is 0 to 2 step, 3 to 5 direction, 6 enable."""
+        """Return the changes of all wires in order; `signal` is 0 to 2 for step, 3 to 5 for direction, 6 for enable."""
         return self._copy(self._c.bench_edges(self._board), int(self._report.edges), EDGE)
 
     def level(self, signal: str, arm: int = 0) -> int:
-        """A wire's level now."""
+        """Return the present level of a wire."""
         return int(self._report.levels[3 * SIGNALS.index(signal) + arm])
 
     @property
@@ -213,7 +213,7 @@ class Avr:
         return self.level("enable") == 0
 
     def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Start cycles of an arm's steps, and their directions, +1 or -1."""
+        """Return the start cycles of an arm's steps, and their directions, +1 or -1."""
         edges = self.all_edges()
         steps = edges[(edges["signal"] == arm) & (edges["level"] == 1)]["cycle"].astype(np.int64)
         turns = edges[edges["signal"] == 3 + arm]
@@ -223,7 +223,7 @@ class Avr:
         return steps, np.where(forward == 1, 1, -1)
 
     def pulses(self) -> Steps:
-        """Steps on the pins since power-on, forward minus backward."""
+        """Return the steps on the pins of each arm since power-on, forward minus backward."""
         x, y, z = (int(self.steps(arm)[1].sum()) for arm in range(3))
         return x, y, z
 
@@ -246,11 +246,11 @@ class Avr:
         return held.raw
 
     def analogue(self, pin: int, millivolts: int) -> None:
-        """Put a voltage on A0 to A15; it stays through resets."""
+        """Apply a voltage to one of the inputs A0 to A15; resets do not change it."""
         self._c.bench_analogue(self._board, pin, millivolts)
 
     def hang(self) -> int:
-        """Replace the next instruction of the main loop by a jump to itself; return it for `mend`.
+        """Replace the next instruction of the main loop by a jump to itself; return the old one, for `mend`.
 
         Interrupts continue.
         """
@@ -261,7 +261,7 @@ class Avr:
         raise AssertionError("the main loop never runs")
 
     def mend(self, broken: int) -> None:
-        """Put the instruction back."""
+        """Restore the instruction that `hang` has replaced."""
         self._c.bench_mend(self._board, broken)
 
     # --- processor time
@@ -272,7 +272,7 @@ class Avr:
         return int(self._report.slept)
 
     def work(self, vector: int) -> Work:
-        """Cycles of an interrupt since power-on; see VECTORS."""
+        """Return calls and cycles of an interrupt since power-on; see VECTORS."""
         row = self._report.work[vector]
         return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
 

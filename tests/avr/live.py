@@ -8,7 +8,7 @@ unplug, plug  pull the cable, which also cuts the power and removes the port; pl
 noise, quiet  start or stop damaging one byte in a hundred, in both directions
 swallow       lose the next reply to a numbered request
 quit          end the program
-The program also ends with its standard input. It prints its delays behind real time.
+The program also ends when its standard input ends. Then it prints its delays behind real time.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from beatrix_zenoh.board.link import Decoder
 SLICE_S: Final = 0.001
 """Longest delay of bytes from the board (s); bytes to the board are passed on at once."""
 ACTIVE_SLICE_S, ACTIVE_S = 10 / BAUD, 0.005
-"""The same for ACTIVE_S after each input, while a reply is expected: the time of one byte (s)."""
+"""Longest delay (s), the time of one byte, while a reply is expected; and how long (s) after an input it applies."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
-"""Largest number of cycles in one step after a delay of this process; control lines are read between steps."""
+"""Largest number of cycles in one step after a delay of this process; commands are read between steps."""
 DAMAGED_SHARE: Final = 0.01
 """Share of damaged bytes while there is noise."""
 PR_SET_TIMERSLACK: Final = 29
@@ -70,7 +70,7 @@ class Cable:
         """Send bytes to the program that has the port open."""
         if self.swallowing:
             data = self._without_one_reply(data)
-        # If no program reads, the buffer is full; that of a real chip would overflow, too.
+        # If no program reads, the buffer becomes full. Bytes are lost then, as in the buffer of a real chip.
         with contextlib.suppress(BlockingIOError):
             os.write(self.master, self._damaged(data))
 

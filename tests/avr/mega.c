@@ -1,5 +1,5 @@
 // A simulated Arduino Mega 2560: libsimavr 1.6 with corrections, serial wires with exact timing, and a log of the pins'
-// levels. Python (bench.py) calls it by ctypes, from one thread at a time.
+// levels. Python (bench.py) calls it through ctypes, from one thread at a time.
 //
 // libsimavr 1.6 differs from the chip in these points; this file corrects them:
 //   libsimavr                                                                        here
@@ -187,7 +187,7 @@ static void unmask(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param
 }
 
 // libsimavr looks for compare matches when it handles an overflow, which may be some cycles late, and skips those that
-// were due in between. Then a step or a tick would be 4 ms late.
+// were due in between. Raise these here; otherwise a step or a tick would be 4 ms late.
 static avr_cycle_count_t on_overflow(avr_t *avr, avr_cycle_count_t when, void *param) {
   avr_timer_t *timer = param;
   uint64_t begin = timer->tov_base, whole = timer->tov_cycles;
@@ -199,7 +199,7 @@ static avr_cycle_count_t on_overflow(avr_t *avr, avr_cycle_count_t when, void *p
   return when + whole;
 }
 
-// libsimavr has called its own handler before.
+// libsimavr calls its own handler before this one, so `timer` already has the new period.
 static void on_clock(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
   Bench *b = param;
   avr_timer_t *timer = address == TCCR1B ? b->timer1 : b->timer3;
@@ -270,7 +270,7 @@ static void on_sent(avr_irq_t *irq, uint32_t value, void *param) {
   b->sent[b->report.sent++] = byte;
 }
 
-// Sets ten bits for a byte instead of eleven, after libsimavr's own handler.
+// Sets the time of a byte to ten bits instead of eleven, after libsimavr's own handler.
 static void on_baud(avr_t *avr, avr_io_addr_t address, uint8_t value, void *param) {
   (void)address, (void)value;
   Bench *b = param;
@@ -307,7 +307,7 @@ static void use_eeprom(Bench *b, uint32_t action, uint8_t *bytes, uint32_t offse
 
 // --- flash
 
-// libsimavr calls this for every SPM, before it writes the page.
+// Lets writes change bits from 1 to 0 only, as on the chip. libsimavr calls this for every SPM, before it writes.
 static int on_store(avr_io_t *io, uint32_t control, void *param) {
   (void)param;
   avr_t *avr = io->avr;
@@ -323,7 +323,7 @@ static int on_store(avr_io_t *io, uint32_t control, void *param) {
 
 // --- reset, start, run
 
-// libsimavr calls this for every reset of any cause, before it resets its own parts.
+// libsimavr calls this for a reset of any cause, before it resets its own parts.
 static void on_reset(avr_io_t *io) {
   Bench *b = io->avr->custom.data;
   b->report.resets++;
@@ -331,7 +331,7 @@ static void on_reset(avr_io_t *io) {
   b->buffered = 0;
   b->shifted = b->woken = false;
   b->fresh = true;
-  while (b->report.sent && b->sent[b->report.sent - 1].cycle > b->avr->cycle) b->report.sent--;  // incomplete
+  while (b->report.sent && b->sent[b->report.sent - 1].cycle > b->avr->cycle) b->report.sent--;  // incomplete bytes
   b->wire_free = 0;
   if (b->eeprom_busy) {
     uint8_t damaged = 0x55;

@@ -19,7 +19,7 @@ LOADER: Final = Path(
 )
 """The Mega's boot loader, from Debian's arduino-core-avr."""
 START_MS: Final = 30
-"""Time from reset to the end of HELLO: the boot number is stored first, which takes 3.4 ms a byte."""
+"""Time (ms) from reset to the end of HELLO: the board first stores the boot number, which takes 3.4 ms a byte."""
 PULSE_MIN: Final = 16
 """Shortest pulse and shortest pause (cycles): 1 us (A4988)."""
 SETUP_MIN: Final = 4
@@ -46,7 +46,7 @@ class MegaCore:
         self.avr.run_ms(ms)
 
     def steps(self) -> Steps:
-        """Position of each arm, counted from the steps on the pins."""
+        """Return the position of each arm, counted from the steps on the pins."""
         return self.avr.pulses()
 
 
@@ -101,7 +101,7 @@ class Mega(Rig):
         self.others.clear()
 
     def settle(self) -> None:
-        """Run until planned steps are made and reported."""
+        """Run for 20 ms, in which the planned steps are made and reported."""
         self.tick(20)
 
 
@@ -116,7 +116,7 @@ def close(avr: Avr, *, in_order: bool) -> None:
 
 
 def pin_faults(avr: Avr) -> list[str]:
-    """Pulses that violate the timing of the drivers, and steps while they are off."""
+    """Return messages about pulses that violate the timing of the drivers, and steps while they are off."""
     edges = avr.all_edges()
     found = []
     for arm in range(3):
