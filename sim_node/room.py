@@ -33,7 +33,7 @@ COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "orange": (0.96, 0.48, 0.08),
     "purple": (0.46, 0.20, 0.66),
     "clay": (0.73, 0.38, 0.26),
-    "leaf": (0.20, 0.50, 0.24),
+    "dark green": (0.20, 0.50, 0.24),
     "wood": (0.80, 0.64, 0.46),
     "shadow": (0.56, 0.44, 0.31),
     "dark_wood": (0.47, 0.33, 0.22),
@@ -79,7 +79,7 @@ OBJECTS: Final = (
     DeskObject("ball", "blue", (0.84, -0.18, FLOOR + 0.055)),
     DeskObject("pyramid", "yellow", (0.78, -0.35, FLOOR + 0.060)),
     DeskObject("books", "purple", (0.44, 0.60, FLOOR + 0.075)),
-    DeskObject("plant", "leaf", (0.42, -0.60, FLOOR + 0.170)),
+    DeskObject("plant", "dark green", (0.42, -0.60, FLOOR + 0.170)),
 )
 
 

@@ -193,7 +193,7 @@ def running_children() -> dict[int, str]:
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
-    """Fail a test that leaves a thread, a process or a signal handler."""
+    """Fail a test that leaves a thread, a child process or a handler of SIGINT."""
     threads_before, children_before = running_threads(), running_children()
     yield
     deadline = time.monotonic() + SECONDS_TO_GO

@@ -571,7 +571,7 @@ class Status(Struct, frozen=True, kw_only=True):
     calibrations: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """number of times that home was set since the node started; a plan made before the last calibration is invalid"""
     holder: str
-    """seat that holds the robot, empty: free"""
+    """seat that holds the robot; empty: free"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
     """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
     waiting: list[str] = []
@@ -681,9 +681,9 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
     kind: str
     """query, publication, put or token"""
     payload: str
-    """message of the query or publication"""
+    """message of the query, publication or put; empty: no payload"""
     reply: str
-    """message of the reply, empty: none"""
+    """message of the reply; empty: no reply"""
     doc_: str
     """purpose of the key"""
 

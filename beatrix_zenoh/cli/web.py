@@ -1,4 +1,4 @@
-"""`beatrix web`: a control page for Chromebooks, tablets and telephones."""
+"""`beatrix web`: a control page for Chromebooks, tablets and phones."""
 
 from __future__ import annotations
 

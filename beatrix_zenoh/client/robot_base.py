@@ -81,7 +81,7 @@ class RobotBase:
         return streams.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
-        """Subscribe to status, on change and once a second; see `stream` for arguments and errors."""
+        """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
         return streams.status(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:

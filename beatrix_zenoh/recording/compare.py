@@ -57,10 +57,13 @@ class Comparison:
     moved: tuple[MovedPart, ...]
     """the motions, each with the lag of its positions"""
     t: Floats
+    """times (s)"""
     first: Floats
+    """angles (deg) of the first robot, one row per time: arms, then head"""
     second: Floats
+    """angles of the second robot, as `first`"""
     second_after: Floats
-    """angles of the second robot, after removal of each motion's lag"""
+    """angles of the second robot after removal of each motion's lag, as `first`"""
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]

@@ -1,3 +1,3 @@
-"""The control page for browsers: Chromebooks, tablets, telephones."""
+"""The control page for browsers: Chromebooks, tablets, phones."""
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ class Server(httpserver.HTTPServer):
             "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
             f"Content-Length: {len(body)}\r\nConnection: close\r\n\r\n"
         )
-        # Later, because closing a connection with an unread request resets it, and the browser could lose the reply.
+        # Close later: closing with the request unread would reset the connection, and the browser could lose the reply.
         stream.io_loop.call_later(REFUSED_S, stream.close)
         with contextlib.suppress(iostream.StreamClosedError):
             stream.write(head.encode() + body).add_done_callback(lambda done: done.exception())

@@ -90,7 +90,7 @@ class Driver:
     # -- the server's thread; only `close` waits -----------------------------------------------------
 
     def beat(self) -> None:
-        """Record a heartbeat of the page."""
+        """Record a heartbeat of the page, and clear `stopped`."""
         self._beat_s = time.monotonic()
         self.stopped = False
 

@@ -55,7 +55,7 @@ def prepared(
 
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
-    """Return the choreography or path to play; raises WrongUsage if the file is too large or cannot be read."""
+    """Return the choreography or path to play; raises WrongUsage if its file cannot be used."""
     if action.file is None:
         # All times are 0, so that each pose begins when the previous one is reached.
         steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]

@@ -215,7 +215,7 @@ def next_step_intent(next_step: str, twin: str) -> Intent:
 
 
 def details(status: Status, texts: Texts) -> str:
-    """Return board, cameras and waiting seats, each on its own line."""
+    """Return lines about the board and each camera, and one about all waiting seats."""
     board = status.board
     lines = [
         texts(

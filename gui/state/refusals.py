@@ -93,7 +93,7 @@ def twin_of(outcome: Outcome) -> str:
 
 
 def hide_answered(memory: Memory, intent: Intent) -> None:
-    """Hide a refusal after a choice that resolves it."""
+    """Hide a refusal of the pad when the user aims again, and one of the window after a choice of robots or mode."""
     refusal = memory.refusal
     if refusal is None:
         return

@@ -17,7 +17,7 @@ from hw_node.cameras.pattern import Pattern
 from hw_node.cameras.source import FrameSource
 
 PATTERN, FILE = "pattern", "file:"
-OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a film)"
+OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a video)"
 LIBRARIES: Final = {"linuxpy": "linuxpy", "cv2": "opencv-python-headless"}
 """Modules that read USB cameras, and the packages that contain them."""
 

@@ -1,4 +1,4 @@
-"""Pictures from files instead of a camera: a folder of JPEG files, a film in motion JPEG, or one picture."""
+"""Pictures from files instead of a camera: a folder of JPEG files, a video in motion JPEG, or one picture."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from hw_node.cameras import jpeg
 from hw_node.cameras.source import HZ, FrameTimer
 
 PICTURES: Final = (".jpg", ".jpeg")
-FILMS: Final = (".avi", ".mjpeg", ".mjpg")
-KINDS: Final = f"a folder of {' or '.join(PICTURES)} files, or a film in motion JPEG ({', '.join(FILMS)})"
+VIDEOS: Final = (".avi", ".mjpeg", ".mjpg")
+KINDS: Final = f"a folder of {' or '.join(PICTURES)} files, or a video in motion JPEG ({', '.join(VIDEOS)})"
 LISTS: Final = (b"RIFF", b"LIST")
 US: Final = 1_000_000
 HZ_MAX: Final = 60.0
@@ -25,9 +25,9 @@ Range = tuple[int, int]
 
 
 class Files:
-    """The pictures of a folder in the order of their names, or those of a film, or one picture.
+    """The pictures of a folder in the order of their names, or those of a video, or one picture.
 
-    They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI film, at most HZ_MAX.
+    They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI video, at most HZ_MAX.
     """
 
     name: Final = "file"
@@ -35,7 +35,7 @@ class Files:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._pictures: Sequence[Path | Range] = ()
-        self._film: mmap.mmap | None = None
+        self._video: mmap.mmap | None = None
         self._next = 0
         self._timer = FrameTimer()
 
@@ -61,12 +61,12 @@ class Files:
         if self._path.suffix.lower() in PICTURES:
             self._pictures = [self._path]
             return HZ
-        with self._path.open("rb") as film:
-            self._film = mmap.mmap(film.fileno(), 0, access=mmap.ACCESS_READ)
-        if self._film[:4] != b"RIFF":
-            self._pictures = list(jpeg.split(self._film))
+        with self._path.open("rb") as video:
+            self._video = mmap.mmap(video.fileno(), 0, access=mmap.ACCESS_READ)
+        if self._video[:4] != b"RIFF":
+            self._pictures = list(jpeg.split(self._video))
             return HZ
-        self._pictures, hz = avi(self._film)
+        self._pictures, hz = avi(self._video)
         return hz
 
     def next(self, timeout_s: float) -> Frame | None:
@@ -85,46 +85,46 @@ class Files:
     def _read(self, one: Path | Range) -> bytes:
         if isinstance(one, Path):
             return one.read_bytes()
-        assert self._film is not None, "ranges belong to an open film"
-        return self._film[slice(*one)]
+        assert self._video is not None, "ranges belong to an open video"
+        return self._video[slice(*one)]
 
     def _unreadable(self, why: str) -> NoAnswer:
         return NoAnswer(Reason.BAD_VALUE, f"{self._path} cannot be shown: {why}. Name {KINDS}.")
 
     def close(self) -> None:
-        """Close the film if one is open."""
-        if self._film is not None:
-            self._film.close()
-        self._film, self._pictures = None, ()
+        """Close the video if one is open."""
+        if self._video is not None:
+            self._video.close()
+        self._video, self._pictures = None, ()
 
 
-def avi(film: mmap.mmap) -> tuple[list[Range], float]:
-    """Return the ranges of the pictures in an AVI film, and their rate (Hz).
+def avi(video: mmap.mmap) -> tuple[list[Range], float]:
+    """Return the ranges of the pictures in an AVI video, and their rate (Hz).
 
     Raises ValueError if they are not motion JPEG.
     """
     pictures, hz = [], float(HZ)
-    for kind, begin, end in chunks(film, 0, len(film)):
+    for kind, begin, end in chunks(video, 0, len(video)):
         if kind == b"avih":
-            period_us = int.from_bytes(film[begin : begin + 4], "little")
+            period_us = int.from_bytes(video[begin : begin + 4], "little")
             hz = min(HZ_MAX, US / period_us) if period_us else hz
         elif kind[2:] in (b"dc", b"db") and end > begin:
             pictures.append((begin, end))
-    if pictures and film[pictures[0][0] : pictures[0][0] + 2] != jpeg.SOI:
+    if pictures and video[pictures[0][0] : pictures[0][0] + 2] != jpeg.SOI:
         raise ValueError(
-            "its pictures are not motion JPEG; `ffmpeg -i FILM -c:v mjpeg OTHER.avi` converts them"
+            "its pictures are not motion JPEG; `ffmpeg -i VIDEO -c:v mjpeg OTHER.avi` converts them"
         )
     return pictures, hz
 
 
-def chunks(film: mmap.mmap, at: int, end: int) -> Iterator[tuple[bytes, int, int]]:
+def chunks(video: mmap.mmap, at: int, end: int) -> Iterator[tuple[bytes, int, int]]:
     """Yield name, begin and end of all data chunks of a RIFF file."""
     while at + 8 <= end:
-        kind = film[at : at + 4]
-        length = int.from_bytes(film[at + 4 : at + 8], "little")
+        kind = video[at : at + 4]
+        length = int.from_bytes(video[at + 4 : at + 8], "little")
         begin, stop = at + 8, min(end, at + 8 + length)
         if kind in LISTS:
-            yield from chunks(film, begin + 4, stop)
+            yield from chunks(video, begin + 4, stop)
         else:
             yield kind, begin, stop
         at = begin + length + length % 2

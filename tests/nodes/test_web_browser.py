@@ -37,7 +37,7 @@ def serving_page(monkeypatch: pytest.MonkeyPatch) -> Iterator[contextlib.ExitSta
 
 @pytest.fixture
 def browser(stage: Stage, serving_page: contextlib.ExitStack, tmp_path: Path) -> Iterator[Browser]:
-    """A browser that has opened the page with the PIN, with the screen size of a telephone."""
+    """A browser that has opened the page with the PIN, with the screen size of a phone."""
     port = serving_page.enter_context(serving(stage.endpoint, pin=PIN))
     with Browser(tmp_path, (360, 640)) as made:
         made.open(f"http://127.0.0.1:{port}/")

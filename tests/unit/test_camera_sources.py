@@ -125,19 +125,19 @@ def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
     assert shown(Files(tmp_path), 3) == [*pictures, pictures[0]]
 
 
-def test_a_single_picture_and_the_pictures_of_a_film_are_repeated(tmp_path: Path) -> None:
+def test_a_single_picture_and_the_pictures_of_a_video_are_repeated(tmp_path: Path) -> None:
     pictures = [picture(level) for level in (50, 60)]
     (tmp_path / "one.jpg").write_bytes(pictures[0])
     assert shown(Files(tmp_path / "one.jpg"), 2) == [pictures[0]] * 2
-    (tmp_path / "film.mjpeg").write_bytes(b"".join(pictures))
-    assert shown(Files(tmp_path / "film.mjpeg"), 3) == [*pictures, pictures[0]]
+    (tmp_path / "video.mjpeg").write_bytes(b"".join(pictures))
+    assert shown(Files(tmp_path / "video.mjpeg"), 3) == [*pictures, pictures[0]]
 
 
 def chunk(kind: bytes, data: bytes) -> bytes:
     return kind + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
 
 
-def film(pictures: list[bytes], period_us: int = 20_000) -> bytes:
+def video(pictures: list[bytes], period_us: int = 20_000) -> bytes:
     """Return an AVI file as cameras and ffmpeg write it: a header, then pictures among other chunks."""
     head = chunk(b"LIST", b"hdrl" + chunk(b"avih", struct.pack("<I", period_us) + bytes(52)))
     sound = chunk(b"01wb", bytes(7))
@@ -145,10 +145,10 @@ def film(pictures: list[bytes], period_us: int = 20_000) -> bytes:
     return chunk(b"RIFF", b"AVI " + head + chunk(b"LIST", b"movi" + frames) + chunk(b"idx1", bytes(32)))
 
 
-def test_an_avi_film_is_shown_at_its_own_rate(tmp_path: Path) -> None:
+def test_an_avi_video_is_shown_at_its_own_rate(tmp_path: Path) -> None:
     pictures = [picture(level, width=16 + 16 * level) for level in (1, 2)]
-    path = tmp_path / "film.avi"
-    path.write_bytes(film(pictures))
+    path = tmp_path / "video.avi"
+    path.write_bytes(video(pictures))
     files = Files(path)
     assert shown(files, 3) == [*pictures, pictures[0]]
     files.open()
@@ -156,9 +156,9 @@ def test_an_avi_film_is_shown_at_its_own_rate(tmp_path: Path) -> None:
     files.close()
 
 
-def test_missing_tables_are_added_to_the_pictures_of_a_film(tmp_path: Path) -> None:
-    path = tmp_path / "film.avi"
-    path.write_bytes(film([without_tables(picture(9))]))
+def test_missing_huffman_tables_are_added_to_the_pictures_of_a_video(tmp_path: Path) -> None:
+    path = tmp_path / "video.avi"
+    path.write_bytes(video([without_tables(picture(9))]))
     assert np.array_equal(
         simplejpeg.decode_jpeg(shown(Files(path), 1)[0]), simplejpeg.decode_jpeg(picture(9))
     )
@@ -168,8 +168,8 @@ def test_missing_tables_are_added_to_the_pictures_of_a_film(tmp_path: Path) -> N
     ("name", "content", "why"),
     [
         ("empty.avi", b"", "cannot be shown"),
-        ("text.avi", b"no film at all", "it contains no JPEG picture"),
-        ("other.avi", film([b"\x00\x00\x01\xb6 another codec"]), "not motion JPEG"),
+        ("text.avi", b"no video at all", "it contains no JPEG picture"),
+        ("other.avi", video([b"\x00\x00\x01\xb6 another codec"]), "not motion JPEG"),
         ("text.jpg", b"no picture", "it is not a JPEG picture"),
         ("cut.mjpeg", picture(3)[:20], "damaged"),
     ],

@@ -14,8 +14,8 @@ namespace beatrix {
 static const uint8_t FRACTION_BITS = 40;
 static const uint8_t BITS_BEYOND_Q26 = FRACTION_BITS - 26;
 
-// A number in two halves, because avr-gcc keeps 32 bits in registers, but calls a subroutine for every sum and
-// comparison of 64 bits. This halves the time of a tick.
+// A 64-bit fixed-point number in two 32-bit halves. avr-gcc keeps 32-bit values in registers, but calls a subroutine
+// for each 64-bit addition and comparison: the halves halve the time of a tick.
 struct Fixed {
   uint32_t low;
   int32_t high;  // Q8

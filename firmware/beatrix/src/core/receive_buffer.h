@@ -47,7 +47,7 @@ class ReceiveBuffer {
 
   bool has_unscanned() const { return scanned_ != head_; }
   // Scan new bytes up to a delimiter that may end a stop frame; return false if there is none. Inlined, because it runs
-  // for every byte, and only a possible stop frame shall cost a call.
+  // for every byte: a call is then needed only for a possible stop frame.
   inline bool find_candidate();
   // Scan new bytes up to the end of the next stop frame; return false if there is none.
   bool find_stop(uint8_t *type, uint8_t *seq);
