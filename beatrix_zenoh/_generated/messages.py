@@ -679,7 +679,7 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
     key: str
     """key expression"""
     kind: str
-    """query, publication, put or token"""
+    """query, publication, put, token, publication and query, or query and put"""
     payload: str
     """message of the query, publication or put; empty: no payload"""
     reply: str
