@@ -93,7 +93,11 @@ def twin_of(outcome: Outcome) -> str:
 
 
 def hide_answered(memory: Memory, intent: Intent) -> None:
-    """Hide a refusal of the pad when the user aims again, and one of the window after a choice of robots or mode."""
+    """Hide the shown refusal if this intent answers it.
+
+    A refusal beside the head pad is hidden when the user aims again; a refusal that the window itself made, when the
+    user chooses robots or mode.
+    """
     refusal = memory.refusal
     if refusal is None:
         return
