@@ -53,7 +53,7 @@ def test_a_second_init_keeps_secrets_and_adds_new_seats(file: Path) -> None:
     assert "has changed" in beatrix("router", "--class", str(file)).stderr
     done = beatrix("classroom", "init", str(file))
     assert "new accounts       zoe\n" in done.stdout
-    assert "ben.toml: the class has no seat" in done.stderr
+    assert "ben.toml: the class has no such seat" in done.stderr
     after = files(folder)
     assert {name for name in after if after[name] != before.get(name)} == {"zoe.toml"}
     assert "ben" not in (folder / "router.toml").read_text()

@@ -43,7 +43,7 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     done = free.run("look", "--yaw", "8", "--speed", "60", "--on", "both", "--lead", "2", "--json")
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stderr.splitlines() if "moves in" in line]
-    assert [line.split(";")[0] for line in lines] == [
+    assert [line.split(",")[0] for line in lines] == [
         "The hardware moves in 2.0 s",
         "The hardware moves in 1.0 s",
     ]

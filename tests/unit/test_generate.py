@@ -78,7 +78,7 @@ def test_values_that_the_firmware_does_not_use_do_not_change_the_contract(tmp_pa
 @pytest.mark.parametrize(
     ("original", "replacement", "same"),
     [
-        ("# Host <-> firmware", "# Node and board", True),
+        ("# Binary frames", "# Node and board", True),
         ('doc = "motors are off"', 'doc = "switch the motors on first"', True),
         ('count = 3, unit = "microstep", doc', 'count = 3, unit = "step", doc', False),
         ("STOPPED = { code = 2", "STOPPED = { code = 20", False),

@@ -109,5 +109,5 @@ def test_endless_garbage_does_not_fill_memory() -> None:
 
 
 def test_a_payload_that_is_too_long_raises_value_error() -> None:
-    with pytest.raises(ValueError, match="57 bytes: a frame holds at most 56"):
+    with pytest.raises(ValueError, match="57 bytes: a frame contains at most 56"):
         encode(1, 1, bytes(MAX_PAYLOAD + 1))
