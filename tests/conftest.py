@@ -34,6 +34,15 @@ FEWEST_WORKERS = 3
 """With fewer processes, each executes tests that keep a processor busy, and others."""
 NICE = 19
 """Added to the niceness of COMPUTING_WORKER, which then uses only the time that the robots of the others leave."""
+LONGEST = (
+    "sim",
+    "mega",
+    "tests/nodes/test_demo.py",
+    "tests/nodes/test_legacy.py",
+    "tests/nodes/test_cli_verbs.py",
+    "tests/docs/test_code_in_docs.py",
+)
+"""The scopes that take longest, 45 to 105 s on two cores."""
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
 """Processes that outlive a test: the witness, and those of Python's multiprocessing."""
 WITNESS = pytest.StashKey[Witness]()
@@ -77,11 +86,13 @@ class Sharing(LoadScopeScheduling):  # type: ignore[misc]
         return nodeid if file.startswith("tests/unit/") else file
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        """Assign the next scope of the process's kind; at the end, the others also get scopes of the first process."""
+        """Assign the next scope of the process's kind; at the end, the others also get scopes of the first process.
+
+        LONGEST go first: begun last, they would leave the other processes idle at the end.
+        """
         first = node.gateway.id == COMPUTING_WORKER and self.numnodes >= FEWEST_WORKERS
-        scope = next(
-            (scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first), None
-        )
+        own = [scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first]
+        scope = min(own, key=lambda scope: scope not in LONGEST, default=None)
         if scope is not None:
             self.workqueue.move_to_end(scope, last=False)
         elif first:
