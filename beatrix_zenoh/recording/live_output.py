@@ -83,7 +83,10 @@ class LiveOutput:
             self.left_out += len(self._rows)
             self._rows.clear()
         self._report()
-        return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
+        returned = self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
+        if returned and self._stream is not None:
+            self._stream.show(self._robots)  # robots may have appeared while the viewer did not respond
+        return returned
 
     def close(self) -> bool:
         """Send the remaining rows and disconnect; return False if the viewer blocks either.
@@ -114,7 +117,6 @@ class LiveOutput:
                 return ViewerState.MISSING
             self._stream = Stream(self._id, "live")
             self._stream.to_viewer(address(self._port))
-            self._stream.show(self._robots)
         if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else FLUSH_S):
             return ViewerState.CONNECTED if listening else ViewerState.MISSING
         if self._stream.broken:

@@ -17,7 +17,7 @@ from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, V
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_robot
 from beatrix_zenoh.recording.rrd.read import read
-from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port
+from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port, tool
 
 SIM = ("bea", "sim")
 ROBOTS = RobotSet({SIM: Figure()})
@@ -123,6 +123,22 @@ def test_a_suspended_viewer_needs_no_memory_of_the_recorder_and_gets_rows_again(
         assert feed.until(ViewerState.CONNECTED) == 1
         assert len(feed.messages) == 2
         assert feed.output.close()
+
+
+def test_a_viewer_that_responds_again_shows_robots_that_appeared_meanwhile(tmp_path: Path) -> None:
+    port, kept = free_port(), tmp_path / "kept.rrd"
+    feed = Feed(port)
+    with Viewer(port, "--save", str(kept)) as viewer:
+        viewer.wait_ready()
+        feed.until(ViewerState.CONNECTED)
+        os.kill(viewer.pid, signal.SIGSTOP)
+        feed.until(ViewerState.FROZEN)
+        feed.output.show(RobotSet({SIM: Figure(), ("bea", "hw"): Figure()}))
+        os.kill(viewer.pid, signal.SIGCONT)
+        feed.until(ViewerState.CONNECTED)
+        assert feed.output.close()
+        shown = "/bea/hw/"  # only static data have this path, because the hardware sends no rows
+        until(lambda: shown in tool("rrd", "print", str(kept)).stdout, "its static data are there", 10.0)
 
 
 def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
