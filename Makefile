@@ -9,9 +9,9 @@ FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
 # The first Python that starts and is new enough: a name on PATH may be a shim without a Python behind it.
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
-# Four processes whose tests often wait for robots keep two cores busy, and one at low priority computes meanwhile.
-# A CI computer may be slow and shared, and measures coverage, which takes half as much time again: there only three run.
-PROCESSES := $(if $(CI),3,5)
+# Three processes whose tests often wait for robots keep two cores busy, and one at low priority computes meanwhile. With
+# more processes, robots get too little processor time. A CI computer may be slow, and measures coverage: it runs three.
+PROCESSES := $(if $(CI),3,4)
 COVERAGE := $(if $(CI),--cov --cov-report=term --cov-fail-under=90)
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
 
