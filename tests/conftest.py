@@ -32,8 +32,8 @@ COMPUTING_WORKER = "gw0"
 """Process of `make test` that executes the tests that keep a processor busy; see `computes`."""
 FEWEST_WORKERS = 3
 """With fewer processes, each executes tests that keep a processor busy, and others."""
-NICE = 19
-"""Added to the niceness of COMPUTING_WORKER, which then uses only the time that the robots of the others leave."""
+NICE = 5
+"""Added to the niceness of COMPUTING_WORKER. With 19 its tests would get so little time that they exceed `timeout`."""
 LONGEST = (
     "sim",
     "mega",
