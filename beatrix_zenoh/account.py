@@ -64,9 +64,13 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
             f"file of {seat}.",
         )
 
+    def may_serve(self, robot: str) -> bool:
+        """Return whether this account may serve a robot of this name."""
+        return self.role == "teacher" or robot == self.name
+
     def check_served(self, robot: str) -> None:
         """Raise WrongUsage (BAD_VALUE) if this account may not serve a robot of this name."""
-        if self.role != "teacher" and robot != self.name:
+        if not self.may_serve(robot):
             raise WrongUsage(
                 Reason.BAD_VALUE,
                 f"The account of this computer is {self.name}, of class {self.class_name}, and the router accepts only a "

@@ -74,6 +74,8 @@ def robots(client: Client, name: str | None) -> Iterator[Finding]:
             yield missing(name, [str(robot) for robot in found])
         elif not found:
             yield Finding("robots", "none on line", advice="to start one: beatrix sim, or beatrix up")
+        if not found:
+            return
         time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
         rates = {robot.place: monitor.robot(*robot.place).hz for robot in found}
     nodes = Counter(client.bus.claims())

@@ -57,15 +57,16 @@ class Unanswered:
         error = self._disconnected(limit_s, heard=heard)
         if error is not None:
             return error
-        known = heard or waited_s > ABSENT_S or self.place in self.client.seen
+        received = heard or waited_s > ABSENT_S
         present = self.client.robots()
         if self._lost():
             return self._interrupted()
         if self.place not in present:
+            known = received or self.place in self.client.seen
             return self._lost_node() if known else self._absent(present)
         if limit_s is not None:
             return self._late(limit_s)
-        return self._lost_node(back=True) if heard or waited_s > ABSENT_S else self._refused()
+        return self._lost_node(back=True) if received else self._refused()
 
     # -- the router ---------------------------------------------------------------------------------
 
@@ -195,8 +196,7 @@ def absent_reason(name: str, present: Collection[Place]) -> Reason:
 def absence(client: Client, place: Place, present: Collection[Place]) -> NoAnswer:
     """Return the error of a robot that is not on line, with the robots that are."""
     reason, account = absent_reason(place[0], present), client.settings.account
-    others = account is not None and account.role == "student" and place[0] != account.robot
-    holder = account.name if account is not None and others else ""
+    holder = "" if account is None or account.may_serve(place[0]) else account.name
     detail = Detail(field=title(place), known=[title(other) for other in present], holder=holder)
     return NoAnswer(
         reason, f"{sentences.render(reason, detail)} The router is {client.bus.endpoint}.", detail

@@ -84,8 +84,8 @@ class LiveOutput:
             self._rows.clear()
         self._report()
         returned = self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
-        if returned and self._stream is not None:
-            self._stream.show(self._robots)  # robots may have appeared while the viewer did not respond
+        if returned:
+            self.show(self._robots)  # robots may have appeared while the viewer did not respond
         return returned
 
     def close(self) -> bool:
