@@ -22,9 +22,10 @@ demo: ## show the robot's twin on this computer (needs only Python 3.11)
 	@$(SETUP) demo
 	$(BIN)/beatrix demo
 
+# After a crash of a process the run ends and names the test; pytest-xdist could otherwise wait forever.
 test: ## run all tests, in parallel; with CI=true, measure branch coverage
 	@$(SETUP) test
-	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup $(COVERAGE)
+	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --max-worker-restart 0 $(COVERAGE)
 
 check: ## check style, types, layers, contract, links and firmware, without running BEATRIX
 	@$(SETUP) test
