@@ -5,10 +5,11 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from class_router import CLI, ClassRouter
-from hosts import LISTENING, Host, School, sockets
+from hosts import LISTENING, Host, School, permits_namespaces, sockets
 from seat import PROGRAM, Seat, use_account
 from stage import Process
 
@@ -128,6 +129,16 @@ def test_only_the_routers_listen_and_no_program_sends_datagrams(lesson: Lesson) 
     for router in lesson.routers.values():
         assert sockets(router.process.pid).count(("tcp", LISTENING)) == 1
         assert {table for table, _ in sockets(router.process.pid)} == {"tcp"}
+
+
+def test_each_computer_is_a_namespace_where_namespaces_are_permitted(lesson: Lesson) -> None:
+    networks = {process: Path(f"/proc/{process.pid}/ns/net").readlink() for process in lesson.processes}
+    own = Path("/proc/self/ns/net").readlink()
+    if permits_namespaces():
+        assert own not in networks.values()
+        assert len(set(networks.values())) == len(networks), "no two of them share a network"
+    else:
+        assert set(networks.values()) == {own}, "unshare(1) fails: all of them are on loopback"
 
 
 def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
