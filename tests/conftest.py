@@ -13,6 +13,7 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
+from excuses import Excuses
 from hypothesis import settings
 from turns import Turns
 from witness import Witness
@@ -26,7 +27,7 @@ settings.register_profile("beatrix", deadline=None, max_examples=50)
 settings.load_profile("beatrix")
 
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
-SECONDS_TO_GO = 3.0
+SECONDS_TO_GO = 10.0
 """How long (s) threads and processes may take to end after their test."""
 COMPUTING_WORKER = "gw0"
 """Process of `make test` that executes the tests that keep a processor busy; see `computes`."""
@@ -45,10 +46,8 @@ LONGEST = (
 """The scopes that take longest, 45 to 105 s on two cores."""
 LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
 """Processes that outlive a test: the witness, and those of Python's multiprocessing."""
-WITNESS = pytest.StashKey[Witness]()
+EXCUSES = pytest.StashKey[Excuses]()
 TURNS = pytest.StashKey[Turns]()
-BEGIN_S = pytest.StashKey[float]()
-"""Start time of a test (s), monotonic clock."""
 
 
 def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
@@ -114,11 +113,13 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if worker == COMPUTING_WORKER and workers >= FEWEST_WORKERS:
         os.nice(NICE)
     elif worker or session.config.getoption("numprocesses", None) is None:
-        session.config.stash[WITNESS] = Witness()
+        session.config.stash[EXCUSES].witness = Witness()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let tests that are marked `alone` run while no test runs in another process."""
+    """Let tests that are marked `alone` run while no test runs in another process; register the rule for excuses."""
+    config.stash[EXCUSES] = Excuses(counts=not hasattr(config, "workerinput"))
+    config.pluginmanager.register(config.stash[EXCUSES])
     if cache := getattr(config, "cache", None):  # missing with `-p no:cacheprovider`
         config.stash[TURNS] = Turns(cache.mkdir("turns"))
 
@@ -130,32 +131,6 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
     alone = item.get_closest_marker("alone") is not None
     with contextlib.nullcontext() if turns is None else turns.turn(alone=alone):
         return (yield)
-
-
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    """End the witness."""
-    if witness := session.config.stash.get(WITNESS, None):
-        witness.close()
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Store the start time of the test."""
-    item.stash[BEGIN_S] = time.monotonic()
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Report a failed test of robots as skipped if this computer stood still meanwhile: the test has no result."""
-    report = yield
-    witness = item.config.stash.get(WITNESS, None)
-    if report.failed and witness and not computes(item.nodeid):
-        stood_s = witness.longest_s(item.stash[BEGIN_S])
-        if stood_s:
-            report.outcome = "skipped"
-            path, line, _ = item.location
-            report.longrepr = path, line or 0, f"no result: this computer stood still for {stood_s:.2f} s"
-    return report
 
 
 @pytest.hookimpl(tryfirst=True)

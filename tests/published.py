@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 import msgspec
+from excuses import in_time
 from stage import EVENT_S
 
 from beatrix_zenoh import Robot, codec
@@ -16,6 +17,8 @@ from beatrix_zenoh._generated.messages import Positions, Status
 from beatrix_zenoh.bus import Received
 
 M = TypeVar("M", bound=msgspec.Struct)
+AT_ONCE_S = 0.3
+"""Longest time from a change to its publication (s)."""
 
 
 class Published(Generic[M]):
@@ -67,6 +70,11 @@ def without_clocks(status: Status) -> Status:
     """Return a status without the fields that differ in each publication: clocks, physics counters, camera rates."""
     cameras = [msgspec.structs.replace(camera, hz=0.0) for camera in status.cameras]
     return msgspec.structs.replace(status, t_mono_ns=0, t_wall_ns=0, plant=None, cameras=cameras)
+
+
+def at_once(status: Status, since_ns: float) -> None:
+    """Assert that a status was published at most AT_ONCE_S after a change; the test has the mark `measures_time`."""
+    in_time((status.t_mono_ns - since_ns) / 1e9, AT_ONCE_S, "publication of a change")
 
 
 def regular(statuses: Published[Status]) -> Status:

@@ -1,7 +1,7 @@
 """A process that measures how long this computer delays a process that is ready to run.
 
-Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a test of
-robots has no result: it is skipped if it fails, and the reason states how long the computer stood still.
+Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a time that
+a test measured meanwhile may be too long: tests/excuses.py.
 
 `python tests/witness.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
 STALL_S.
@@ -20,6 +20,8 @@ from pathlib import Path
 STALL_S = 0.25
 """Shortest delay (s) that counts: a busy computer delays a process that seldom runs by less."""
 PERIOD_S = 0.02
+REPORT_S = 0.1
+"""Time (s) to report a delay that ended just now."""
 
 
 class Witness:
@@ -27,6 +29,7 @@ class Witness:
 
     def __init__(self) -> None:
         self._stalls: list[tuple[float, float]] = []
+        self._pause = threading.Event()
         self._child = subprocess.Popen(
             [sys.executable, "-S", str(Path(__file__).resolve())], stdout=subprocess.PIPE, text=True
         )
@@ -45,9 +48,10 @@ class Witness:
         """Whether the process has begun to measure."""
         return bool(self._stalls)
 
-    def longest_s(self, since_s: float) -> float:
-        """Return the longest delay (s) since a time of the monotonic clock (s); 0 if there was none above STALL_S."""
-        return max((late_s for woke_s, late_s in self._stalls if woke_s >= since_s), default=0.0)
+    def paused_s(self, since_s: float) -> float:
+        """Return the sum of all delays above STALL_S since a time of the monotonic clock (s)."""
+        self._pause.wait(REPORT_S)
+        return sum(late_s for woke_s, late_s in self._stalls if woke_s >= since_s)
 
     def close(self) -> None:
         """End the process."""

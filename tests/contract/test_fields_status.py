@@ -10,7 +10,8 @@ from importlib import metadata
 import msgspec
 import pytest
 from body import Body
-from published import published_positions, published_statuses, regular, without_clocks
+from excuses import in_time
+from published import at_once, published_positions, published_statuses, regular, without_clocks
 from stage import ask_raw
 
 from beatrix_zenoh import Refused, Robot, codec
@@ -30,8 +31,6 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.robot_file import fingerprint
 
-AT_ONCE_NS = 0.3e9
-"""Longest time from a change to its publication (ns)."""
 LEASE_S = 2.0
 
 
@@ -42,17 +41,22 @@ def test_a_ready_robot_has_its_names_and_no_fault(body: Body, robot: Robot) -> N
     assert (status.enabled, status.calibrated, status.moving) == (True, True, False)
 
 
+@pytest.mark.measures_time
 def test_a_status_without_a_change_is_published_each_second(robot: Robot) -> None:
     statuses = published_statuses(robot)
     before = regular(statuses)
     after = statuses.next()
     assert without_clocks(after) == without_clocks(before)
-    assert (after.t_mono_ns - before.t_mono_ns) / 1e9 == pytest.approx(1, abs=0.2)
-    assert (after.t_wall_ns - before.t_wall_ns) / 1e9 == pytest.approx(1, abs=0.2)
-    assert 0 <= time.monotonic_ns() - after.t_mono_ns < 1e9
-    assert 0 <= time.time_ns() - after.t_wall_ns < 1e9
+    now_s, now_wall_s = time.monotonic(), time.time()
+    for period_ns in (after.t_mono_ns - before.t_mono_ns, after.t_wall_ns - before.t_wall_ns):
+        assert period_ns > 0.8e9
+        in_time(period_ns / 1e9, 1.2, "period of the status")
+    for age_s in (now_s - after.t_mono_ns / 1e9, now_wall_s - after.t_wall_ns / 1e9):
+        assert age_s >= 0
+        in_time(age_s, 1.0, "age of a status that has just arrived")
 
 
+@pytest.mark.measures_time
 def test_enabled_and_calibrated_are_published_as_they_change(robot: Robot) -> None:
     statuses = published_statuses(robot)
     regular(statuses)
@@ -61,13 +65,14 @@ def test_enabled_and_calibrated_are_published_as_they_change(robot: Robot) -> No
         act()
         done_ns = time.monotonic_ns()
         status = statuses.next(lambda status: (status.enabled, status.calibrated) == (enabled, calibrated))
-        assert status.t_mono_ns - done_ns < AT_ONCE_NS
+        at_once(status, done_ns)
 
     check(robot.disable, enabled=False, calibrated=False)
     check(robot.enable, enabled=True, calibrated=False)
     check(robot.calibrate, enabled=True, calibrated=True)
 
 
+@pytest.mark.measures_time
 def test_calibrations_are_counted_and_published_at_once(robot: Robot) -> None:
     statuses = published_statuses(robot)
     before = regular(statuses)
@@ -75,11 +80,12 @@ def test_calibrations_are_counted_and_published_at_once(robot: Robot) -> None:
     done_ns = time.monotonic_ns()
     after = statuses.next(lambda status: status.calibrations != before.calibrations)
     assert after.calibrations == before.calibrations + 1
-    assert after.t_mono_ns - done_ns < AT_ONCE_NS
+    at_once(after, done_ns)
     unchanged = msgspec.structs.replace(after, calibrations=before.calibrations)
     assert without_clocks(unchanged) == without_clocks(before), "nothing else has changed"
 
 
+@pytest.mark.measures_time
 def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
     statuses = published_statuses(robot)
     numbers = []
@@ -90,10 +96,13 @@ def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
         running = statuses.next(lambda status: status.moving)
         rests = statuses.next(lambda status: not status.moving)
         assert running.motion == rests.motion == numbers[-1]
-        assert (rests.t_mono_ns - running.t_mono_ns) / 1e9 == pytest.approx(0.36, abs=0.25)
+        lasted_s = (rests.t_mono_ns - running.t_mono_ns) / 1e9
+        assert lasted_s > 0.11
+        in_time(lasted_s, 0.61, "a motion of 0.36 s")
     assert len({0, *numbers}) == 3
 
 
+@pytest.mark.measures_time
 def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
     body: Body, robot: Robot
 ) -> None:
@@ -112,9 +121,12 @@ def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
     assert statuses.next(lambda status: status.calibrations > moves.calibrations).holder == "ana"
     free = statuses.next(lambda status: status.holder != "ana")
     assert free.holder == ""
-    assert (free.t_mono_ns - rests.t_mono_ns) / 1e9 == pytest.approx(LEASE_S, abs=0.25)
+    lasted_s = (free.t_mono_ns - rests.t_mono_ns) / 1e9
+    assert lasted_s > LEASE_S - 0.25
+    in_time(lasted_s, LEASE_S + 0.25, "end of the lease")
 
 
+@pytest.mark.measures_time
 def test_warnings_are_published_at_once(robot: Robot) -> None:
     statuses = published_statuses(robot)
     regular(statuses)
@@ -122,7 +134,7 @@ def test_warnings_are_published_at_once(robot: Robot) -> None:
     sent_ns = time.monotonic_ns()
     status = statuses.next(lambda status: bool(status.warnings))
     assert any("nose" in warning for warning in status.warnings)
-    assert status.t_mono_ns - sent_ns < AT_ONCE_NS
+    at_once(status, sent_ns)
 
 
 def test_board_status_describes_the_board(body: Body, robot: Robot) -> None:
@@ -140,12 +152,13 @@ def test_board_status_describes_the_board(body: Body, robot: Robot) -> None:
 
 
 def test_only_a_simulation_has_a_plant_status(body: Body, robot: Robot) -> None:
-    plant = regular(published_statuses(robot)).plant
+    statuses = published_statuses(robot)
+    plant = regular(statuses).plant
     if body.twin == "hw":
         assert plant is None
         return
     assert plant is not None
-    assert plant.real_time_factor == pytest.approx(1, abs=0.3)
+    statuses.next(lambda status: status.plant is not None and abs(status.plant.real_time_factor - 1) < 0.05)
     assert plant.late_steps >= 0
     assert (plant.slipped_steps, plant.re_placed) == (0, 0)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import queue
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -173,11 +172,9 @@ def test_queries_free_their_memory(stage: Stage) -> None:
             robot.status()
         return resident_kb() - before
 
-    # More than the timeout plus 2 s; from then on, as many queries are freed as are sent.
-    deadline = time.monotonic() + 3.5
-    while time.monotonic() < deadline:
-        ask(200)
-    assert any(ask(1500) < 600 for _ in range(2)), "if none were freed, 1500 queries would need 1200 kB"
+    ask(6000)  # fills the memory that earlier tests have freed
+    # Once as many queries are freed as are sent, memory no longer grows. A busy computer delays that.
+    until(lambda: ask(1500) < 600, "memory is reused: if none were freed, 1500 queries would need 1200 kB")
 
 
 # -- getting ready ------------------------------------------------------------------------------
@@ -319,14 +316,17 @@ def test_a_monitor_shows_every_robot(stage: Stage, robot: Robot) -> None:
         assert state.status is not None
         assert (state.presence is not Presence.ABSENT, state.status.calibrated) == (True, True)
         robot.look(yaw=8)
-        until(lambda: monitor.robot("bea", "hw").hz > 30, "positions come")
+
+        def fresh() -> bool:
+            state = monitor.robot("bea", "hw")
+            return state.hz > 45 and state.positions_age_s is not None and state.positions_age_s < 0.1
+
+        until(fresh, "positions come at 50 Hz")
         state = monitor.robot("bea", "hw")
         reading = state.reading
         assert reading is not None
         assert state.presence is Presence.ON_LINE
         assert reading.head.yaw == pytest.approx(8, abs=0.3)
-        assert state.positions_age_s is not None
-        assert state.positions_age_s < 0.5
         assert monitor.robot("none", "sim").presence is Presence.ABSENT
         assert [(one.robot, one.twin) for one in monitor.robots()] == [("bea", "hw")]
 

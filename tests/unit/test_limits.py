@@ -293,7 +293,7 @@ def test_the_refusal_of_arms_that_fit_no_orientation_of_the_head_explains_what_t
 
 @pytest.mark.parametrize("value", [1e6, -1e6, 1e300, math.nan, math.inf, -math.inf])
 def test_extreme_numbers_are_refused_within_a_second(value: float) -> None:
-    began = time.perf_counter()
+    began = time.process_time()
     for place in range(3):
         x, y, z = (value if i == place else 0.0 for i in range(3))
         for target in ((x, y, z), (value, value, value)):
@@ -304,7 +304,7 @@ def test_extreme_numbers_are_refused_within_a_second(value: float) -> None:
             LIMITS.check_motion(REST, (x, y, z), REST, SPEED, straight=True)
         with pytest.raises(Refused):
             LIMITS.check_motion(REST, REST, REST, (x, y, z), straight=False)
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 1.0
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, 1e-4, 1.6])

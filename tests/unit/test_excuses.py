@@ -1,0 +1,78 @@
+"""The rule that excuses a late test: only a measured time, only if the pauses explain it, three in a run."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parent.parent
+CONFTEST = """
+import os
+import pytest
+from excuses import Excuses
+
+class Pauses:
+    def paused_s(self, since_s): return 0.4
+    def close(self): print("closed")
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "measures_time: measures time")
+    excuses = Excuses(counts=not hasattr(config, "workerinput"))
+    excuses.witness = Pauses()
+    config.pluginmanager.register(excuses)
+"""
+BEGINNING = """
+import pytest
+from excuses import in_time, within
+"""
+LATE = """
+@pytest.mark.measures_time
+def test_late_{0}():
+    in_time(1.3, 1.0, "the reply {0}")
+"""
+NO_EXCUSE = {
+    "wrong_value": "@pytest.mark.measures_time\ndef test_it():\n    assert 1 == 2",
+    "timeout": "@pytest.mark.measures_time\ndef test_it():\n    raise AssertionError('not within 20 s: moving')",
+    "not_marked": "def test_it():\n    in_time(1.3, 1.0, 'the reply')",
+    "later_than_the_pauses": "@pytest.mark.measures_time\ndef test_it():\n    in_time(1.5, 1.0, 'the reply')",
+    "wrong_value_within": (
+        "@pytest.mark.measures_time\ndef test_it():\n    with within(-1.0, 'the reply'):\n        assert 1 == 2"
+    ),
+}
+
+
+def run(folder: Path, tests: str, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run these tests as a session of its own, on a computer that stands still for 0.4 s during each."""
+    (folder / "conftest.py").write_text(CONFTEST)
+    (folder / "test_these.py").write_text(BEGINNING + tests)
+    command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "-p", "no:cacheprovider", "-q", *options]
+    return subprocess.run(
+        [*command, f"--rootdir={folder}", f"--override-ini=pythonpath={TESTS}", str(folder)],
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("tests", NO_EXCUSE.values(), ids=NO_EXCUSE.keys())
+def test_no_pause_excuses(tmp_path: Path, tests: str) -> None:
+    done = run(tmp_path, tests)
+    assert (done.returncode, "1 failed" in done.stdout) == (1, True), done.stdout
+
+
+@pytest.mark.parametrize("options", [(), ("-n", "2")], ids=["one process", "two processes"])
+def test_three_late_tests_are_excused_and_printed_with_their_figures(
+    tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    done = run(tmp_path, "".join(LATE.format(name) for name in "abc"), *options)
+    assert (done.returncode, "3 skipped" in done.stdout) == (0, True), done.stdout
+    for name in "abc":
+        line = f"test_late_{name}: the reply {name}: 1.30 s, at most 1.00 s; this computer stood still for 0.40 s"
+        assert line in done.stdout
+
+
+@pytest.mark.parametrize("options", [(), ("-n", "2")], ids=["one process", "two processes"])
+def test_the_fourth_late_test_fails(tmp_path: Path, options: tuple[str, ...]) -> None:
+    done = run(tmp_path, "".join(LATE.format(name) for name in "abcd"), *options)
+    assert (done.returncode, "1 failed, 3 skipped" in done.stdout) == (1, True), done.stdout
