@@ -9,11 +9,9 @@ from __future__ import annotations
 import contextlib
 import datetime as dt
 import time
-from collections.abc import Callable, Iterator
-from functools import cached_property
+from collections.abc import Callable
 from typing import Self
 
-import msgspec
 import zenoh
 from zenoh.handlers import Callback
 
@@ -21,102 +19,23 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.bus.declarations import Declarations, Declared
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
-from beatrix_zenoh.bus.query import PRIORITIES, QUERY_S, Query, priority_of
-from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.bus.incoming import Incoming, Received
+from beatrix_zenoh.bus.publication import Publication
+from beatrix_zenoh.bus.query import QUERY_S, Query, priority_of
 from beatrix_zenoh.bus.transport import OPEN_MS, opened
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 HEALTH = "_health"
 """Selector parameter of the session watchdog's queries; no request has a parameter that begins with _."""
 HEALTHY = b"served"
-CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
 
 PASSES_S = 0.5
 """Time (s) for the router to report the tokens of a new session."""
 POLL_S = 0.02
-CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
-
-
-class Incoming:
-    """A query to answer; call `finish` at the end, because otherwise the client waits until its timeout."""
-
-    def __init__(self, query: zenoh.Query) -> None:
-        # Only the key is read here, because in a flood of queries newer ones replace most of them before decoding.
-        self._query = query
-        self.key = str(query.key_expr)
-
-    @cached_property
-    def raw(self) -> RawQuery:
-        """Payload, encoding and parameters; the first access must come before `finish`."""
-        payload, encoding = self._query.payload, self._query.encoding
-        return RawQuery(
-            payload=b"" if payload is None else payload.to_bytes(),
-            encoding="" if encoding is None else str(encoding),
-            parameters=str(self._query.parameters),
-        )
-
-    @property
-    def session(self) -> str:
-        """Id of the client's session; empty if the query has no source info."""
-        source = self._query.source_info
-        return "" if source is None else str(source.source_id.zid)
-
-    def reply(self, key: str, payload: bytes, encoding: str) -> None:
-        """Send one reply on `key`, the robot's own; raises no error if the client has gone."""
-        with contextlib.suppress(zenoh.ZError):
-            self._query.reply(key, payload, encoding=encoding)
-
-    def finish(self) -> None:
-        """End the replies to this query."""
-        self._query.drop()
-
-
-class Received(msgspec.Struct, frozen=True, gc=False):
-    """A received publication."""
-
-    key: str
-    payload: bytes
-    session: str
-    """id of the publisher's session; empty if unknown"""
-    attachment: bytes | None
-
-
-class Publication:
-    """A declared publisher, with the priority and congestion control of its row in keys.toml."""
-
-    def __init__(self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None) -> None:
-        self._key, self._encoding, self._on_subscribed = key, encoding, on_subscribed
-        self._publisher: zenoh.Publisher
-
-    def declare(self, session: zenoh.Session) -> object:
-        """Declare the publisher on a session, in place of the publisher of an earlier session."""
-        parts = keys.parse(self._key)
-        row = None if parts is None else keys.KEYS[parts.row]
-        self._publisher = session.declare_publisher(
-            self._key,
-            encoding=self._encoding,
-            priority=PRIORITIES["data" if row is None else row.priority],
-            congestion_control=CONGESTION["drop" if row is None else row.congestion],
-        )
-        on_subscribed = self._on_subscribed
-        if on_subscribed is not None:
-            # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
-            # `on_subscribed` here.
-            changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: on_subscribed(), indirect=False)
-            self._publisher.declare_matching_listener(changed)
-            on_subscribed()
-        return self._publisher
-
-    @property
-    def subscribed(self) -> bool:
-        """Whether any client subscribes to this publication."""
-        return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
-
-    def put(self, payload: bytes, attachment: bytes | None = None) -> None:
-        """Publish; Zenoh drops the message for a subscriber that cannot keep up."""
-        with contextlib.suppress(zenoh.ZError):  # the session may be closing
-            self._publisher.put(payload, attachment=attachment)
+QUERYABLE, PUBLISHER, SUBSCRIBER, TOKEN, WATCH = "queryable", "publisher", "subscriber", "token", "watch"
+"""Kinds of declarations."""
 
 
 class Bus:
@@ -124,60 +43,30 @@ class Bus:
 
     def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
         self._open_session = open_session
-        self._session = open_session()
-        self._declarations: list[Callable[[zenoh.Session], object]] = []
-        self._declared: list[object] = []
-        self._tokens: dict[str, zenoh.LivelinessToken] = {}
+        self._declarations = Declarations(open_session)
         self.served = ""
         """A key that this session serves; empty: none."""
         self.endpoint = endpoint
-        self.session_id = str(self._session.zid())
-
-    def _declare(self, declaration: Callable[[zenoh.Session], object]) -> Callable[[], None]:
-        """Declare now and in every renewed session; return a function that ends the declaration."""
-        with self._open() as session:
-            self._declared.append(declaration(session))
-        self._declarations.append(declaration)
-
-        def undeclare() -> None:
-            if declaration not in self._declarations:
-                return  # it was called before, or the session is closed
-            index = self._declarations.index(declaration)
-            del self._declarations[index]
-            with contextlib.suppress(zenoh.ZError):  # the session may be closing
-                self._declared.pop(index).undeclare()  # type: ignore[attr-defined]  # every declaration has it
-
-        return undeclare
+        self.session_id = self._declarations.use(lambda session: str(session.zid()))
 
     def renew(self) -> None:
         """Open a new session in place of this one and repeat all declarations.
 
         Queries of the old session that are not answered yet get no reply. If this raises NoAnswer, as `connect` does,
-        the old session remains.
+        the old session remains; WrongUsage (SHUTDOWN) if this program has closed the session.
         """
-        old, self._session = self._session, self._open_session()
-        self._declared = [declaration(self._session) for declaration in self._declarations]
-        self._tokens = {key: self._session.liveliness().declare_token(key) for key in self._tokens}
-        old.close()
+        self._declarations.renew()
+
+    def declared(self, kind: str) -> list[str]:
+        """Return the keys of all declarations of one kind (QUERYABLE, PUBLISHER or SUBSCRIBER), sorted."""
+        return self._declarations.keys(kind)
 
     # -- queries --------------------------------------------------------------------------------
 
     @property
     def closed(self) -> bool:
         """Whether this program has closed the session."""
-        return self._session.is_closed()
-
-    @contextlib.contextmanager
-    def _open(self) -> Iterator[zenoh.Session]:
-        """Yield the session; raise WrongUsage (SHUTDOWN) if this program has closed it or closes it meanwhile."""
-        if self.closed:
-            raise WrongUsage(Reason.SHUTDOWN, CLOSED)
-        try:
-            yield self._session
-        except zenoh.ZError as error:
-            if not self.closed:
-                raise
-            raise WrongUsage(Reason.SHUTDOWN, CLOSED) from error
+        return self._declarations.closed
 
     def query(
         self,
@@ -194,8 +83,9 @@ class Bus:
         Raises:
             WrongUsage: SHUTDOWN, this session is closed.
         """
-        with self._open() as session:
-            return Query(session, key, payload, encoding, priority, timeout_s)
+        return self._declarations.use(
+            lambda session: Query(session, key, payload, encoding, priority, timeout_s)
+        )
 
     # -- serving --------------------------------------------------------------------------------
 
@@ -210,11 +100,11 @@ class Bus:
             else:
                 handle(Incoming(query))
 
-        def declare(session: zenoh.Session) -> object:
+        def declare(session: zenoh.Session) -> Declared:
             return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
 
         self.served = self.served or key
-        self._declare(declare)
+        self._declarations.add(QUERYABLE, key, declare)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
@@ -225,7 +115,7 @@ class Bus:
         return at once.
         """
         publication = Publication(key, encoding, on_subscribed)
-        self._declare(publication.declare)
+        self._declarations.add(PUBLISHER, key, publication.declare)
         return publication
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
@@ -233,26 +123,17 @@ class Bus:
 
         `handle` runs on Zenoh's thread and must return at once. Raises the errors of `query`.
         """
-
-        def receive(sample: zenoh.Sample) -> None:
-            source, attachment = sample.source_info, sample.attachment
-            handle(
-                Received(
-                    str(sample.key_expr),
-                    sample.payload.to_bytes(),
-                    "" if source is None else str(source.source_id.zid),
-                    None if attachment is None else attachment.to_bytes(),
-                )
-            )
-
-        return self._declare(
-            lambda session: session.declare_subscriber(key, Callback(receive, indirect=False))
+        callback: Callback[zenoh.Sample] = Callback(
+            lambda sample: handle(Received.of(sample)), indirect=False
+        )
+        return self._declarations.add(
+            SUBSCRIBER, key, lambda session: session.declare_subscriber(key, callback)
         )
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
         """Publish once, with a `priority` as in `query`; raises the errors of `query`."""
-        with self._open() as session:
-            session.put(
+        self._declarations.use(
+            lambda session: session.put(
                 key,
                 payload,
                 encoding=encoding,
@@ -260,21 +141,22 @@ class Bus:
                 congestion_control=zenoh.CongestionControl.DROP,
                 source_info=zenoh.SourceInfo(session.id, 0),
             )
+        )
 
     # -- liveliness tokens ----------------------------------------------------------------------
 
-    def declare_token(self, key: str) -> None:
-        """Declare a liveliness token, which disappears when this session ends for any reason."""
-        self._tokens[key] = self._session.liveliness().declare_token(key)
+    def declare_token(self, key: str) -> Callable[[], None]:
+        """Declare a liveliness token, which disappears when this session ends for any reason.
 
-    def undeclare_token(self, key: str) -> None:
-        """Undeclare a token of this session."""
-        self._tokens.pop(key).undeclare()
+        Returns a function that ends the token; raises the errors of `query`.
+        """
+        return self._declarations.add(TOKEN, key, lambda session: session.liveliness().declare_token(key))
 
     def tokens(self, key: str, timeout_s: float = 1.0) -> list[str]:
         """Return the keys of the live tokens that match; raises the errors of `query`."""
-        with self._open() as session:
-            replies = list(session.liveliness().get(key, timeout=timeout_s))
+        replies = self._declarations.use(
+            lambda session: list(session.liveliness().get(key, timeout=timeout_s))
+        )
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
     def router_answers(self, timeout_s: float) -> bool:
@@ -308,10 +190,12 @@ class Bus:
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
-        return self._declare(
+        return self._declarations.add(
+            WATCH,
+            key,
             lambda session: session.liveliness().declare_subscriber(
                 key, Callback(receive, indirect=False), history=True
-            )
+            ),
         )
 
     def watch_router(self, handle: Callable[[bool], None]) -> None:
@@ -320,16 +204,20 @@ class Bus:
         def receive(event: zenoh.TransportEvent) -> None:
             handle(event.kind == zenoh.SampleKind.PUT)
 
-        self._declare(
+        self._declarations.add(
+            WATCH,
+            "",
             lambda session: session.info.declare_transport_events_listener(
                 Callback(receive, indirect=False), history=True
-            )
+            ),
         )
 
     @property
     def connected(self) -> bool:
         """Whether a router is connected; false after `close`."""
-        return not self.closed and bool(self._session.info.routers_zid())
+        with contextlib.suppress(WrongUsage):
+            return self._declarations.use(lambda session: bool(session.info.routers_zid()))
+        return False
 
     def connection_error(self) -> NoAnswer | None:
         """Try to open another session with the same account; return the error, or None if the router accepts it."""
@@ -349,10 +237,7 @@ class Bus:
 
     def close(self) -> None:
         """Close the session and all its declarations; may be called twice."""
-        self._declared.clear()
-        self._declarations.clear()
-        self._tokens.clear()
-        self._session.close()
+        self._declarations.close()
 
     def __enter__(self) -> Self:
         return self

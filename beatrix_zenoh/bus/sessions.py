@@ -9,7 +9,9 @@ import threading
 from collections.abc import Callable
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh.bus.session import Bus, Incoming, Publication, Received
+from beatrix_zenoh.bus.incoming import Incoming, Received
+from beatrix_zenoh.bus.publication import Publication
+from beatrix_zenoh.bus.session import Bus
 
 CONTROL = "control"
 """Traffic class of tokens, STOP and commands; its session is always open and is closed last."""

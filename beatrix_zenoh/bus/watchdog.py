@@ -9,7 +9,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.session import HEALTH, HEALTHY, Bus
 from beatrix_zenoh.bus.sessions import Sessions
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 PERIOD_S = 1.0
 ANSWER_S = 1.0
@@ -57,6 +57,8 @@ class SessionWatchdog:
             checked.renew()
         except NoAnswer:
             return  # the router has just been lost; the old session remains
+        except WrongUsage:
+            return  # the node closes
         self._renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:

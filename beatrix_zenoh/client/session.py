@@ -46,7 +46,8 @@ class Client:
         self.dispatcher = Dispatcher()
         """The thread for the user's callbacks; it starts with the first callback."""
         self._lock = threading.Lock()
-        self._closing: list[Callable[[], None]] = []
+        self._closed = False
+        self._closing: dict[object, Callable[[], None]] = {}
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
         if announce:
@@ -62,9 +63,9 @@ class Client:
             WrongUsage: SHUTDOWN, the client was closed.
         """
         with self._lock:
+            if self._closed:
+                raise WrongUsage(Reason.SHUTDOWN, CLOSED)
             if self._media is None:
-                if self.bus.closed:
-                    raise WrongUsage(Reason.SHUTDOWN, CLOSED)
                 settings = self.settings
                 self._media = zbus.connect(settings.connect, label=settings.who, account=settings.account)
             return self._media
@@ -125,24 +126,35 @@ class Client:
         self.bus.put(keys.stop(robot, twin), b"", codec.MSGPACK)
 
     def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
-        """Call `do` before the session is closed; returns a function that cancels this."""
+        """Call `do` before the session is closed; returns a function that cancels this.
+
+        Raises:
+            WrongUsage: SHUTDOWN, the client was closed.
+        """
+        number = object()
         with self._lock:
-            self._closing.append(do)
+            if self._closed:
+                raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+            self._closing[number] = do
 
         def forget() -> None:
             with self._lock:
-                if do in self._closing:
-                    self._closing.remove(do)
+                self._closing.pop(number, None)
 
         return forget
 
     def close(self) -> None:
         """Close the session; robots stop its running motions. May be called twice."""
-        while self._closing:
-            self._closing.pop()()
+        with self._lock:
+            self._closed = True
+            closing, self._closing = list(self._closing.values()), {}
+        for do in reversed(closing):
+            do()  # without the lock, because it may cancel its entry
         self.bus.close()
-        if self._media is not None:
-            self._media.close()
+        with self._lock:  # `media` may be opening its session
+            media = self._media
+        if media is not None:
+            media.close()
         self.dispatcher.close()
 
     def __enter__(self) -> Self:

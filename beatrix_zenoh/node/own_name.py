@@ -27,11 +27,11 @@ def claim_name(bus: Bus, name: str, twin: str) -> None:
     alive, own = keys.alive(name, twin), keys.claim(name, twin, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, twin)
-    bus.declare_token(own)
+    withdraw = bus.declare_token(own)
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, twin, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:
-            bus.undeclare_token(own)
+            withdraw()
             raise taken(bus, name, twin)
         time.sleep(POLL_S)
 

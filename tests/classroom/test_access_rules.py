@@ -64,10 +64,10 @@ def serves(router: ClassRouter, account: str, key: str) -> bool:
 def announces(router: ClassRouter, account: str, key: str) -> bool:
     """Return whether the teacher receives a liveliness token of the account."""
     session = router.session(account)
-    session.declare_token(key)
+    end = session.declare_token(key)
     settled(session)
     seen = key in router.session("teacher").tokens(key)
-    session.undeclare_token(key)
+    end()
     return seen
 
 

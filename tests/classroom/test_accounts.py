@@ -92,7 +92,7 @@ def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certific
         msgspec.structs.replace(certificates.account("ana"), name="zoe"), ours, 40, ours
     )
     robot = certificates.session("bea1")
-    robot.declare_token(keys.alive("bea1", "hw"))
+    end = robot.declare_token(keys.alive("bea1", "hw"))
     settled(robot)
     assert certificates.session("ana").robots() == [("bea1", "hw")]
     with zbus.connect(account.connect, account=account) as session:
@@ -106,7 +106,7 @@ def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certific
             "answers",
             "has no rights",
         ]
-    robot.undeclare_token(keys.alive("bea1", "hw"))
+    end()
 
 
 def test_an_account_whose_token_the_router_reports_late_has_rights(passwords: ClassRouter) -> None:

@@ -136,14 +136,14 @@ def test_a_client_that_undeclares_its_token_receives_client_lost(body: Body, rob
     until(lambda: robot.status().holder == "", "lease over", 4.0)
     with zbus.connect(body.stage.endpoint) as bus:
         seat = keys.seat("undeclarer", bus.session_id)
-        bus.declare_token(seat)
+        end = bus.declare_token(seat)
         query = bus.query(
             keys.pose(robot.name, robot.twin, "undeclarer"), codec.encode(PoseQuery(yaw=1.0)), codec.MSGPACK
         )
         accepted = query.next(8.0)
         assert accepted is not None
         assert codec.decode(accepted.payload, MotionReply).reason is Reason.OK
-        bus.undeclare_token(seat)
+        end()
         done = query.next(8.0)
         query.close()
     assert done is not None

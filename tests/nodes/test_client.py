@@ -29,7 +29,7 @@ from beatrix_zenoh._generated.messages import (
     Status,
     Vector3,
 )
-from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.bus import SUBSCRIBER, Incoming
 from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
@@ -285,7 +285,7 @@ def test_a_closed_stream_receives_nothing(robot: Robot) -> None:
     for stream in streams:
         stream.next(PATIENCE_S)
         stream.close()
-    assert not any("declare_subscriber" in repr(made) for made in robot.client.bus._declarations)
+    assert robot.client.bus.declared(SUBSCRIBER) == []
     counted = robot.status_stream()
     assert counted.next(PATIENCE_S).robot == "bea"
 
@@ -336,7 +336,7 @@ def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(
 ) -> None:
     with Monitor(stage.client(), "toy", events=5) as monitor, zbus.connect(stage.endpoint) as bus:
         assert monitor.robots() == []
-        bus.declare_token(keys.alive("toy", "hw"))
+        end = bus.declare_token(keys.alive("toy", "hw"))
         assert monitor.wait(PATIENCE_S)
         assert monitor.present() == [("toy", "hw")]
         assert monitor.robot("toy", "hw").presence is Presence.SILENT
@@ -348,7 +348,7 @@ def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(
         assert monitor.wait(PATIENCE_S)
         assert monitor.robot("toy", "hw").events == (event,)
         assert not monitor.wait(0.0)
-        bus.undeclare_token(keys.alive("toy", "hw"))
+        end()
         assert monitor.wait(PATIENCE_S)
         assert monitor.robot("toy", "hw").presence is Presence.ABSENT
         assert monitor.present() == []

@@ -210,10 +210,10 @@ def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Sta
     robot.look(yaw=2)
     motion = robot.look(yaw=170, speed=10, wait=False)
     bus = node.sessions.opened()[traffic]
-    forgotten = bus._session
-    for declared in [*bus._declared, *bus._tokens.values()]:
+    forgotten = bus._declarations._session
+    for declared in bus._declarations._made.values():
         if not isinstance(declared, zenoh.Publisher):
-            declared.undeclare()  # type: ignore[attr-defined]  # as after a reconnection that lost them
+            declared.undeclare()  # as after a reconnection that lost them
     until(
         lambda: any("has connected again" in warning for warning in node.context.diagnostics.warnings()),
         "the node warns of the loss",

@@ -1,0 +1,142 @@
+"""A Zenoh session that can be replaced, and its declarations, which are repeated in the new session."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+import zenoh
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import WrongUsage
+
+CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
+T = TypeVar("T")
+
+
+class Declared(Protocol):
+    """What Zenoh returns for a declaration."""
+
+    def undeclare(self) -> object: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Declaration:
+    """One declaration: what it declares, such as `queryable`, its key, and the function that declares it."""
+
+    kind: str
+    key: str
+    make: Callable[[zenoh.Session], Declared]
+
+
+class Declarations:
+    """A session and its declarations; several threads may declare, end declarations, renew and close at once.
+
+    The lock protects the session and the dictionary of declarations. No call of Zenoh, and no deletion of an object of
+    Zenoh, runs under it: Zenoh may run a callback in the calling thread or wait for a callback, and callbacks may
+    declare.
+    """
+
+    def __init__(self, open_session: Callable[[], zenoh.Session]) -> None:
+        """Open the session; raises the errors of `open_session`."""
+        self._open_session = open_session
+        self._session = open_session()
+        self._lock = threading.Lock()
+        self._renewal = threading.Lock()
+        self._made: dict[Declaration, Declared] = {}
+        self.closed = False
+        """Whether this program has closed the session."""
+
+    def use(self, do: Callable[[zenoh.Session], T]) -> T:
+        """Return the result of `do`, which is called again if the session was replaced meanwhile.
+
+        Raises:
+            WrongUsage: SHUTDOWN, this program has closed the session or closes it meanwhile.
+        """
+        while True:
+            session = self._session
+            if self.closed:
+                raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+            try:
+                return do(session)
+            except zenoh.ZError:
+                if session is self._session and not self.closed:
+                    raise
+
+    def add(self, kind: str, key: str, make: Callable[[zenoh.Session], Declared]) -> Callable[[], None]:
+        """Declare now and in every renewed session; return a function that ends the declaration.
+
+        `make` declares in a session. Raises the errors of `use`.
+        """
+        declaration = Declaration(kind, key, make)
+        while True:
+            session, made = self.use(lambda session: (session, make(session)))
+            with self._lock:
+                present = session is self._session and not self.closed
+                if present:
+                    self._made[declaration] = made
+            if present:
+                return lambda: self._end(declaration)
+            _undeclare(made)  # the session was replaced or closed before the declaration was recorded
+
+    def _end(self, declaration: Declaration) -> None:
+        with self._lock:
+            made = self._made.pop(declaration, None)
+        if made is not None:
+            _undeclare(made)
+
+    def renew(self) -> None:
+        """Open a new session in place of this one and repeat all declarations.
+
+        Queries of the old session that are not answered yet get no reply. Raises the errors of `open_session`, and then
+        the old session remains; and those of `use`.
+        """
+        with self._renewal:
+            new = self._open_session()
+            with self._lock:
+                old, repeated = self._session, list(self._made)
+                if not self.closed:
+                    self._session = new
+            if self._session is not new:
+                new.close()
+                raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+            try:
+                for declaration in repeated:
+                    self._repeat(declaration, new)
+            finally:
+                old.close()
+
+    def _repeat(self, declaration: Declaration, session: zenoh.Session) -> None:
+        try:
+            made = declaration.make(session)
+        except zenoh.ZError as error:
+            if not self.closed:
+                raise
+            raise WrongUsage(Reason.SHUTDOWN, CLOSED) from error
+        with self._lock:
+            former = self._made.get(declaration)
+            if former is not None:
+                self._made[declaration] = made
+        if former is None:  # it has ended meanwhile
+            _undeclare(made)
+
+    def keys(self, kind: str) -> list[str]:
+        """Return the keys of all declarations of one kind, sorted, each once."""
+        with self._lock:
+            return sorted({declaration.key for declaration in self._made if declaration.kind == kind})
+
+    def close(self) -> None:
+        """Close the session with all declarations; may be called twice."""
+        with self._lock:
+            self.closed = True
+            session, made, self._made = self._session, self._made, {}
+        session.close()
+        made.clear()
+
+
+def _undeclare(made: Declared) -> None:
+    with contextlib.suppress(zenoh.ZError):  # the session may be closing
+        made.undeclare()
