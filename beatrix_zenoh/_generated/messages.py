@@ -284,7 +284,7 @@ class MotionQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """Turn the arms."""
 
     absolute: bool = True
-    """true: angles from home; false: angles relative to the present set point"""
+    """true: angles from home; false: angles relative to the exact goal of the last motion if the arms stand at it, otherwise, also while they move, to the present set point"""
     position: Vector3
     """angle of each arm (not of the motor) [rad]"""
     speed: Vector3 | None = None
@@ -297,7 +297,7 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Turn the head; the arms start and arrive together."""
 
     absolute: bool = True
-    """true: this orientation; false: angles relative to the present orientation"""
+    """true: this orientation; false: angles relative to the exact goal of the last motion if the head stands at it, otherwise, also while it moves, to the orientation of the present set point"""
     yaw: Float32 = 0.0
     """left is positive [rad]"""
     pitch: Float32 = 0.0

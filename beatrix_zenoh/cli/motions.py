@@ -143,7 +143,10 @@ def carry_out(
             commit(targets, query, lead_s)
     else:
         with stop_on_interrupt(robots, as_json=as_json):
-            robots[0].begin(query).wait()
+            motion = robots[0].begin(query)
+            end = motion.wait()
+        if not (query.absolute or motion.duration):
+            note(end.message)  # the arms do not turn yet
     show_positions(robots, as_json=as_json)
 
 

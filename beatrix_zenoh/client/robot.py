@@ -178,6 +178,11 @@ class Robot(RobotBase):
         `speed` (deg/s) is that of the fastest arm. Returns when the head is at the goal; with wait=False, when the
         robot has accepted the motion.
 
+        With relative=True the angles are added to the goal of the last motion, exactly, so that small turns add up. If
+        the head is not at this goal, because it still moves (wait=False) or was stopped, they are added to where it is
+        at that moment: a program that follows a face may send what it still sees missing as often as it likes. To add
+        up turns, wait for each; or count the angles yourself and send them without relative.
+
         Raises:
             Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
             NoAnswer: the robot or the router is not on line, or does not answer.

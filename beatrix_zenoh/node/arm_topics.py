@@ -59,6 +59,6 @@ class ArmTopics(Component):
         controller = self._context.controller
         running = controller.running
         own = running is not None and running.caller == CALLER
-        target = list(running.goal.target if running is not None and own else controller.arms())
+        target = list(running.goal.exact if running is not None and own else controller.base())
         target[arm] = angle
         motions.begin(controller, MotionQuery(position=Vector3(*target)), handle)

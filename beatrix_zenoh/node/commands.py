@@ -92,6 +92,7 @@ class CommandHandler(Component):
             return lifecycle.switch_motors(self._board, on=query.value)
         if command is Command.CALIBRATE:
             access.authorize(Action.CALIBRATE, handle.caller, now_s)
+            self._context.controller.last_goal = None
             text = lifecycle.calibrate(self._board, self._context.hardware, self._context.controller.arms())
             self.calibrations += 1
             return text

@@ -55,6 +55,9 @@ class MotionController:
         self._number = secrets.randbelow(NUMBERS)  # random, to differ from that of an earlier node
         self._stop_cause = replies.StopCause.STOP
         self._lost = True
+        self.last_goal: Goal | None = None
+        """Goal of the last motion of a query, from which relative motions count (see `Planner.base`); None after an old
+        program has moved the arms, or home was set."""
         self.text_moves = False
         """Whether a motion of the text port is running or about to begin."""
 
@@ -62,6 +65,11 @@ class MotionController:
         """Return the firmware's set points (rad); zeros before the first telemetry."""
         telemetry = self._board.telemetry
         return (0.0, 0.0, 0.0) if telemetry is None else self._planner.gear.to_rad(telemetry.position)
+
+    def base(self) -> Arms:
+        """Return the arm angles (rad) that relative motions count from; zeros before the first telemetry."""
+        telemetry = self._board.telemetry
+        return (0.0, 0.0, 0.0) if telemetry is None else self._planner.base(telemetry, self.last_goal)
 
     @property
     def running(self) -> Running | None:
@@ -96,14 +104,14 @@ class MotionController:
         now_s = time.monotonic()
         resting = not self.moving and self._running is None
         self._access.authorize(Action.MOVE, caller, now_s, resting=resting, lease=query.lease)
-        goal = self._planner.goal(query, ready_telemetry(self._board))
+        goal = self._planner.goal(query, ready_telemetry(self._board), self.last_goal)
         self._access.take(caller)
         try:
             number, boot = self._send(goal)
         except BeatrixError:
             self._access.undo_take()
             raise
-        replaced = self._running
+        replaced, self.last_goal = self._running, goal
         self._running = Running(number, caller, goal, boot, now_s, now_s + goal.duration + LATE_S, ended)
         self._stop_cause = replies.StopCause.STOP
         accepted(number, goal)
@@ -121,6 +129,7 @@ class MotionController:
             self._board.move(goal.frame(self._number))
         except NoAnswer:
             # The client gets a refusal, but the board may have received the motion: stop it.
+            self.last_goal = None
             self.stop(replies.StopCause.STOP)
             raise
         return self._number, 0 if telemetry is None else telemetry.boot

@@ -40,11 +40,19 @@ class Goal:
     quarters: tuple[int, int, int]
     straight: bool
     trajectory: Trajectory
+    exact: Arms
+    """the requested arm angles (rad); `target` is the nearest position in whole microsteps"""
+    pose: Arms | None
+    """the requested yaw, pitch and roll (rad); None for a motion of the arms"""
+    turns: bool = True
+    """whether an arm turns; False if all arms rest at `steps` already"""
+    remark: str = ""
+    """a sentence for the replies, after a space; empty: there is nothing to say"""
 
     @property
     def duration(self) -> float:
         """Time (s) until the arms rest."""
-        return self.trajectory.duration
+        return self.trajectory.duration if self.turns else 0.0
 
     def frame(self, motion: int) -> Move | MoveStraight:
         """Return the frame that begins the motion to this goal, with the number `motion`."""
@@ -61,6 +69,11 @@ class Planner:
         self.gear = Gear(robot.drive)
         self.neck = Neck(robot.geometry)
         self.limits = Limits(robot)
+        half_deg = 180 / self.gear.steps_per_turn
+        self._not_yet = (
+            f" The arms do not turn yet, because the goal is less than half a microstep ({half_deg:.3f}°) away; the next "
+            "relative motion counts from this goal."
+        )
         self.speed_limit = 0.0
         """Limit (rad/s) that the teacher has set for every arm; 0: none."""
 
@@ -91,8 +104,13 @@ class Planner:
         fastest = max(self.gear.quarters_to_speed(goal.quarters))
         return 0 < self.speed_limit < fastest * 0.999
 
-    def goal(self, query: MotionQuery | PoseQuery, telemetry: Telemetry) -> Goal:
+    def goal(self, query: MotionQuery | PoseQuery, telemetry: Telemetry, last: Goal | None = None) -> Goal:
         """Return the goal of a query, checked over the whole path from the state in the telemetry.
+
+        Args:
+            query: the motion; a relative one counts from the angles that `base` returns.
+            telemetry: the present state of the board.
+            last: goal of the last motion, unless something else has moved the arms or set home since; None: unknown.
 
         Raises:
             Refused: OUT_OF_REACH, ARM_GAP, YAW_LIMIT, SPEED_LIMIT or BAD_VALUE.
@@ -101,23 +119,49 @@ class Planner:
         try:
             self.limits.check_speed(speed)
         except Refused as refusal:
-            raise self._with_speed(refusal, query, telemetry, speed) from None
-        return self._goal(query, telemetry, speed)
+            raise self._with_speed(refusal, query, telemetry, last, speed) from None
+        return self._goal(query, telemetry, last, speed)
 
-    def _goal(self, query: MotionQuery | PoseQuery, telemetry: Telemetry, speed: Arms) -> Goal:
+    def base(self, telemetry: Telemetry, last: Goal | None) -> Arms:
+        """Return the arm angles (rad) that relative motions count from.
+
+        These are the requested angles of the last motion if the arms stand at its goal, so that the parts of a
+        microstep add up; otherwise, also while a motion runs, the present set point.
+        """
+        if last is not None and telemetry.position == last.steps:
+            return last.exact
+        return self.gear.to_rad(telemetry.position)
+
+    def _goal(
+        self, query: MotionQuery | PoseQuery, telemetry: Telemetry, last: Goal | None, speed: Arms
+    ) -> Goal:
         start = self.gear.to_rad(telemetry.position)
         velocity = self.gear.to_rad(telemetry.velocity)
         quarters = self.gear.speed_to_quarters(speed)
         sent = self.gear.quarters_to_speed(quarters)  # check these: rounding changes paths of slow arms
-        straight = isinstance(query, PoseQuery)
+        pose: Arms | None = None
         if isinstance(query, PoseQuery):
-            target = self.limits.arms_for(self._pose_of(query, start), start, velocity, sent)
+            pose = self._pose_of(query, telemetry, last)
+            exact = self.limits.arms_for(pose, start, velocity, sent)
         else:
-            x, y, z = tuple3(query.position)
-            target = (x, y, z) if query.absolute else (start[0] + x, start[1] + y, start[2] + z)
-        trajectory = self.limits.check_motion(start, velocity, target, sent, straight=straight)
-        steps = self.gear.to_steps(target)
-        return Goal(self.gear.to_rad(steps), steps, quarters, straight, trajectory)
+            exact = tuple3(query.position)
+            if not query.absolute:
+                exact = _sum(self.base(telemetry, last), exact)
+        straight = pose is not None
+        trajectory = self.limits.check_motion(start, velocity, exact, sent, straight=straight)
+        steps = self.gear.to_steps(exact)
+        turns = steps != telemetry.position or any(telemetry.velocity)
+        return Goal(
+            self.gear.to_rad(steps),
+            steps,
+            quarters,
+            straight,
+            trajectory,
+            exact,
+            pose,
+            turns,
+            "" if turns or not _asks_to_turn(query) else self._not_yet,
+        )
 
     def _speed_of(self, query: MotionQuery | PoseQuery) -> Arms:
         """Return the speed of each arm (rad/s), the default if the query has none."""
@@ -127,7 +171,12 @@ class Planner:
         return speed, speed, speed
 
     def _with_speed(
-        self, refusal: Refused, query: MotionQuery | PoseQuery, telemetry: Telemetry, speed: Arms
+        self,
+        refusal: Refused,
+        query: MotionQuery | PoseQuery,
+        telemetry: Telemetry,
+        last: Goal | None,
+        speed: Arms,
     ) -> Refused:
         """Complete and return the refusal of a speed.
 
@@ -141,17 +190,29 @@ class Planner:
             )
         nearest = self.limits.nearest_speed(speed)
         try:
-            self._goal(query, telemetry, nearest)
+            self._goal(query, telemetry, last, nearest)
         except Refused:
             return refusal
         return with_alternative(refusal, Alternative(speed=vector(nearest)))
 
-    def _pose_of(self, query: PoseQuery, start: Arms) -> Arms:
-        """Return yaw, pitch and roll (rad) of the goal."""
+    def _pose_of(self, query: PoseQuery, telemetry: Telemetry, last: Goal | None) -> Arms:
+        """Return yaw, pitch and roll (rad) of the goal; the base of a relative pose is that of `base`."""
+        asked = query.yaw, query.pitch, query.roll
         if query.absolute:
-            return query.yaw, query.pitch, query.roll
-        yaw, pitch, roll = self.limits.head_at(start)
-        return yaw + query.yaw, pitch + query.pitch, roll + query.roll
+            return asked
+        if last is not None and last.pose is not None and telemetry.position == last.steps:
+            return _sum(last.pose, asked)
+        return _sum(self.limits.head_at(self.base(telemetry, last)), asked)
+
+
+def _asks_to_turn(query: MotionQuery | PoseQuery) -> bool:
+    """Return whether a query asks for a turn from the present position by an angle other than 0."""
+    asked = tuple3(query.position) if isinstance(query, MotionQuery) else (query.yaw, query.pitch, query.roll)
+    return not query.absolute and any(asked)
+
+
+def _sum(base: Arms, by: Arms) -> Arms:
+    return base[0] + by[0], base[1] + by[1], base[2] + by[2]
 
 
 def tuple3(value: Vector3) -> Arms:

@@ -56,7 +56,8 @@ class PreviewHandler(Component):
 
     def _preview(self, raw: RawQuery) -> Preview:
         query = query_forms.read_motion_or_pose(raw)
-        goal = self._context.planner.goal(query, ready_telemetry(self._context.board_watch.board))
+        last = self._context.controller.last_goal
+        goal = self._context.planner.goal(query, ready_telemetry(self._context.board_watch.board), last)
         if goal.duration > PREVIEW_MAX_S:
             raise refusals.motion_too_long(goal.duration, PREVIEW_MAX_S)
         return self._carry_out(goal.frame(0))

@@ -75,6 +75,7 @@ class TextDriving:
         if controller.running is not None:
             raise refusals.motion_running(controller.running.caller.seat)
         access.take(CALLER)
+        controller.last_goal = None
         controller.text_moves, self._moved = True, False
 
     def move_declined(self) -> None:
@@ -101,6 +102,7 @@ class TextDriving:
     def set_home(self) -> None:
         """Prepare the robot for a @CALNOW that sets home, and count the calibration."""
         self._context.hardware.straighten()
+        self._context.controller.last_goal = None
         self._commands.calibrations += 1
 
     def stop_pressed(self) -> None:

@@ -7,7 +7,9 @@ from typing import Final
 
 from beatrix_zenoh._generated.messages import MotionQuery
 from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.readings import ArmAngles, arm_angles
+from beatrix_zenoh.motion.gear import Gear
 from gui.state import refusals
 from gui.state.actions import Action, Send
 from gui.state.intents import ALL_ARMS, ARMS, Jog
@@ -17,6 +19,8 @@ from gui.state.presence import commanded, reading, unreachable
 from gui.state.views import ArmRowView, ArmsView, ButtonView
 from gui.state.world import World
 
+HALF_STEP_DEG: Final = 180 / Gear().steps_per_turn * 1.001
+"""Largest distance (deg) of the set point of an arm at rest from its goal: half a microstep, and rounding."""
 AXES: Final = dict(zip(ARMS, "xyz", strict=True)) | {ALL_ARMS: ""}
 INCREMENT_MAX: Final = 90.0
 """deg, a quarter of a turn; larger turns take several presses"""
@@ -103,17 +107,27 @@ def _start(memory: Memory, world: World) -> ArmAngles | None:
     """Return the angles that + or - start from; None if they are unknown.
 
     They are the set point, or the goal of the motion that simulation and hardware are making. Both robots get one goal,
-    so that robots that stand apart, as after STOP or during the lead, come together.
+    so that robots that stand apart, as after STOP or during the lead, come together. If they stand at the last goal, it
+    is the exact one and not its microsteps, as for relative motions of one robot.
     """
     choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
-    both = choices.relative and len(choices.twins) > 1
-    if both and world.plan is not None and newest is not None and isinstance(newest.request, Send):
-        query = newest.request.query
-        if isinstance(query, MotionQuery) and query.absolute and len(newest.twins) > 1 and not newest.ended:
-            return arm_angles(query.position)
-        if world.plan.path is not None and world.plan.path.arms:
-            return world.plan.path.arms[-1]
-    return commanded(world, choices.twins)
+    here = commanded(world, choices.twins)
+    if (
+        not choices.relative
+        or len(choices.twins) < 2
+        or newest is None
+        or not isinstance(newest.request, Send)
+    ):
+        return here
+    query = newest.request.query
+    if isinstance(query, MotionQuery) and query.absolute and len(newest.twins) > 1:
+        goal = arm_angles(query.position)
+        under_way = world.plan is not None and not newest.ended
+        if under_way or (here is not None and furthest(goal, here) <= HALF_STEP_DEG):
+            return goal
+    if world.plan is not None and world.plan.path is not None and world.plan.path.arms:
+        return world.plan.path.arms[-1]
+    return here
 
 
 def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bool) -> ArmAngles:

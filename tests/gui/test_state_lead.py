@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from worlds import (
     BOTH,
     arms_of,
     plan,
+    robot,
     sent,
     state_after,
     world,
@@ -17,6 +20,7 @@ from beatrix_zenoh._generated.messages import (
 )
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
 from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.motion.gear import Gear
 from gui.state import intents
 from gui.state.actions import (
     AbortPlan,
@@ -90,6 +94,29 @@ def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
     third = sent(state.handle(Jog("all", -1), leading))
     assert arms_of(third) == pytest.approx((0.0, -5.0, 0.0))
     assert third.query.absolute, "robots at different places move to one place"
+
+
+@pytest.mark.parametrize(("increment", "times"), [(0.1, 30), (0.3, 10), (1.0, 5)])
+def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_microsteps(
+    increment: float, times: int
+) -> None:
+    state, gear = state_after(BOTH, intents.SetIncrement(increment)), Gear()
+    arms = (0.0, 0.0, 0.0)
+    goal: tuple[float, ...] = ()
+    for _ in range(times):
+        goal = arms_of(
+            sent(state.handle(Jog("all", 1), world(robot("sim", arms=arms), robot("hw", arms=arms))))
+        )
+        counted = gear.to_rad(gear.to_steps([math.radians(angle) for angle in goal]))
+        short, middle, long = map(math.degrees, counted)
+        arms = short, middle, long
+    assert goal == pytest.approx((increment * times,) * 3, abs=1e-4)
+
+
+def test_after_a_stop_increments_of_both_robots_count_from_where_the_arms_rest() -> None:
+    state = state_after(BOTH, intents.SetIncrement(10), Jog("all", 1))
+    rests = world(robot("sim", arms=(4, 4, 4)), robot("hw", arms=(4, 4, 4)))
+    assert arms_of(sent(state.handle(Jog("all", 1), rests))) == pytest.approx((14, 14, 14))
 
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:

@@ -48,6 +48,21 @@ def test_opening_the_port_clears_the_zero_of_the_previous_program(place: Place) 
 
 
 @pytest.mark.bodies("hw")
+def test_a_relative_motion_after_an_old_program_counts_from_its_whole_steps(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    before = place.robot.look(yaw=0.04, relative=True).accepted.position
+    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    with place.program() as program:
+        program.begin()
+        assert program.say("@MOVRX 20") == program.say("@MOVRX -20") == ["ACK\n", "ACK\n"]
+    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    assert place.robot.look(yaw=0.04, relative=True).accepted.position == before
+    assert place.robot.look(yaw=0.04, relative=True).accepted.position != before
+
+
+@pytest.mark.bodies("hw")
 def test_all_line_ends_are_accepted_and_invalid_lines_refused(place: Place) -> None:
     with place.program() as program:
         program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n  \r @COMSTATUS\r")

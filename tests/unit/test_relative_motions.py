@@ -1,0 +1,162 @@
+"""Relative motions count from the exact goal of the last motion, unless something else has moved the arms."""
+
+from __future__ import annotations
+
+import math
+import struct
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from beatrix_zenoh import Refused
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Vector3
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node.planner import Goal, Planner
+
+PLANNER = Planner(ROBOT)
+STEP = math.tau / PLANNER.gear.steps_per_turn
+HALF = STEP / 2 * (1 + 1e-6)
+REST = (0, 0, 0)
+
+Query = MotionQuery | PoseQuery
+
+
+def single(degrees: float) -> float:
+    """Return an angle in rad, as a message transports it."""
+    (angle,) = struct.unpack("<f", struct.pack("<f", math.radians(degrees)))
+    return float(angle)
+
+
+def at(steps: tuple[int, int, int], velocity: tuple[int, int, int] = REST) -> Telemetry:
+    return Telemetry(0, 1, 3, 0, 0, steps, velocity, 0, 0)
+
+
+class Robot:
+    """A robot whose arms arrive at each accepted goal at once."""
+
+    def __init__(self) -> None:
+        self.steps = REST
+        self.last: Goal | None = None
+
+    def carry_out(self, query: Query) -> Goal | None:
+        """Move to the goal of a query and return it; None if it was refused."""
+        try:
+            goal = PLANNER.goal(query, at(self.steps), self.last)
+        except Refused:
+            return None
+        self.last, self.steps = goal, goal.steps
+        return goal
+
+    @property
+    def arms(self) -> Arms:
+        return PLANNER.gear.to_rad(self.steps)
+
+
+def turn(yaw: float, pitch: float = 0.0, roll: float = 0.0) -> PoseQuery:
+    return PoseQuery(absolute=False, yaw=single(yaw), pitch=single(pitch), roll=single(roll))
+
+
+def arms(short: float, middle: float, long: float) -> MotionQuery:
+    return MotionQuery(absolute=False, position=Vector3(single(short), single(middle), single(long)))
+
+
+@pytest.mark.parametrize("by", [0.04, 0.05, 0.13, 0.3, 1.0])
+@pytest.mark.parametrize("form", ["pose", "arms"])
+def test_thirty_equal_relative_motions_end_at_thirty_times_the_angle(by: float, form: str) -> None:
+    robot = Robot()
+    for _ in range(30):
+        robot.carry_out(turn(by) if form == "pose" else arms(by, by, by))
+    assert robot.arms == pytest.approx((math.radians(30 * by),) * 3, abs=HALF)
+
+
+angles = st.one_of(st.floats(-0.1, 0.1), st.floats(-3, 3))
+
+
+@given(st.lists(st.tuples(angles, angles, angles), max_size=40))
+@example([(0.04, 0.0, -0.04)] * 30)
+def test_a_sequence_of_relative_arm_motions_ends_at_the_sum(steps: list[Arms]) -> None:
+    robot, total = Robot(), [0.0, 0.0, 0.0]
+    for step in steps:
+        query = arms(*step)
+        if robot.carry_out(query) is not None:
+            asked = query.position
+            total = [a + b for a, b in zip(total, (asked.x, asked.y, asked.z), strict=True)]
+    assert robot.arms == pytest.approx(total, abs=HALF)
+
+
+@given(st.lists(st.tuples(angles, angles, angles), max_size=40))
+@example([(0.05, 0.0, 0.0)] * 30)
+@example([(0.04, 0.01, -0.04)] * 30)
+def test_a_sequence_of_relative_poses_ends_at_the_arms_of_the_sum(steps: list[Arms]) -> None:
+    robot, total = Robot(), [0.0, 0.0, 0.0]
+    for step in steps:
+        query = turn(*step)
+        if robot.carry_out(query) is not None:
+            total = [a + b for a, b in zip(total, (query.yaw, query.pitch, query.roll), strict=True)]
+    assert robot.arms == pytest.approx(PLANNER.neck.inverse(*total), abs=HALF)
+
+
+def test_arms_and_poses_in_turn_keep_the_parts_of_a_microstep() -> None:
+    robot = Robot()
+    for _ in range(30):
+        robot.carry_out(turn(0.02))
+        robot.carry_out(arms(0.02, 0.02, 0.02))
+    assert robot.arms == pytest.approx((math.radians(1.2),) * 3, abs=HALF)
+
+
+def test_a_relative_motion_counts_from_an_absolute_goal_and_not_from_its_microsteps() -> None:
+    robot = Robot()
+    for query in [MotionQuery(position=Vector3(single(10), 0.1, 0.1)), arms(0.03, 0, 0)]:
+        robot.carry_out(query)
+    assert robot.last is not None
+    assert robot.last.exact[0] == pytest.approx(math.radians(10.03), abs=1e-8)
+
+
+@pytest.mark.parametrize("query", [turn(0.03), arms(0.03, 0.03, 0.03)])
+def test_if_the_arms_do_not_stand_at_the_goal_the_set_point_is_the_base(query: Query) -> None:
+    """After STOP, a lost board or a motion of another kind; the parts of a microstep are then forgotten."""
+    robot = Robot()
+    robot.carry_out(turn(10.03))
+    robot.steps = (50, 50, 50)
+    goal = robot.carry_out(query)
+    assert goal is not None
+    assert goal.exact == pytest.approx((50 * STEP + math.radians(0.03),) * 3, abs=1e-6)
+
+
+def test_while_a_motion_runs_a_relative_motion_counts_from_the_present_set_point() -> None:
+    running = PLANNER.goal(turn(40), at(REST))
+    goal = PLANNER.goal(turn(2), at((50, 50, 50), (200, 200, 200)), running)
+    assert goal.exact == pytest.approx((50 * STEP + math.radians(2),) * 3, abs=1e-6)
+
+
+@pytest.mark.parametrize("query", [turn(0.04), arms(0.0, -0.04, 0.0)])
+def test_a_relative_motion_of_less_than_half_a_microstep_says_that_the_arms_do_not_turn_yet(
+    query: Query,
+) -> None:
+    robot = Robot()
+    goal = robot.carry_out(query)
+    assert goal is not None
+    assert (goal.steps, goal.turns, goal.duration) == (REST, False, 0.0)
+    assert "do not turn yet" in goal.remark
+    assert "0.043°" in goal.remark
+    again = robot.carry_out(query)
+    assert again is not None
+    assert (again.turns, again.remark) == (True, "")
+
+
+@pytest.mark.parametrize("query", [turn(0.0), arms(0, 0, 0), PoseQuery(yaw=single(0.04)), turn(0.05)])
+def test_other_motions_get_no_remark(query: Query) -> None:
+    assert PLANNER.goal(query, at(REST)).remark == ""
+
+
+def test_the_limits_are_checked_on_the_exact_sum() -> None:
+    robot = Robot()
+    robot.carry_out(PoseQuery(pitch=single(34.9)))
+    tilts = []
+    while (goal := robot.carry_out(turn(0.0, 0.04))) is not None:
+        assert goal.pose is not None
+        tilts.append(goal.pose[1])
+    assert max(tilts) == pytest.approx(math.radians(35.05), abs=math.radians(0.06))
