@@ -7,6 +7,8 @@ import signal
 from collections.abc import Callable
 from types import FrameType
 
+FAULT = 70
+"""Exit code after an exception that no code handles (EX_SOFTWARE of sysexits.h), unlike that of a refusal."""
 SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
 ]

@@ -12,7 +12,10 @@ def main() -> None:
 
 
 def process(work: Callable[[], int]) -> None:
-    """Run `work`, the whole task of this process; raise SystemExit with its exit code, or with 130 after Ctrl-C."""
+    """Run `work`, the whole task of this process; raise SystemExit with its exit code.
+
+    The exit code is 130 after Ctrl-C, and FAULT after an exception, whose traceback is printed.
+    """
     try:
         code = work()
         from beatrix_zenoh.shutdown import ignore_signals
@@ -20,6 +23,13 @@ def process(work: Callable[[], int]) -> None:
         ignore_signals()  # so that a signal cannot change the exit code now that the work is done
     except KeyboardInterrupt:
         code = 130  # the exit code that shells use for Ctrl-C
+    except Exception:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
+        import traceback
+
+        from beatrix_zenoh.shutdown import FAULT
+
+        traceback.print_exc()
+        code = FAULT
     sys.exit(code)
 
 

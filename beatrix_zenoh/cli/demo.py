@@ -13,7 +13,7 @@ import typer
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.output import FAILED, note, print_json, say
-from beatrix_zenoh.cli.processes import Supervisor, signals_interrupt
+from beatrix_zenoh.cli.processes import Role, Supervisor, signals_interrupt
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, shipped
@@ -64,7 +64,7 @@ def demo(
                 last = None if keep else window
                 if last is not None:
                     note("The robots run until the window is closed.")
-                watch(supervisor, "The robots run until Ctrl-C.", last)
+                watch(supervisor, last)
     if not good:
         raise typer.Exit(FAILED)
 
@@ -86,8 +86,8 @@ def start(supervisor: Supervisor) -> Settings:
     supervisor.start("router", "router", "--listen", settings.connect)
     supervisor.wait_ready()
     where = ("--name", ROBOT, "--connect", settings.connect)
-    supervisor.start("simulation", "sim", *where)
-    supervisor.start("hardware", "hw", *where, "--port", "virtual:")
+    supervisor.start("simulation", "sim", *where, role=Role.ROBOT)
+    supervisor.start("hardware", "hw", *where, "--port", "virtual:", role=Role.ROBOT)
     return settings
 
 

@@ -2,31 +2,75 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import contextmanager
+from enum import Enum
 from pathlib import Path
 from types import FrameType
 from typing import Self
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.cli.output import CODES, FAILED, INTERRUPTED, USAGE, note
+from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.shutdown import SIGNALS
 
 READY_S = 20.0
-"""Time to start (s); a busy computer that imports MuJoCo for the first time may need all of it."""
+"""Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""
+CRASHES_S = 60.0
+"""A robot that crashes twice within this time (s) is not started again."""
+REFUSALS = (FAILED, USAGE, CODES[Reason.ACCOUNT_REFUSED], CODES[Reason.ACCESS_DENIED])
+"""Exit codes of a process that cannot do what it was started for; it would end in the same way again."""
 END_S = 4.0
 """Time to end (s), in which a node also stops its robot; after this time the child is killed."""
 POLL_S = 0.02
 LAST_LINES = 5
 """Number of output lines of a failed child that are shown."""
+JOIN = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
+"""Returns the text of a command that a user can type."""
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Flag of Windows that corresponds to `process_group` on other systems."""
+
+
+class Role(Enum):
+    """What the end of a child means for its supervisor."""
+
+    REQUIRED = "all children end"
+    ROBOT = "it is started again after a crash; the other children continue"
+    WINDOW = "the other children continue"
+
+
+class Ending(Enum):
+    """Why a child has ended."""
+
+    ON_REQUEST = "has ended"
+    REFUSED = "was refused"
+    CRASHED = "has crashed"
+    CRASHED_AGAIN = "has crashed again"
+
+
+def classify(code: int, at_s: float, last_crash_s: float | None) -> Ending:
+    """Return why a child has ended with this exit code, at `at_s`, after a crash at `last_crash_s` (None: no crash)."""
+    if code in (0, INTERRUPTED):
+        return Ending.ON_REQUEST
+    if code in REFUSALS:
+        return Ending.REFUSED
+    again = last_crash_s is not None and at_s - last_crash_s < CRASHES_S
+    return Ending.CRASHED_AGAIN if again else Ending.CRASHED
+
+
+def in_words(code: int) -> str:
+    """Return an exit code as text: the name of the signal that ended the process, or the number."""
+    try:
+        return signal.Signals(-code).name
+    except ValueError:
+        return f"exit code {code}"
 
 
 class Child:
@@ -36,8 +80,8 @@ class Child:
     so that it ends with the parent even if the parent is killed (see child.py).
     """
 
-    def __init__(self, title: str, arguments: Sequence[str], log: Path, *, may_end: bool = False) -> None:
-        self.title, self.log, self.may_end = title, log, may_end
+    def __init__(self, title: str, arguments: Sequence[str], log: Path, role: Role = Role.REQUIRED) -> None:
+        self.title, self.arguments, self.log, self.role = title, arguments, log, role
         self._reported = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
@@ -101,51 +145,82 @@ class Supervisor:
         self.folder = Path(tempfile.mkdtemp(prefix="beatrix-"))
         self._kept = False
         self.children: list[Child] = []
+        self._crashed_s: dict[str, float] = {}
+        """time of the last crash by title (monotonic clock, s)"""
 
-    def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`. With `may_end` the child may end after it was ready."""
-        child = Child(title, arguments, self.folder / f"{title}.log", may_end=may_end)
+    def start(self, title: str, *arguments: str, role: Role = Role.REQUIRED) -> Child:
+        """Start `beatrix …`; wait for it with `wait_ready`."""
+        number = len(list(self.folder.glob(f"{title}*.log")))
+        log = self.folder / (f"{title}-{number + 1}.log" if number else f"{title}.log")
+        child = Child(title, arguments, log, role)
         self.children.append(child)
         return child
 
-    def wait_ready(self, timeout_s: float = READY_S) -> None:
-        """Wait until all children are ready.
+    def wait_ready(self) -> None:
+        """Wait until all children are ready, and print which of them is slow every READY_S seconds.
 
         Raises:
-            Refused: a child has ended.
-            NoAnswer: TIMED_OUT.
+            Refused: a required child has ended, or the last robot.
         """
-        deadline = time.monotonic() + timeout_s
+        slow_s = READY_S
+        began_s = time.monotonic()
         while waiting := [child for child in self.children if not child.ready]:
-            self.check()
-            if time.monotonic() > deadline:
-                child = waiting[0]
-                raise NoAnswer(
-                    Reason.TIMED_OUT,
-                    f"The {child.title} did not become ready within {timeout_s:.0f} s. {self.output_of(child)}",
-                )
+            robots = self._robots()
+            reports = self.tend()
+            if robots and not self._robots():
+                raise Refused(Reason.SHUTDOWN, reports.pop())
+            for report in reports:
+                note(report)
+            if time.monotonic() - began_s > slow_s:
+                titles = " and the ".join(child.title for child in waiting)
+                note(f"Still waiting for the {titles} after {slow_s:.0f} s; Ctrl-C ends all.")
+                slow_s += READY_S
             time.sleep(POLL_S)
+
+    def _robots(self) -> list[Child]:
+        return [child for child in self.children if child.role is Role.ROBOT]
 
     def finish(self, child: Child) -> None:
         """End one child."""
         self.children.remove(child)
         child.end()
 
-    def check(self) -> None:
-        """Raise Refused if a child that must run has ended."""
+    def check(self, roles: Container[Role] = (Role.REQUIRED,)) -> None:
+        """Raise Refused if a child with one of these roles has ended."""
         for child in self.children:
-            if child.code is not None and not (child.may_end and child.ready):
+            if child.code is not None and child.role in roles:
                 raise Refused(
                     Reason.SHUTDOWN,
-                    f"The {child.title} has ended (exit code {child.code}). {self.output_of(child)}",
+                    f"The {child.title} has ended ({in_words(child.code)}). {self.output_of(child)}",
                 )
 
-    def remove_ended(self) -> list[Child]:
-        """Remove the children that may end and have ended, and return them."""
-        ended = [child for child in self.children if child.may_end and child.code is not None]
-        for child in ended:
-            self.finish(child)
-        return ended
+    def tend(self) -> list[str]:
+        """Start crashed robots again, remove other children that have ended, and return a report about each.
+
+        Raises:
+            Refused: a required child has ended.
+        """
+        self.check()
+        return [self._replace(child, child.code) for child in list(self.children) if child.code is not None]
+
+    def _replace(self, child: Child, code: int) -> str:
+        """Start a crashed robot again, or remove the child; return a report for the user."""
+        now_s = time.monotonic()
+        ending = classify(code, now_s, self._crashed_s.get(child.title))
+        if ending is Ending.CRASHED:
+            self._crashed_s[child.title] = now_s
+        cause = f"The {child.title} {ending.value} ({in_words(code)})"
+        output = f" {self.output_of(child)}"
+        self.finish(child)
+        if ending is Ending.CRASHED and child.role is Role.ROBOT:
+            try:
+                self.start(child.title, *child.arguments, role=child.role)
+            except OSError as error:
+                output += f"\nIt cannot be started again: {error}."
+            else:
+                return f"{cause}. It is started again, as if it had just been switched on.{output}"
+        others = "; the robots continue to run" if child.role is Role.WINDOW else " and stays down"
+        return f"{cause}{others}.{output}\nTo start it again: beatrix {JOIN(child.arguments)}"
 
     def new_lines(self) -> list[str]:
         """Return the lines that the children have written since the last call, each with the title of its child."""
@@ -174,7 +249,7 @@ class Supervisor:
         with signals_ignored():
             try:
                 if isinstance(error, BeatrixError):
-                    self.check()  # if a child has ended, that is the cause of the error
+                    self.check((Role.REQUIRED, Role.ROBOT))  # its end is the cause of the error
             finally:
                 self.end()
 

@@ -18,7 +18,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.listing import look_up, problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.cli.output import columns, note, print_json, say
-from beatrix_zenoh.cli.processes import Child, Supervisor, signals_interrupt
+from beatrix_zenoh.cli.processes import Child, Role, Supervisor, signals_interrupt
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.motion.robot_file import load
@@ -91,7 +91,8 @@ def up(
 
     Starts the router only if none answers yet, the robot only with --hw, and the window only with --gui. With --legacy,
     programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log, the simulation
-    writes day-sim.log, and the robot day-hw.log. Ctrl-C ends all processes that were started.
+    writes day-sim.log, and the robot day-hw.log. A simulation or robot that crashes is started again, once a minute at
+    most; the others continue. Ctrl-C, or the end of the router, ends all processes that were started.
     """
     settings = resolve(name, connect)
     if no_sim and hw is None:
@@ -111,35 +112,36 @@ def up(
 
 
 def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions) -> None:
-    """Start simulation, robot and window, and wait until they are ready."""
+    """Start simulation, robot and window, and wait until they are ready.
+
+    The window is started first, because it ends after the robots.
+    """
     where = ("--name", settings.robot, "--connect", settings.connect)
-    for twin in options.served:
-        supervisor.start(TITLES[twin], twin, *where, *options.arguments(twin))
     if options.window:
         open_window(supervisor, settings)
+    for twin in options.served:
+        supervisor.start(TITLES[twin], twin, *where, *options.arguments(twin), role=Role.ROBOT)
     supervisor.wait_ready()
 
 
 def report(
     supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
 ) -> None:
-    """Print the running processes, then their output until Ctrl-C; raises Refused if a child that must run ends."""
+    """Print the running processes, then their output until Ctrl-C; raises Refused if the router ends."""
     with Client(settings, announce=False) as client:
         found = {robot.place: robot.status for robot in look_up(client)}
         supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
-    own = {twin: found.get((settings.robot, twin)) for twin in options.served}
+    running = {child.title for child in supervisor.children}
+    own = {twin: found.get((settings.robot, twin)) for twin in options.served if TITLES[twin] in running}
     with end_on_interrupt():
         if as_json:
             show_json(supervisor, settings, options, own)
         else:
-            show(settings, options, router, own)
+            show(settings, options, router, own, window=WINDOW in running)
             others = any(robot != settings.robot for robot, _ in found)
             by_name = f" --name {settings.robot}" if others else ""
             say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
-        watch(
-            supervisor,
-            f"The robots continue to run. To open the window again: beatrix gui --name {settings.robot}",
-        )
+        watch(supervisor)
 
 
 def legacy_twin(twins: Container[str]) -> str:
@@ -168,14 +170,15 @@ def show_json(
     })  # fmt: skip
 
 
-def show(settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None]) -> None:
+def show(
+    settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None], *, window: bool
+) -> None:
     """Print a table of the running processes, and the warnings below it."""
     rows = [("router", "", settings.connect, router)]
-    for twin, place in options.served.items():
-        status = own[twin]
+    for twin, status in own.items():
         text = "does not answer" if status is None else state(status)
-        rows.append((TITLES[twin], settings.robot, place, text))
-    if options.window:
+        rows.append((TITLES[twin], settings.robot, options.served[twin], text))
+    if window:
         rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
     for line in warnings(own):
@@ -205,16 +208,9 @@ def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
 
 
 def open_window(supervisor: Supervisor, settings: Settings) -> Child:
-    """Start a window that shows one robot; wait for it with `wait_ready`. Its end does not end the other children."""
+    """Start a window that shows one robot; wait for it with `wait_ready`."""
     where = ("--name", settings.robot, "--connect", settings.connect)
-    return supervisor.start(WINDOW, "gui", *where, may_end=True)
-
-
-def end_of_window(supervisor: Supervisor, window: Child) -> str:
-    """Return a sentence about a window that has ended, with the last lines of its output if it failed."""
-    if window.code == 0:
-        return "The window is closed."
-    return f"The window has ended (exit code {window.code}). {supervisor.output_of(window)}"
+    return supervisor.start(WINDOW, "gui", *where, role=Role.WINDOW)
 
 
 def start_router(supervisor: Supervisor, endpoint: str, account: Account | None = None) -> str:
@@ -257,18 +253,17 @@ def end_on_interrupt() -> Iterator[None]:
         note("Ending.")
 
 
-def watch(supervisor: Supervisor, after_window: str, last: Child | None = None) -> None:
-    """Print the output of the children until Ctrl-C; raises Refused if a child that must run ends.
+def watch(supervisor: Supervisor, last: Child | None = None) -> None:
+    """Print the output of the children and start crashed robots again, until Ctrl-C.
 
     Args:
         supervisor: the supervisor of the children.
-        after_window: a sentence to print when the window has ended.
         last: return when this child has ended; None: only Ctrl-C ends the function.
+
+    Raises:
+        Refused: a required child has ended.
     """
     while last is None or last.code is None:
-        supervisor.check()
-        for line in supervisor.new_lines():
+        for line in (*supervisor.tend(), *supervisor.new_lines()):
             note(line)
-        for child in supervisor.remove_ended():
-            note(f"{end_of_window(supervisor, child)} {after_window}")
         time.sleep(POLL_S)

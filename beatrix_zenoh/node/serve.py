@@ -20,7 +20,7 @@ from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.logs import log_to
 from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.settings import Settings
-from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.shutdown import FAULT, Shutdown
 
 RETRY_S = 0.5
 SWITCH_S = 0.0005
@@ -36,7 +36,7 @@ def serve(
     legacy: Path | None = None,
     log_file: Path | None = None,
 ) -> int:
-    """Serve a robot until a signal arrives; return the exit code: 1 after an uncaught exception in a thread, else 0.
+    """Serve a robot until a signal arrives; return the exit code: FAULT after an uncaught exception in a thread, else 0.
 
     `ready` (simulation only) switches the motors on and calibrates. `legacy` is the path of the terminal for programs
     of 2023. All log records are written to `log_file`. Prints `ready <key>` when the node serves.
@@ -76,7 +76,7 @@ def serve(
             shutdown.wait()
         finally:
             node.close()
-    return 1 if broken else 0
+    return FAULT if broken else 0
 
 
 def _announce(node: Node, legacy: Path | None) -> None:

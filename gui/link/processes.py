@@ -7,7 +7,7 @@ import time
 
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.processes import Child, Supervisor
+from beatrix_zenoh.cli.processes import Child, Role, Supervisor
 from beatrix_zenoh.errors import Refused
 
 KILL_S = 0.4
@@ -22,12 +22,12 @@ class Processes(Supervisor):
         self._starting = threading.Lock()
         self._closed = False
 
-    def start(self, title: str, *arguments: str, may_end: bool = False) -> Child:
+    def start(self, title: str, *arguments: str, role: Role = Role.REQUIRED) -> Child:
         """Start a process as `Supervisor.start` does; raises Refused (SHUTDOWN) after `end_all`."""
         with self._starting:
             if self._closed:
                 raise Refused(Reason.SHUTDOWN, "The window was closed.")
-            return super().start(title, *arguments, may_end=may_end)
+            return super().start(title, *arguments, role=role)
 
     def forget_ended(self) -> None:
         """Remove the children that have ended."""

@@ -13,9 +13,8 @@ from stage import START_S, Process, free_endpoint
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli.processes import Supervisor
+from beatrix_zenoh.cli.processes import Role, Supervisor
 from beatrix_zenoh.cli.up import watch
-from beatrix_zenoh.errors import Refused
 
 CLI = ("-m", "beatrix_zenoh.cli")
 
@@ -36,15 +35,22 @@ def window_of(process: Process) -> int:
     raise AssertionError("no window")
 
 
-def test_the_robots_of_up_go_on_when_its_window_is_closed() -> None:
+@pytest.mark.parametrize(
+    ("number", "report"),
+    [
+        (signal.SIGTERM, "The window has ended (exit code 0)"),
+        (signal.SIGKILL, "The window has crashed (SIGKILL)"),
+    ],
+)
+def test_the_robots_of_up_go_on_without_their_window(number: signal.Signals, report: str) -> None:
     endpoint = free_endpoint()
     up = Process(*CLI, "up", "--gui", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
     try:
         up.expect("window")
         up.expect("The output of all processes")
-        os.kill(window_of(up), signal.SIGTERM)
-        line = up.expect("The window is closed.")
-        assert "To open the window again: beatrix gui --name bea" in line
+        os.kill(window_of(up), number)
+        assert up.expect(report).startswith(f"{report}; the robots continue to run.")
+        up.expect(f"To start it again: beatrix gui --name bea --connect {endpoint}")
         with Robot("bea", "hw", connect=endpoint) as robot:
             robot.make_ready()
         assert up.end(signal.SIGINT) == 0
@@ -55,20 +61,25 @@ def test_the_robots_of_up_go_on_when_its_window_is_closed() -> None:
 def test_a_demo_ends_with_its_window(capfd: pytest.CaptureFixture[str]) -> None:
     endpoint = free_endpoint()
     with Supervisor() as supervisor:
-        window = supervisor.start("window", "router", "--listen", endpoint, may_end=True)
+        window = supervisor.start("window", "router", "--listen", endpoint, role=Role.WINDOW)
         supervisor.wait_ready()
         window.end()
-        watch(supervisor, "", last=window)
+        watch(supervisor, last=window)
         assert not zbus.is_listening(endpoint)
 
 
-def test_a_window_that_does_not_start_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_up_reports_that_there_is_no_display_and_serves_the_robots(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
     monkeypatch.setenv("DISPLAY", ":4711")
-    with Supervisor() as supervisor:
-        supervisor.start("window", "gui", "--connect", free_endpoint(), may_end=True)
-        with pytest.raises(Refused, match=r"exit code 1(.|\n)*there is no display"):
-            supervisor.wait_ready()
+    up = Process(*CLI, "up", "--gui", "--connect", free_endpoint(), "--no-sim", "--hw", "virtual:")
+    try:
+        up.expect("The window was refused (exit code 1); the robots continue to run.")
+        assert "there is no display" in up.expect("  No window")
+        up.expect("hardware")
+        up.expect("The output of all processes")
+        assert not [line for line in up.lines if line.startswith("window")]
+    finally:
+        assert up.end(signal.SIGINT) == 0
 
 
 @pytest.mark.parametrize("package", ["PyQt5", "pyqtgraph"])

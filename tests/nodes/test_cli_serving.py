@@ -149,15 +149,50 @@ def test_all_children_end_when_up_is_killed(up: Process) -> None:
     until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
 
 
-def test_up_ends_all_processes_and_fails_when_one_ends(up: Process) -> None:
+def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> None:
     started = children(up)
-    os.kill(started["sim"], signal.SIGKILL)
+    os.kill(started["router"], signal.SIGKILL)
     assert up.wait() == 1
-    assert any("simulation has ended" in line for line in up.lines)
-    assert any(line.startswith("  ready beatrix/") for line in up.lines), (
-        "the last lines of the simulation are shown"
-    )
+    assert any("The router has ended (SIGKILL)." in line for line in up.lines)
+    assert any(line.startswith("  ready tcp/") for line in up.lines), "the last lines of the router are shown"
     assert not [verb for verb, process in started.items() if alive(process)]
+
+
+def test_up_starts_a_crashed_robot_again_and_the_others_continue(up: Process, endpoint: str) -> None:
+    started = children(up)
+    for verb, title in (("sim", "simulation"), ("hw", "hardware")):
+        os.kill(started[verb], signal.SIGKILL)
+        up.expect(
+            f"The {title} has crashed (SIGKILL). It is started again, as if it had just been switched on."
+        )
+        assert up.expect(f"{title}: ready") == f"{title}: ready beatrix/bea/{verb}/@alive"
+    after = children(up)
+    assert after["router"] == started["router"]
+    assert not {after["sim"], after["hw"]} & set(started.values())
+    for twin in ("sim", "hw"):
+        with Robot("bea", twin, connect=endpoint) as robot:
+            robot.make_ready()
+            robot.look(yaw=2)
+    os.kill(after["sim"], signal.SIGKILL)
+    up.expect("The simulation has crashed again (SIGKILL) and stays down.")
+    command = up.expect("To start it again: beatrix sim --name bea").removeprefix(
+        "To start it again: beatrix "
+    )
+    assert children(up) == {"router": started["router"], "hw": after["hw"]}
+    by_hand = Process(*CLI, *command.split())
+    by_hand.expect("ready beatrix/bea/sim/@alive")
+    assert by_hand.end() == 0
+    assert up.end(signal.SIGINT) == 0
+
+
+def test_up_serves_the_simulation_when_the_hardware_is_refused(endpoint: str) -> None:
+    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual", "--json")
+    try:
+        up.expect("The hardware was refused (exit code 2) and stays down.")
+        up.expect("  --port virtual: write `virtual:` with a colon")
+        assert json.loads(up.expect("{"))["running"] == ["router", "simulation"]
+    finally:
+        assert up.end(signal.SIGINT) == 0
 
 
 def test_up_reports_the_loss_and_the_return_of_the_board(endpoint: str, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from beatrix_zenoh.cli.output import CODES, columns
 from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.cli.verbs import VERBS
 from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.shutdown import FAULT
 
 CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
@@ -236,3 +237,12 @@ def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(
 def test_a_rotation_period_that_is_too_short_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["record", "mine.rrd", "--rotate", "0.01"]) == 2
     assert "give 0.1 or more, or 0" in capsys.readouterr().err
+
+
+def test_an_unexpected_exception_ends_the_process_with_the_code_of_a_fault(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        app.process(lambda: 1 // 0)
+    assert end.value.code == FAULT
+    assert "ZeroDivisionError" in capsys.readouterr().err

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import signal
 import tempfile
 from pathlib import Path
 
 import pytest
-from stage import until
+from stage import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli import processes
-from beatrix_zenoh.cli.processes import Supervisor
+from beatrix_zenoh.cli.output import CODES
+from beatrix_zenoh.cli.processes import CRASHES_S, Ending, Role, Supervisor, classify
+from beatrix_zenoh.shutdown import FAULT
 
 
 @pytest.fixture(autouse=True)
@@ -32,6 +35,64 @@ def query_failed_router(supervisor: Supervisor) -> None:
     router = supervisor.start("router", "router", "--nonsense")
     until(lambda: router.code is not None, "the router ends", 10)
     raise NoAnswer(Reason.NO_ANSWER, "No router.")
+
+
+@pytest.mark.parametrize(
+    ("code", "last_crash_s", "ending"),
+    [
+        (0, None, Ending.ON_REQUEST),
+        (0, 99.0, Ending.ON_REQUEST),
+        (130, None, Ending.ON_REQUEST),
+        (1, None, Ending.REFUSED),
+        (2, 99.0, Ending.REFUSED),
+        (CODES[Reason.ACCOUNT_REFUSED], None, Ending.REFUSED),
+        (CODES[Reason.ACCESS_DENIED], None, Ending.REFUSED),
+        (CODES[Reason.NO_ROUTER], None, Ending.CRASHED),
+        (FAULT, None, Ending.CRASHED),
+        (-signal.SIGKILL, None, Ending.CRASHED),
+        (-signal.SIGSEGV, 100.0 - CRASHES_S, Ending.CRASHED),
+        (-signal.SIGSEGV, 100.1 - CRASHES_S, Ending.CRASHED_AGAIN),
+        (FAULT, 99.9, Ending.CRASHED_AGAIN),
+        (0xC0000005, None, Ending.CRASHED),  # a segmentation fault on Windows
+    ],
+)
+def test_exit_code_and_time_say_why_a_child_has_ended(
+    code: int, last_crash_s: float | None, ending: Ending
+) -> None:
+    assert classify(code, 100.0, last_crash_s) is ending
+
+
+def test_a_refused_child_is_reported_and_not_started_again() -> None:
+    with Supervisor() as supervisor:
+        supervisor.start("router", "router", "--listen", free_endpoint())
+        refused = supervisor.start("window", "gui", "--nonsense", role=Role.WINDOW)
+        until(lambda: refused.code is not None, "it ends", 10)
+        (report,) = supervisor.tend()
+        assert [child.title for child in supervisor.children] == ["router"]
+    assert report.startswith("The window was refused (exit code 2); the robots continue to run. Its ")
+    assert "No such option: --nonsense" in report
+    assert report.endswith("\nTo start it again: beatrix gui --nonsense")
+
+
+def test_a_start_fails_only_when_no_robot_is_left(capfd: pytest.CaptureFixture[str]) -> None:
+    with Supervisor() as supervisor:
+        simulation = supervisor.start("simulation", "sim", "--nonsense", role=Role.ROBOT)
+        until(lambda: simulation.code is not None, "it ends", 10)
+        supervisor.start("hardware", "hw", "--port", "virtual", role=Role.ROBOT)
+        with pytest.raises(Refused, match="The hardware was refused"):
+            supervisor.wait_ready()
+    assert "The simulation was refused (exit code 2) and stays down." in capfd.readouterr().err
+
+
+def test_a_slow_start_is_reported_and_awaited(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(processes, "READY_S", 0.1)
+    with Supervisor() as supervisor:
+        router = supervisor.start("router", "router", "--listen", free_endpoint())
+        supervisor.wait_ready()
+        assert router.ready
+    assert "Still waiting for the router after 0 s; Ctrl-C ends all." in capfd.readouterr().err
 
 
 def test_the_folder_is_deleted_without_an_error(temporary_files: Path) -> None:

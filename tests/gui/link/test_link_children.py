@@ -97,7 +97,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         assert linked.end_of(1, "sim").accepted
         kill(linked.link._children._simulation)
         world = linked.until(lambda world: not world.own_simulation, "it was killed")
-        assert "The simulation has ended (exit code -9)" in world.child_trouble
+        assert "The simulation has ended (SIGKILL)" in world.child_trouble
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
         linked.do(RunSimulation())
         assert linked.world.child_trouble == ""
@@ -179,7 +179,7 @@ def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
         lambda world: world.recording is not None and not world.recording.running, "the loss is reported", 1.0
     )
     assert world.recording is not None
-    assert "The recorder has ended (exit code -9)" in world.recording.trouble
+    assert "The recorder has ended (SIGKILL)" in world.recording.trouble
 
 
 def test_the_end_of_the_window_completes_a_recording(linked: Linked) -> None:
