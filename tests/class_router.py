@@ -61,7 +61,7 @@ class Answering:
     def _concrete(self, asked: str) -> str:
         """Return the queryable's key, its wildcard replaced by the seat of the query, or by `zoe`."""
         own, chunks = self._key.split("/"), asked.split("/")
-        seats = chunks if len(chunks) == len(own) else own
+        seats = chunks if len(chunks) == len(own) else [*own[:-1], chunks[-1]]  # `**/stop/ana`
         return "/".join(
             seat if chunk == "*" else chunk for chunk, seat in zip(own, seats, strict=True)
         ).replace("*", "zoe")

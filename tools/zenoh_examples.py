@@ -61,7 +61,7 @@ def drive(folder: Path, twin: str) -> None:
         if twin == "sim":
             call(folder, "z_put.py", "-k", f"{base}/stop", "-p", "now")
         else:
-            assert "rest at" in call(folder, "z_get.py", "-s", f"{base}/stop")
+            assert "rest at" in call(folder, "z_get.py", "-s", f"{base}/stop/me")
         assert moving.stdout is not None
         ended = moving.stdout.read()
     show(long, ended)

@@ -89,6 +89,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Take a robot or give it back; the teacher also freezes it or limits its speed.",
     ),
     "stop": KeyRow(
+        "beatrix/{robot}/{twin}/stop/{who}",
+        "query and put",
+        "",
+        "CommandReply",
+        ("hw", "sim"),
+        "control",
+        "",
+        "real_time",
+        "drop",
+        "Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.",
+    ),
+    "stop_unsigned": KeyRow(
         "beatrix/{robot}/{twin}/stop",
         "query and put",
         "",
@@ -98,7 +110,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "real_time",
         "drop",
-        "Stop at once. Open to every client, with any payload, without lease.",
+        "Stop at once, without a seat. On a router without accounts it is open to every client; in a class only the teacher may send it. Events show no seat.",
     ),
     "preview": KeyRow(
         "beatrix/{robot}/sim/cmd/{who}/preview",
@@ -315,10 +327,18 @@ def lease(robot: str, twin: str, who: str) -> str:
     return f"beatrix/{robot}/{twin}/cmd/{who}/lease"
 
 
-def stop(robot: str, twin: str) -> str:
+def stop(robot: str, twin: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{twin}/stop/{who}`.
+
+    Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.
+    """
+    return f"beatrix/{robot}/{twin}/stop/{who}"
+
+
+def stop_unsigned(robot: str, twin: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/stop`.
 
-    Stop at once. Open to every client, with any payload, without lease.
+    Stop at once, without a seat. On a router without accounts it is open to every client; in a class only the teacher may send it. Events show no seat.
     """
     return f"beatrix/{robot}/{twin}/stop"
 

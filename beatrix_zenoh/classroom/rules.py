@@ -7,8 +7,6 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
 
 ANY = "*"
-STOPS = (keys.stop(ANY, ANY), keys.stop(ANY, ANY).replace(f"{ANY}/{ANY}", "**"))
-"""Keys of STOP for one robot and for many; no other key ends with `stop`, so `**` permits nothing else."""
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
 READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
 """Keys of queries that change nothing."""
@@ -26,11 +24,13 @@ def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
 
 def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
     """Return the grant to read everything, stop every robot, serve and drive the robot `name`, and query `drives`."""
-    own = f"{ROOT}/{name}/**"
+    own, stop = f"{ROOT}/{name}/**", keys.stop(ANY, ANY, name)
+    # STOP of all robots, under this name. No other key ends like this one, so `**` permits nothing else.
+    stops = (stop, stop.replace(f"{ANY}/{ANY}", "**"))
     return Grant(
         name,
-        puts=(own, *STOPS),
-        queries=(own, *READS, *STOPS, *drives),
+        puts=(own, *stops),
+        queries=(own, *READS, *stops, *drives),
         serves=(own,),
         subscribes=EVERYTHING[:1],
         tokens=tuple(_own_token(key, name) for key in TOKENS),

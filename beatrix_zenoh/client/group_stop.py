@@ -22,4 +22,4 @@ def request_stop(
         return GroupRequest(client, key, query, CommandReply, STOP_S, PRIORITY)
     # A foreign queryable may take the query, so STOP is also published, and before it: the replies then cover both.
     client.put_stop(robot, twin)
-    return GroupRequest(client, keys.stop(robot, twin), None, CommandReply, STOP_S)
+    return GroupRequest(client, client.stop_key(robot, twin), None, CommandReply, STOP_S)

@@ -103,10 +103,9 @@ class Robot(RobotBase):
 
     def press_stop(self) -> Callable[[], CommandReply]:
         """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
-        key = keys.stop(self.name, self.twin)
         # A foreign queryable may take the query, so STOP is also published, and before it: the reply then covers both.
         self.client.put_stop(self.name, self.twin)
-        request = Request(self.client, self.place, key, None, self.timeout_s)
+        request = Request(self.client, self.place, self.client.stop_key(*self.place), None, self.timeout_s)
 
         def wait() -> CommandReply:
             try:

@@ -123,7 +123,11 @@ class Client:
 
     def put_stop(self, robot: str, twin: str) -> None:
         """Publish STOP for robots that a query does not reach; `*` stands for all robots or both twins."""
-        self.bus.put(keys.stop(robot, twin), b"", codec.MSGPACK)
+        self.bus.put(self.stop_key(robot, twin), b"", codec.MSGPACK)
+
+    def stop_key(self, robot: str, twin: str) -> str:
+        """Return the key of STOP with the seat of this session."""
+        return keys.stop(robot, twin, self.settings.who)
 
     def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
         """Call `do` before the session is closed; returns a function that cancels this.

@@ -15,17 +15,15 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum, auto
 from functools import wraps
 from typing import Concatenate, ParamSpec, TypeVar
 
 from beatrix_zenoh import refusals
 from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
-from beatrix_zenoh.node.lease import QUIET_S, Caller, Lease
+from beatrix_zenoh.node.lease import NO_CALLER, Caller, Lease
+from beatrix_zenoh.node.pauses import Pauses
 
-QUIET_OLD_PROGRAM_S = 5.0
-"""Used instead of QUIET_S for programs of 2023; longer, because they cannot read the reason of a refusal."""
 ENDED_SESSIONS = 256
 """Number of ended sessions that `Access` remembers, because their last requests may still arrive."""
 TEXT_SESSION = "text-port"
@@ -57,60 +55,6 @@ FROZEN = (*MOVING, Action.DISABLE)
 """Actions that are refused while the robot is frozen; DISABLE too, because without motor power the head may sink."""
 
 
-@dataclass
-class _Pause:
-    """The pause of a stopped seat."""
-
-    requested_s: float
-    """time of STOP, or of the last motion request of the seat since then"""
-    session: str
-    """session whose motion was stopped"""
-    stopped_by: str
-    """session that sent STOP"""
-
-
-class Pauses:
-    """Pauses of stopped seats.
-
-    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S.
-    """
-
-    def __init__(self) -> None:
-        self._pauses: dict[str, _Pause] = {}
-
-    def begin(self, mover: Caller | None, stopped_by: str, now_s: float) -> None:
-        """Begin the pause of `mover` (None: no seat drove), stopped by the session `stopped_by` (empty: unknown).
-
-        A second STOP never shortens a pause; each pause records its last STOP by a session other than the stopped one.
-        """
-        if mover is not None:
-            pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover.session, stopped_by))
-            pause.requested_s, pause.session = now_s, mover.session
-        for pause in self._pauses.values():
-            if stopped_by != pause.session:
-                pause.stopped_by = stopped_by
-
-    def restart(self, caller: Caller, now_s: float) -> float:
-        """If this session must pause, restart the pause of its seat and return the length (s); otherwise return 0.
-
-        The session that sent STOP need not pause. Its seat keeps the pause, because another session of the seat may
-        still send the stream of motions that was stopped.
-        """
-        pause = self._pauses.get(caller.seat)
-        if pause is None or (caller.session and caller.session == pause.stopped_by):
-            return 0.0
-        quiet_s = QUIET_OLD_PROGRAM_S if caller.seat == OLD_PROGRAMS else QUIET_S
-        if now_s - pause.requested_s >= quiet_s:
-            del self._pauses[caller.seat]
-            return 0.0
-        pause.requested_s = now_s
-        return quiet_s
-
-    def end(self, seat: str) -> None:
-        """End the pause of a seat."""
-        self._pauses.pop(seat, None)
-
-
 def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate[Access, P], R]:
     """Return `method`, wrapped so that it holds the lock of Access while it runs."""
 
@@ -128,7 +72,7 @@ class Access:
     def __init__(self) -> None:
         self.lock = threading.RLock()
         self.lease, self._pauses = Lease(), Pauses()
-        self._stopped_by = ""
+        self._stopped_by = NO_CALLER
         self._stop_sent = self._resting = True
         self._latched_s: float | None = None
         self.frozen = False
@@ -164,7 +108,7 @@ class Access:
         if action is not Action.MOVE:
             return
         # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.
-        if not self._resting and not self._stopped_by == caller.session == TEXT_SESSION:
+        if not self._resting and not self._stopped_by.session == caller.session == TEXT_SESSION:
             if not (self._stop_sent and resting):
                 raise refusals.coming_to_rest()
             self._resting = True
@@ -212,15 +156,15 @@ class Access:
         self.frozen = on
 
     @_locked
-    def stop_pressed(self, session: str, now_s: float, *, emergency: bool = False) -> None:
-        """Record a STOP or EMERGENCY_STOP of a session (empty: unknown).
+    def stop_pressed(self, presser: Caller, now_s: float, *, emergency: bool = False) -> None:
+        """Record a STOP or EMERGENCY_STOP; the seat or the session of `presser` may be unknown.
 
         Motions are refused until `stop_sent` was called and the arms rest; EMERGENCY_STOP also sets the latch.
         The seat whose motion is running, or ended less than QUIET_S ago, must pause.
         """
-        self._stopped_by = session
+        self._stopped_by = presser
         self._stop_sent = self._resting = False
-        self._pauses.begin(self.lease.motion.driver(now_s), session, now_s)
+        self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s)
         if emergency:
             self._latched_s = now_s
 

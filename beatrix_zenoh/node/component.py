@@ -67,5 +67,3 @@ class Context:
     board_watch: BoardWatch
     controller: MotionController
     snapshot: Snapshot
-    seats: dict[str, str] = field(default_factory=dict)
-    """Seats by session, from the tokens of clients; for STOP, whose key contains no seat."""

@@ -145,7 +145,9 @@ def sentence(event: Event) -> str:
     refused = event.reason is not Reason.OK and event.phase is not Phase.DONE
     words = dict.fromkeys((str(event.kind), event.action, "refused" if refused else str(event.phase or "")))
     subject = " ".join(word for word in words if word)
-    seat = f" of {event.seat}" if event.seat else ""
+    seat = (
+        f" of {event.seat}" if event.seat else " of an unknown seat" if event.kind is EventKind.STOP else ""
+    )
     times = f" ({event.count} times)" if event.count > 1 else ""
     outcome = "" if event.reason is Reason.OK else f"{event.reason}: "
     return f"{subject}{seat}{times}: {outcome}{event.message}"

@@ -13,18 +13,24 @@ CACHED_KEYS = 256
 
 @lru_cache(maxsize=CACHED_KEYS)
 def seat_of(key: str, served: str) -> str:
-    """Return the seat in a query's key: the chunk at the place of `*` in the served key; empty for a wildcard."""
+    """Return the seat in a key: the chunk at the place of `*` in the served key; empty for a wildcard.
+
+    The key may have wildcards before the seat: `beatrix/**/stop/ana`.
+    """
     chunks, pattern = key.split("/"), served.split("/")
-    if len(chunks) != len(pattern) or "*" not in pattern:
+    if "*" not in pattern:
         return ""
-    seat = chunks[pattern.index("*")]
-    return "" if "*" in seat else seat
+    place = pattern.index("*") - len(pattern)
+    named = len(chunks) > -place and chunks[place - 1] == pattern[place - 1]
+    if not named or chunks[place:][1:] != pattern[place:][1:]:
+        return ""
+    return "" if "*" in chunks[place] else chunks[place]
 
 
 @lru_cache(maxsize=CACHED_KEYS)
 def own_key(served: str, seat: str) -> str:
     """Return the served key with the seat in place of `*`; ANONYMOUS for an empty seat."""
-    return served.replace("/*/", f"/{seat or ANONYMOUS}/")
+    return served.replace("*", seat or ANONYMOUS)
 
 
 def check_own_key(key: str, served: str) -> None:

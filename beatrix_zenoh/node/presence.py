@@ -33,10 +33,6 @@ class Presence(Component):
         parts = keys.parse(key)
         if parts is not None:
             caller = Caller(parts.who, parts.session)
-            if alive:
-                self._context.seats[caller.session] = caller.seat
-            elif self._context.seats.get(caller.session) == caller.seat:
-                del self._context.seats[caller.session]
             self._context.queue.post_event(lambda: self._session_changed(caller, alive=alive))
 
     def _session_changed(self, caller: Caller, *, alive: bool) -> None:

@@ -138,7 +138,7 @@ def examples(name: str, twin: str, endpoint: str) -> list[str]:
         f"z_get.py {client} -s '{base}/command?command=calibrate'",
         f"z_get.py {client} -s '{base}/pose?yaw=0.35;pitch=-0.17'",
         f"z_get.py {client} -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
-        f"z_get.py {client} -s '{keys.stop(name, twin)}'",
+        f"z_get.py {client} -s '{keys.stop(name, twin, 'me')}'",
         f"z_get.py {client} -s '{keys.events_json(name, twin)}'",
         f"z_sub.py {client} -k '{keys.positions_json(name, twin)}'",
     ]

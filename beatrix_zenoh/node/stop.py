@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from beatrix_zenoh import refusals, threads
@@ -27,6 +28,7 @@ from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.own_key import seat_of
 from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
 
 FRAMES: Final = {
@@ -37,7 +39,9 @@ FRAMES: Final = {
 REST_S: Final = 2.0
 """Time (s) after which moving arms are a fault. Arms at full speed stop much sooner, and clients wait longer."""
 SAME_PRESS_S: Final = 0.5
-"""A put and a query of one session within this time (s) count as one press and one event."""
+"""A put and a query of one seat and session within this time (s) count as one press and one event."""
+RECORDED: Final = 64
+"""Number of callers whose last press is remembered."""
 LATCHED_S: Final = 0.3
 """Time (s) within which the telemetry shows the emergency latch."""
 STOPPED, AT_REST = "Stopped", "Nothing moves"
@@ -55,18 +59,19 @@ class StopHandler(Component):
         self._pressed: dict[Command, list[RequestHandle]] = {}
         self._changed = threading.Condition()
         self._closed = False
-        self._recorded = "", "", float("-inf")
-        """Session, form (put or query) and time (s, monotonic) of the last recorded press."""
+        self._recorded: dict[Caller, tuple[str, float]] = {}
+        """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
         self._on_stop: list[Callable[[], None]] = []
         self._rest = Rest(self._board, context.controller)
         context.board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
 
     def start(self, sessions: Sessions) -> None:
-        key = keys.stop(self._context.name, self._context.twin)
+        name, twin = self._context.name, self._context.twin
         self._thread = threads.start(self._run, "stop")
-        sessions.serve(key, self._query)
-        sessions.subscribe(key, self._put)
+        for key in (keys.stop_unsigned(name, twin), keys.stop(name, twin, "*")):
+            sessions.serve(key, partial(self._query, key))
+            sessions.subscribe(key, partial(self._put, key))
 
     def on_stop(self, callback: Callable[[], None]) -> None:
         """Call `callback` on the controller's thread after each STOP, to discard motions outside the request queue."""
@@ -74,35 +79,32 @@ class StopHandler(Component):
 
     # -- 1. pressed, on Zenoh's thread --------------------------------------------------------------
 
-    def _query(self, incoming: Incoming) -> None:
+    def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
-            key = keys.stop(self._context.name, self._context.twin)
-            handle = request_handle(incoming, key, Command.STOP.name, self._context.events, EventKind.STOP)
-            session = handle.caller.session
-            events = self._events(session, "query")
-            self.press(Command.STOP, replace(handle, caller=self._caller(session), events=events))
+            handle = request_handle(incoming, served, Command.STOP.name, self._context.events, EventKind.STOP)
+            self.press(Command.STOP, replace(handle, events=self._events(handle.caller, "query")))
         else:
             incoming.finish()
 
-    def _put(self, received: Received) -> None:
+    def _put(self, served: str, received: Received) -> None:
         """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
         if is_stop(received.key):
-            caller = self._caller(received.session)
-            events = self._events(received.session, "put")
+            # The seat is that of the key, which the router of a class checks; any client can forge a session id.
+            caller = Caller(seat_of(received.key, served), received.session)
+            events = self._events(caller, "put")
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
-    def _events(self, session: str, form: str) -> EventLog | None:
+    def _events(self, caller: Caller, form: str) -> EventLog | None:
         """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before."""
-        last_session, last_form, last_s = self._recorded
         now_s = time.monotonic()
-        if session and session == last_session and form != last_form and now_s - last_s < SAME_PRESS_S:
+        last_form, last_s = self._recorded.get(caller, (form, now_s))
+        if caller.session and form != last_form and now_s - last_s < SAME_PRESS_S:
             return None
-        self._recorded = session, form, now_s
+        self._recorded.pop(caller, None)
+        self._recorded[caller] = form, now_s
+        if len(self._recorded) > RECORDED:
+            del self._recorded[next(iter(self._recorded))]
         return self._context.events
-
-    def _caller(self, session: str) -> Caller:
-        """Return the caller with the seat of the session's token, because the stop key contains no seat."""
-        return Caller(self._context.seats.get(session, ""), session)
 
     def press(self, command: Command, handle: RequestHandle) -> None:
         """Handle a requested STOP or EMERGENCY_STOP.
@@ -110,7 +112,7 @@ class StopHandler(Component):
         Once closed, decline it and send nothing, because the controller stops the arms.
         """
         emergency = command is Command.EMERGENCY_STOP
-        self._context.access.stop_pressed(handle.caller.session, time.monotonic(), emergency=emergency)
+        self._context.access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)
         with self._changed:
             closed = self._closed
             if not closed:
@@ -243,5 +245,9 @@ def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
 
 
 def is_stop(key: str) -> bool:
-    """Return whether a key requests STOP, possibly of several robots; a query on `beatrix/**` does not."""
-    return key.endswith("/stop")
+    """Return whether a key requests STOP, with or without a seat, possibly of several robots.
+
+    A query on `beatrix/**` does not.
+    """
+    *_, before, last = key.split("/")
+    return last == "stop" or (before == "stop" and last != "**")

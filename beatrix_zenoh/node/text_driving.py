@@ -107,7 +107,7 @@ class TextDriving:
 
     def stop_pressed(self) -> None:
         """Block new motions, because the program has sent @STOPALL; any thread may call it."""
-        self._context.access.stop_pressed(TEXT_SESSION, time.monotonic())
+        self._context.access.stop_pressed(Caller(OLD_PROGRAMS, TEXT_SESSION), time.monotonic())
 
     def stop_sent(self) -> None:
         """Carry out step 3 of STOP (see `stop`) after @STOPALL was sent to the firmware."""

@@ -102,7 +102,7 @@ def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
     return HistoryRowView(
         row=-1,
         time=clock(group.began_s),
-        who=group.seat or texts("who.none"),
+        who=group.seat or texts("who.unknown" if group.action == Command.STOP.name else "who.none"),
         what=text,
         result=text_of_result,
         symbol=symbol(good),

@@ -80,7 +80,12 @@ def _foreign(world: World) -> Iterator[tuple[Event, str]]:
 
 
 def _own(event: Event, world: World) -> bool:
-    """Return whether this window sent the event's request; compares sessions or, if one is unknown, seats."""
+    """Return whether this window sent the event's request; compares seats, and sessions if both are known.
+
+    Other clients can forge the session of a STOP, but in a class not the seat.
+    """
+    if event.seat not in ("", world.seat):
+        return False
     if world.session and event.session:
         return event.session == world.session
     return event.seat == world.seat

@@ -90,6 +90,7 @@ ENGLISH: Final[dict[str, str]] = {
     # -- history
     "who.you": "you",
     "who.none": "robot",
+    "who.unknown": "unknown",
     "what.look": "look {yaw}/{pitch}/{roll}",
     "what.move": "move {short}/{middle}/{long}",
     "what.move_by": "move by {short}/{middle}/{long}",

@@ -90,6 +90,7 @@ GERMAN: Final[dict[str, str]] = {
     # -- history
     "who.you": "du",
     "who.none": "Roboter",
+    "who.unknown": "unbekannt",
     "what.look": "Blick {yaw}/{pitch}/{roll}",
     "what.move": "Arme {short}/{middle}/{long}",
     "what.move_by": "Arme um {short}/{middle}/{long}",

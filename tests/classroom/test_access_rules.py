@@ -22,7 +22,8 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
             for key in (
                 keys.command(robot, twin, "*"),
                 keys.motion(robot, twin, "*"),
-                keys.stop(robot, twin),
+                keys.stop_unsigned(robot, twin),
+                keys.stop(robot, twin, "*"),
                 keys.positions(robot, twin),
                 keys.info(robot, twin),
             ):
@@ -115,19 +116,39 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", receives, keys.positions(ANY, ANY), True),
     ("bea1", receives, keys.positions("bea2", HW), True),
     ("ana", receives, "**", False),
-    # every account may stop each robot, and all robots together
-    ("ana", asks, keys.stop("bea1", HW), True),
-    ("ana", asks, keys.stop("ben", SIM), True),
-    ("ana", asks, keys.stop(ANY, ANY), True),
-    ("ana", asks, "beatrix/**/stop", True),
-    ("ana", puts, keys.stop("bea2", HW), True),
-    ("ana", puts, keys.stop(ANY, ANY), True),
-    ("bea1", asks, keys.stop("bea2", HW), True),
+    # every account may stop each robot, and all robots together, only under its own name
+    ("ana", asks, keys.stop("bea1", HW, "ana"), True),
+    ("ana", asks, keys.stop("ben", SIM, "ana"), True),
+    ("ana", asks, keys.stop(ANY, ANY, "ana"), True),
+    ("ana", asks, "beatrix/**/stop/ana", True),
+    ("ana", puts, keys.stop("bea2", HW, "ana"), True),
+    ("ana", puts, keys.stop(ANY, ANY, "ana"), True),
+    ("bea1", asks, keys.stop("bea2", HW, "bea1"), True),
+    ("ana", asks, keys.stop("bea1", HW, "ben"), False),
+    ("ana", asks, keys.stop("bea1", HW, "teacher"), False),
+    ("ana", asks, keys.stop("bea1", HW, ANY), False),
+    ("ana", asks, keys.stop("bea1", HW, "an$*"), False),
+    ("ana", asks, keys.stop(ANY, ANY, ANY), False),
+    ("ana", puts, keys.stop("bea1", HW, "ben"), False),
+    ("ana", puts, keys.stop("bea1", HW, ANY), False),
+    ("ana", puts, "beatrix/**/stop/ben", False),
+    ("ana", puts, "beatrix/**/stop/**", False),
+    ("bea1", puts, keys.stop("bea2", HW, "ana"), False),
+    # STOP without a name is the teacher's
+    ("ana", asks, keys.stop_unsigned("bea1", HW), False),
+    ("ana", asks, keys.stop_unsigned(ANY, ANY), False),
+    ("ana", asks, "beatrix/**/stop", False),
+    ("ana", puts, keys.stop_unsigned("bea2", HW), False),
+    ("ana", puts, keys.stop_unsigned(ANY, ANY), False),
+    ("bea1", asks, keys.stop_unsigned("bea2", HW), False),
+    ("teacher", asks, keys.stop_unsigned("bea1", HW), True),
+    ("teacher", asks, "beatrix/**/stop", True),
+    ("teacher", puts, keys.stop_unsigned(ANY, ANY), True),
+    ("teacher", asks, keys.stop(ANY, ANY, "teacher"), True),
     # the teacher may do everything
     ("teacher", asks, keys.command("bea1", HW, "teacher"), True),
     ("teacher", asks, keys.command("ben", SIM, "teacher"), True),
     ("teacher", asks, keys.command(ANY, ANY, "teacher"), True),
-    ("teacher", asks, keys.stop(ANY, ANY), True),
     ("teacher", puts, keys.arm_target("bea1", HW, "long"), True),
     ("teacher", reads_router, "@/**", True),
     ("ana", reads_router, "@/**", False),
@@ -179,5 +200,5 @@ def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRo
     )
 
 
-def test_only_the_stop_key_ends_with_stop() -> None:
-    assert [name for name, row in keys.KEYS.items() if row.key.endswith("/stop")] == ["stop"]
+def test_only_the_stop_key_ends_with_stop_and_a_seat() -> None:
+    assert [name for name, row in keys.KEYS.items() if row.key.endswith("/stop/{who}")] == ["stop"]

@@ -97,7 +97,7 @@ def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certific
     assert certificates.session("ana").robots() == [("bea1", "hw")]
     with zbus.connect(account.connect, account=account) as session:
         assert session.robots() == []
-        assert replies(session, keys.stop("*", "*")) == []
+        assert replies(session, keys.stop("*", "*", "zoe")) == []
     with Client(Settings("bea1", account.connect, "zoe", account=account)) as client:
         with pytest.raises(NoAnswer, match="has no seat or robot of this name any more") as error:
             Robot("bea1", "hw", client=client).status()

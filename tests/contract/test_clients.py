@@ -74,13 +74,24 @@ def test_every_seat_may_send_stop(body: Body, robot: Robot) -> None:
     assert ended.value.reason is Reason.STOPPED
 
 
-def test_a_put_on_the_stop_key_stops_the_robot(robot: Robot) -> None:
+@pytest.mark.parametrize(
+    "form", ["{}/stop", "{}/stop/ben", "{}/stop/Ben!", "beatrix/*/*/stop", "beatrix/**/stop/ben"]
+)
+def test_a_put_on_a_stop_key_stops_the_robot(robot: Robot, form: str) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
-    robot.client.bus.put(keys.stop(robot.name, robot.twin), b"", "text/plain", "real_time")
+    robot.client.bus.put(form.format(f"beatrix/{robot.name}/{robot.twin}"), b"", "text/plain", "real_time")
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
+
+
+@pytest.mark.parametrize("form", ["{}/stop", "{}/stop/ben", "beatrix/*/*/stop/ben", "beatrix/**/stop/ben"])
+def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, form: str) -> None:
+    own = f"beatrix/{robot.name}/{robot.twin}"
+    (answer,) = ask_raw(robot.client, form.format(own))
+    assert answer.key == f"{own}/stop" + "/ben" * form.endswith("ben")
+    assert codec.decode_json(answer.payload, CommandReply).result
 
 
 @pytest.mark.bodies("in-process")
@@ -100,6 +111,7 @@ def test_a_query_or_put_on_all_keys_does_not_stop_the_robot(robot: Robot) -> Non
     motion = robot.look(yaw=6, wait=False)
     ask_raw(robot.client, "beatrix/**")
     robot.client.bus.put("beatrix/**", b"hello", "text/plain")
+    robot.client.bus.put("beatrix/*/*/*/*", b"hello", "text/plain")
     motion.wait()
 
 
@@ -109,7 +121,7 @@ def test_emergency_stop_is_carried_out_during_a_flood_of_stops(body: Body, robot
 
     def press() -> None:
         while not over.is_set():
-            robot.client.bus.put(keys.stop(robot.name, robot.twin), b"", "text/plain")
+            robot.client.put_stop(*robot.place)
 
     thread = threading.Thread(target=press)
     thread.start()

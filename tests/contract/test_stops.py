@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+import zenoh
 from body import Body
 from excuses import within
 from stage import ready, until
@@ -80,6 +81,44 @@ def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robo
         receive(0.3)
     assert [(event.action, event.seat, event.count) for event in received] == [("STOP", "boss", 1)]
     boss.client.close()
+
+
+@pytest.mark.bodies("in-process")
+@pytest.mark.parametrize(
+    ("key", "seat"), [("stop", ""), ("stop/cem", "cem"), ("cmd/cem/command?command=stop", "cem")]
+)
+def test_a_stop_with_the_session_of_another_seat_is_not_recorded_under_that_seat(
+    body: Body, robot: Robot, key: str, seat: str
+) -> None:
+    """The source info of a message can be forged; the seat in its key is checked by the router of a class."""
+    ben, cem = body.robot("ben"), body.robot("cem")
+    forged = zenoh.SourceInfo(ben.client.bus._session.id, 1)
+    with robot.events(timeout_s=20.0) as events:
+        cem.client.bus._session.get(
+            f"beatrix/{robot.name}/{robot.twin}/{key}", lambda _: None, source_info=forged
+        )
+        event = next(event for event in events if event.kind is EventKind.STOP)
+    assert (event.seat, event.session) == (seat, ben.client.bus.session_id)
+    for other in (ben, cem):
+        other.client.close()
+
+
+@pytest.mark.bodies("in-process")
+def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> None:
+    ben, cem = body.robot("ben"), body.robot("cem")
+    with robot.events(timeout_s=20.0) as events:
+        for form in ("put", "query"):
+            for other in (ben, cem):
+                if form == "put":
+                    other.client.put_stop(*other.place)
+                else:
+                    other.client.bus.query(other.client.stop_key(*other.place), timeout_s=1.0).next(5.0)
+        robot.status()
+        received = [event for event in events.take(1.0) if event.kind is EventKind.STOP]
+        received += [event for event in events.take(0.3) if event.kind is EventKind.STOP]
+    assert sorted((event.seat, event.count) for event in received) == [("ben", 1), ("cem", 1)]
+    for other in (ben, cem):
+        other.client.close()
 
 
 def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -296,6 +297,16 @@ def test_own_requests_are_not_shown_twice() -> None:
     assert rows(own) == []
     now = world(robot("sim", events=(own,)))
     assert State().view(now).history == ()
+
+
+@pytest.mark.parametrize(("seat", "who"), [("cem", ["cem"]), ("", ["unknown"]), ("ben", [])])
+def test_a_stop_with_the_session_of_this_window_is_its_own_only_under_its_seat(
+    seat: str, who: list[str]
+) -> None:
+    """Other clients can forge the session."""
+    stop = event(10, "STOP", kind=EventKind.STOP, phase=None, motion=0, seat=seat, session="abc")
+    now = replace(world(robot("sim", events=(stop,))), session="abc" if seat else "def")
+    assert [row.who for row in State().view(now).history] == who
 
 
 def test_own_and_other_rows_are_in_the_order_of_their_times() -> None:

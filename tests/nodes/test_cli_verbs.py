@@ -351,7 +351,7 @@ def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Sh
     with zbus.connect(
         shell.endpoint
     ) as bus:  # not a suspended node, which would count as lost after two seconds
-        bus.serve(keys.stop("bea3", "hw"), unanswered.append)
+        bus.serve(keys.stop("bea3", "hw", "*"), unanswered.append)
         bus.declare_token(keys.alive("bea3", "hw"))
         done = shell.run("stop", "--name", "bea3")
         for incoming in unanswered:

@@ -111,7 +111,7 @@ def robot_of_another_version(stage: Stage) -> Iterator[zenoh.Session]:
         answer_all(
             session, f"{odd}/info", f"{odd}/info", msgspec.msgpack.encode({"robot": "odd", "version": "9.0"})
         )
-        answer_all(session, f"{odd}/stop", f"{odd}/stop", b"what?")
+        answer_all(session, f"{odd}/stop/*", f"{odd}/stop/ana", b"what?")
         over = threading.Event()
 
         def publish() -> None:
@@ -155,7 +155,7 @@ def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Ro
         rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
         assert rows["bea"]["result"]
         assert (rows["odd"]["result"], rows["odd"]["reason"]) == (False, "TIMED_OUT")
-        assert "beatrix/odd/hw/stop" in done.stderr
+        assert "beatrix/odd/hw/stop/ana" in done.stderr
         assert isinstance(motion.exception(5.0), Interrupted)
         odd = stage.robot("odd", "hw")
         with pytest.raises(NoAnswer, match=r"odd \(hw\) is on line but did not answer"):
@@ -171,6 +171,6 @@ def test_stop_is_also_published(stage: Stage, robot: Robot) -> None:
         stop_keys.put(str(sample.key_expr))
 
     with foreign(stage) as session:
-        session.declare_subscriber("beatrix/*/*/stop", Callback(receive, indirect=False))
+        session.declare_subscriber("beatrix/*/*/stop/*", Callback(receive, indirect=False))
         until(lambda: robot.stop().result and not stop_keys.empty(), "STOP is published")
-        assert stop_keys.get(timeout=1.0) == "beatrix/bea/hw/stop"
+        assert stop_keys.get(timeout=1.0) == "beatrix/bea/hw/stop/ana"

@@ -7,8 +7,9 @@ from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, refusal
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.node.access import ENDED_SESSIONS, QUIET_OLD_PROGRAM_S, TEXT_SESSION, Access, Action
-from beatrix_zenoh.node.lease import LINGER_S, QUIET_S, Caller
+from beatrix_zenoh.node.access import ENDED_SESSIONS, Access, Action
+from beatrix_zenoh.node.lease import LINGER_S, NO_CALLER, QUIET_S, Caller
+from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
 
 
 @pytest.fixture
@@ -29,9 +30,9 @@ def finish_motion(access: Access, caller: Caller, now_s: float) -> Access:
     return access
 
 
-def stop(access: Access, session: str, now_s: float) -> Access:
+def stop(access: Access, presser: Caller, now_s: float) -> Access:
     """Press STOP, let the board acknowledge it, and end the motion."""
-    access.stop_pressed(session, now_s)
+    access.stop_pressed(presser, now_s)
     access.stop_sent(now_s)
     access.rested(now_s)
     return access
@@ -104,7 +105,7 @@ def test_a_released_robot_is_free_immediately(access: Access) -> None:
 
 
 def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access) -> None:
-    begin_motion(access, ANA, 0).stop_pressed("b1", 1)
+    begin_motion(access, ANA, 0).stop_pressed(BEN, 1)
     assert refusal(access, BOSS, 1, resting=True) is Reason.STOPPED
     access.stop_sent(1.1)
     assert refusal(access, BOSS, 1.2, resting=False) is Reason.STOPPED
@@ -113,7 +114,7 @@ def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access)
 
 def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
-    access.stop_pressed("b1", 0)
+    access.stop_pressed(BEN, 0)
     access.stop_sent(0)
     with pytest.raises(Refused) as refused:
         access.take(ANA)
@@ -121,7 +122,7 @@ def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> 
 
 
 def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), "b1", 1)
+    stop(begin_motion(access, ANA, 0), BEN, 1)
     for now_s in (1.5, 2.5, 3.5, 4.5):
         assert refusal(access, ANA, now_s) is Reason.STOPPED
     assert refusal(access, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
@@ -130,13 +131,13 @@ def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> No
 
 def test_a_program_that_moves_once_a_second_stays_stopped(access: Access) -> None:
     finish_motion(access, ANA, 0)
-    stop(access, "b1", LINGER_S + 0.5)
+    stop(access, BEN, LINGER_S + 0.5)
     for second in range(10):
         assert refusal(access, ANA, LINGER_S + 1 + second) is Reason.STOPPED
 
 
 def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), "b1", 1)
+    stop(begin_motion(access, ANA, 0), BEN, 1)
     begin_motion(access, BEN, 3)
     assert refusal(access, ANA, 3.5) is Reason.NOT_HOLDER
     access.release(4)
@@ -144,31 +145,54 @@ def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access:
 
 
 def test_the_session_that_pressed_stop_need_not_pause(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), "a1", 1)
+    stop(begin_motion(access, ANA, 0), ANA, 1)
     assert refusal(access, ANA, 1.1) is Reason.OK
 
 
 def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_must_pause(
     access: Access,
 ) -> None:
-    stop(begin_motion(access, ANA, 0), "a2", 1)
+    stop(begin_motion(access, ANA, 0), ANA_AGAIN, 1)
     assert refusal(access, ANA, 1.1) is Reason.STOPPED
     begin_motion(access, ANA_AGAIN, 1.2)
     assert refusal(access, ANA, 1.3) is Reason.STOPPED
 
 
 def test_a_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
-    stop(stop(begin_motion(access, ANA, 0), "b1", 1), "a1", 1.1)
+    stop(stop(begin_motion(access, ANA, 0), BEN, 1), ANA, 1.1)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+
+
+@pytest.mark.parametrize(
+    ("presser", "reason"),
+    [
+        (Caller("ana", "a1"), Reason.OK),
+        (Caller("", "a1"), Reason.OK),
+        (Caller("ben", "a1"), Reason.STOPPED),
+        (Caller("ana", ""), Reason.STOPPED),
+    ],
+    ids=["own", "own, without a seat", "of ben, with ana's session", "of ana, without a session"],
+)
+def test_a_stop_that_names_another_seat_is_never_that_of_the_stopped_session(
+    access: Access, presser: Caller, reason: Reason
+) -> None:
+    """A client can forge the session of its STOP, but in a class not the seat."""
+    assert refusal(stop(begin_motion(access, ANA, 0), presser, 1), ANA, 1.1) is reason
+
+
+def test_a_forged_session_does_not_end_the_pause_after_the_stop_of_another_seat(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    stop(access, Caller("cem", ANA.session), 1.1)
     assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
 def test_a_session_must_pause_if_another_presses_stop_after_it(access: Access) -> None:
-    stop(stop(begin_motion(access, ANA, 0), "a1", 1), "b1", 1.1)
+    stop(stop(begin_motion(access, ANA, 0), ANA, 1), BEN, 1.1)
     assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
 def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), "b1", 1).release(1)
+    stop(begin_motion(access, ANA, 0), BEN, 1).release(1)
     assert refusal(access, BEN, 1.1) is Reason.OK
 
 
@@ -177,38 +201,38 @@ def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) 
     begin_motion(access, ANA, 0)
     assert access.session_changed(ANA, alive=False)
     access.release(10)
-    access.stop_pressed("b1", 10.1)
+    access.stop_pressed(BEN, 10.1)
     access.stop_sent(10.1)
     assert refusal(access, ANA_AGAIN, 10.3) is Reason.STOPPED
 
 
 def test_a_stop_without_a_session_also_pauses_a_caller_without_a_session(access: Access) -> None:
-    stop(begin_motion(access, NO_SESSION, 0), "", 1)
+    stop(begin_motion(access, NO_SESSION, 0), NO_CALLER, 1)
     assert refusal(access, NO_SESSION, 1.1) is Reason.STOPPED
 
 
 def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
     access.take(ANA)
-    access.stop_pressed("b1", 0)
+    access.stop_pressed(BEN, 0)
     access.stop_sent(0.1)
     access.rested(0.2)
     assert refusal(access, ANA, 0.3) is Reason.STOPPED
 
 
 def test_an_old_program_must_pause_until_it_is_quiet_or_opens_the_port_again(access: Access) -> None:
-    stop(begin_motion(access, OLD, 0), "b1", 1)
+    stop(begin_motion(access, OLD, 0), BEN, 1)
     for now_s in (2, 5, 9):
         assert refusal(access, OLD, now_s) is Reason.STOPPED
     access.old_program_began()
     assert refusal(access, OLD, 9.1) is Reason.OK
-    stop(begin_motion(access, OLD, 10), "b1", 11)
+    stop(begin_motion(access, OLD, 10), BEN, 11)
     assert refusal(access, OLD, 11 + QUIET_OLD_PROGRAM_S - 0.1) is Reason.STOPPED
     assert refusal(access, OLD, 11 + 2 * QUIET_OLD_PROGRAM_S) is Reason.OK
 
 
 def test_an_old_program_may_move_at_once_after_its_own_stop(access: Access) -> None:
-    begin_motion(access, OLD, 0).stop_pressed(TEXT_SESSION, 1)
+    begin_motion(access, OLD, 0).stop_pressed(OLD, 1)
     assert refusal(access, OLD, 1, resting=False) is Reason.OK
     assert refusal(access, BOSS, 1, resting=False) is Reason.STOPPED
 
@@ -232,7 +256,7 @@ def test_an_old_program_may_move_at_once_after_its_own_stop(access: Access) -> N
 def test_actions_under_the_emergency_latch(
     access: Access, caller: Caller, action: Action, reason: Reason
 ) -> None:
-    begin_motion(access, ANA, 0).stop_pressed("b1", 1, emergency=True)
+    begin_motion(access, ANA, 0).stop_pressed(BEN, 1, emergency=True)
     access.stop_sent(1)
     assert refusal(access, caller, 100, action) is reason
 
@@ -246,8 +270,8 @@ def test_the_refusal_under_the_latch_lists_reset_first(access: Access) -> None:
 
 
 def test_only_reset_clears_the_latch(access: Access) -> None:
-    access.stop_pressed("a1", 1, emergency=True)
-    access.stop_pressed("a1", 2)
+    access.stop_pressed(ANA, 1, emergency=True)
+    access.stop_pressed(ANA, 2)
     access.stop_sent(2)
     assert access.latched
     access.reset(3)
@@ -256,7 +280,7 @@ def test_only_reset_clears_the_latch(access: Access) -> None:
 
 
 def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Access) -> None:
-    access.stop_pressed("b1", 5, emergency=True)
+    access.stop_pressed(BEN, 5, emergency=True)
     with pytest.raises(Refused) as refused:
         access.reset(4.9)
     assert refused.value.reason is Reason.EMERGENCY
@@ -265,7 +289,7 @@ def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Ac
 
 def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
-    access.stop_pressed("b1", 0, emergency=True)
+    access.stop_pressed(BEN, 0, emergency=True)
     with pytest.raises(Refused) as refused:
         access.take(ANA)
     assert refused.value.reason is Reason.EMERGENCY

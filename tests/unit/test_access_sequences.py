@@ -9,9 +9,10 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import TEACHER
-from beatrix_zenoh.node.access import QUIET_OLD_PROGRAM_S, Access, Action
+from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
+from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
 
 # Counting coverage triples the time of these tests; test_access.py covers the same code.
 pytestmark = pytest.mark.no_cover
@@ -70,7 +71,7 @@ class Sequences(RuleBasedStateMachine):
     @rule(caller=CALLERS, emergency=st.booleans())
     def stop(self, caller: Caller, emergency: bool) -> None:
         driving = self.moving
-        self.access.stop_pressed(caller.session, self.now_s, emergency=emergency)
+        self.access.stop_pressed(caller, self.now_s, emergency=emergency)
         self.access.stop_sent(self.now_s)
         self.access.rested(self.now_s)
         if driving is not None and (not caller.session or caller.session != driving.session):

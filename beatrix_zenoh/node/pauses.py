@@ -1,0 +1,74 @@
+"""The pauses of stopped seats. No I/O; callers pass the time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from beatrix_zenoh.names import OLD_PROGRAMS
+from beatrix_zenoh.node.lease import QUIET_S, Caller
+
+QUIET_OLD_PROGRAM_S = 5.0
+"""Used instead of QUIET_S for programs of 2023; longer, because they cannot read the reason of a refusal."""
+
+
+@dataclass
+class _Pause:
+    """The pause of a stopped seat."""
+
+    requested_s: float
+    """time of STOP, or of the last motion request of the seat since then"""
+    stopped: Caller
+    """caller whose motion was stopped"""
+    presser: Caller
+    """caller that sent STOP"""
+
+
+class Pauses:
+    """Pauses of stopped seats.
+
+    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S.
+    """
+
+    def __init__(self) -> None:
+        self._pauses: dict[str, _Pause] = {}
+
+    def begin(self, mover: Caller | None, presser: Caller, now_s: float) -> None:
+        """Begin the pause of `mover` (None: no seat drove), whose motion `presser` has stopped.
+
+        A second STOP never shortens a pause; each pause records its last STOP by a caller other than the stopped one.
+        """
+        if mover is not None:
+            pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover, presser))
+            pause.requested_s, pause.stopped = now_s, mover
+        for pause in self._pauses.values():
+            if not is_same(presser, pause.stopped):
+                pause.presser = presser
+
+    def restart(self, caller: Caller, now_s: float) -> float:
+        """If this caller must pause, restart the pause of its seat and return the length (s); otherwise return 0.
+
+        The caller that sent STOP need not pause. Its seat keeps the pause, because another session of the seat may
+        still send the stream of motions that was stopped.
+        """
+        pause = self._pauses.get(caller.seat)
+        if pause is None or is_same(pause.presser, caller):
+            return 0.0
+        quiet_s = QUIET_OLD_PROGRAM_S if caller.seat == OLD_PROGRAMS else QUIET_S
+        if now_s - pause.requested_s >= quiet_s:
+            del self._pauses[caller.seat]
+            return 0.0
+        pause.requested_s = now_s
+        return quiet_s
+
+    def end(self, seat: str) -> None:
+        """End the pause of a seat."""
+        self._pauses.pop(seat, None)
+
+
+def is_same(presser: Caller, mover: Caller) -> bool:
+    """Return whether a STOP came from the caller of a motion.
+
+    A client can forge the session of its STOP, but in a class not the seat. So a STOP that names another seat is never
+    that of the mover. A STOP without a seat comes, in a class, from the teacher only.
+    """
+    return bool(presser.session) and presser.session == mover.session and presser.seat in ("", mover.seat)
