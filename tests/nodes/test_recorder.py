@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from blueprint import tabs_of
 from rerun.chunk import RrdReader
 from stage import Process, Stage, ready, until
 
@@ -91,6 +92,15 @@ def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
         for positions in published:
             row, arms = written[positions.t_wall_ns], positions.position
             np.testing.assert_allclose(samples.arms[row], np.degrees([arms.x, arms.y, arms.z]), atol=1e-9)
+
+
+def test_every_view_of_the_recording_has_something_to_draw(lesson: Lesson) -> None:
+    tabs = tabs_of(lesson.path)
+    assert {name: len(tab.views) for name, tab in tabs.items()} == {
+        "overlay": 1, "side by side": 6, "plots": 4, "log and states": 2
+    }  # fmt: skip
+    for tab in tabs.values():
+        assert all(view.draws for view in tab.views), tab
 
 
 def test_the_samples_of_both_robots_have_one_time_line(lesson: Lesson) -> None:

@@ -33,7 +33,7 @@ def rows(place: tuple[str, str], yaw: float) -> list[Row]:
     return [*poses, Numbers(of_robot(place, "arms"), BEGAN_NS, BEGAN_NS, numbers)]
 
 
-def test_the_ghost_of_the_simulation_is_visible_beside_the_hardware(tmp_path: Path) -> None:
+def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     stream = Stream("one", "lesson")
     stream.to_file(path)
@@ -41,13 +41,28 @@ def test_the_ghost_of_the_simulation_is_visible_beside_the_hardware(tmp_path: Pa
     stream.send([*rows(SIM, 0.8), *rows(HW, 0.0)])
     assert stream.flush(5.0)
     stream.close()
-    (png,) = pictures(path, [(0, BEGAN_NS / 1e9)])
-    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
-    assert np.mean(np.all(np.abs(picture - BACKGROUND) < 6, axis=2)) > 0.5
-    assert share_of_blue(picture) > 0.005  # without the ghost, the long arm alone has 0.003
+    overlay, beside = (
+        np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
+        for png in pictures(path, [(0, BEGAN_NS / 1e9), (1, BEGAN_NS / 1e9)])
+    )
+    assert np.mean(background(overlay)) > 0.5
+    assert share_of_blue(overlay) > 0.005  # without the ghost, the long arm alone has 0.003
+    left, right = np.array_split(beside, 2, axis=1)
+    for half in (left, right):
+        assert 0.01 < np.mean(~background(half[150:])) < 0.5, "one robot; titles are above"
+        assert 0.001 < share_of_blue(half) < 0.008, "its long arm, and no ghost"
+    assert np.mean(background(left) != background(right)) > 0.005, "the simulation has turned"
 
 
-def share_of_blue(picture: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> float:
+Picture = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
+
+
+def background(picture: Picture) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Return which pixels show no robot."""
+    return np.all(np.abs(picture - BACKGROUND) < 6, axis=2)  # type: ignore[no-any-return]
+
+
+def share_of_blue(picture: Picture) -> float:
     """Return the share of blue pixels: the long arm and the ghost."""
     red, green, blue = np.moveaxis(picture, 2, 0)
     return float(np.mean((blue > red + 60) & (blue > green + 20)))

@@ -1,4 +1,4 @@
-"""The viewer's four tabs: both twins one over the other, both side by side, plots, and log with states."""
+"""The viewer's four tabs: overlay of both twins, both side by side, plots, and log with states."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
     plots = [plots_of(shown, name) for name in shown.names]
     return rrb.Blueprint(
         rrb.Tabs(
-            tiled(overlays, "one over the other"),
+            tiled(overlays, "overlay"),
             tiled(besides, "side by side"),
             # The plots of one robot fill a screen, so each of several robots gets a tab of its own.
             rrb.Tabs(*plots, name="plots") if len(plots) > 1 else tiled(plots, "plots"),

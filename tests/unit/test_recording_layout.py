@@ -1,0 +1,172 @@
+"""The tabs of a recording, read from its file: each view that the page promises, and what it draws."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from blueprint import Box, View, solids, table, tabs_of
+from rerun.chunk import RrdReader
+from stage import ROOT
+
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.robot_rows import State
+from beatrix_zenoh.recording.rows import (
+    Bar,
+    Frame,
+    Line,
+    Numbers,
+    Orientation,
+    Row,
+    of_difference,
+    of_model,
+    of_robot,
+)
+from beatrix_zenoh.recording.rrd.stream import Stream
+
+Place = tuple[str, str]
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+BEGAN_NS = 1_763_000_000_000_000_000
+PAGE = ROOT / "docs/how-to/record.md"
+ANGLES = (1.0, 2.0, 3.0)
+
+
+def rows_of(place: Place) -> list[Row]:
+    """Return one row of each kind for a robot."""
+    at = (BEGAN_NS, BEGAN_NS)
+    turns = Figure().rotations(Neck().inverse(0, 0, 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    return [
+        *(Orientation(of_model(place, body), *at, turn) for body, turn in turns.items()),
+        *(
+            Numbers(of_robot(place, what), *at, ANGLES)
+            for what in ("arms", "commanded", "head", "head_measured")
+        ),
+        *(Frame(of_robot(place, "camera", side), *at, b"\xff\xd8") for side in ("left", "right")),
+        Line(of_robot(place, "events"), *at, "ana look accepted", "INFO"),
+        Bar(of_robot(place, "state"), *at, State.READY),
+    ]
+
+
+def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
+    """Return a recording of these robots."""
+    path = folder / "lesson.rrd"
+    stream = Stream("one", "lesson")
+    stream.to_file(path)
+    stream.show(RobotSet({place: Figure() for place in places}, frozenset(places if pictures else ())))
+    for place in places:
+        stream.send(rows_of(place))
+    for name in {name for name, _ in places}:
+        stream.send(
+            [Numbers(of_difference(name, what), BEGAN_NS, BEGAN_NS, ANGLES) for what in ("arms", "head")]
+        )
+    assert stream.flush(5.0)
+    stream.close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorded(tmp_path_factory.mktemp("twins"), SIM, HW)
+
+
+def bodies() -> set[str]:
+    return {body.path for body in Figure().bodies}
+
+
+def shape(part: Box | View) -> object:
+    """Return how views are arranged: a container with its parts, or the title of a view."""
+    return part.title if isinstance(part, View) else (part.kind, [shape(inner) for inner in part.parts])
+
+
+def test_the_tabs_are_those_of_the_page(twins: Path) -> None:
+    seen = PAGE.read_text(encoding="utf-8").partition("## What you see")[2].partition("\n## ")[0]
+    assert [title.lower() for title in re.findall(r"^\*\*(.+?)\*\*:", seen, re.MULTILINE)] == list(
+        tabs_of(twins)
+    )
+
+
+def test_overlay_draws_the_hardware_and_the_simulation_as_a_ghost(twins: Path) -> None:
+    (view,) = tabs_of(twins)["overlay"].views
+    assert (view.kind, view.title) == ("3D", "bea: hardware, and the simulation as a blue ghost")
+    assert set(solids(HW, "solid", view.draws)) == set(solids(SIM, "ghost", view.draws)) == bodies()
+    assert not list(solids(SIM, "solid", view.draws))
+
+
+def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_the_four_eyes_below(twins: Path) -> None:
+    tab = tabs_of(twins)["side by side"]
+    robots = ["bea: simulation", "bea: hardware"]
+    eyes = [f"{side} eye, {twin}" for twin in ("simulation", "hardware") for side in ("left", "right")]
+    assert shape(tab) == ("horizontal", [("vertical", [("horizontal", robots), ("horizontal", eyes)])])
+    sim, hw, *pictures = tab.views
+    assert (sim.kind, hw.kind, {view.kind for view in pictures}) == ("3D", "3D", {"2D"})
+    for view, own in ((sim, SIM), (hw, HW)):
+        assert set(solids(own, "solid", view.draws)) == bodies()
+        assert all(
+            entity.startswith(f"/{'/'.join(own)}/model/") and "/ghost/" not in entity for entity in view.draws
+        )
+    assert [set(view.draws) for view in pictures] == [
+        {f"/bea/{twin}/camera/{side}"} for twin in ("sim", "hw") for side in ("left", "right")
+    ]
+    assert sim.settings["EyeControls3D"] == hw.settings["EyeControls3D"], "both are seen from the same point"
+
+
+def test_side_by_side_without_cameras_has_no_place_for_eyes(tmp_path: Path) -> None:
+    tab = tabs_of(recorded(tmp_path, SIM, HW, pictures=False))["side by side"]
+    assert shape(tab) == ("horizontal", [("horizontal", ["bea: simulation", "bea: hardware"])])
+
+
+def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(twins: Path) -> None:
+    tab = tabs_of(twins)["plots"]
+    assert shape(tab) == ("horizontal", [("horizontal", [
+        ("vertical", ["arms (°): hardware wide, simulation thin", "head (°): hardware wide, simulation thin"]),
+        ("vertical", ["arms: hardware − simulation (°)", "head: hardware − simulation (°)"]),
+    ])])  # fmt: skip
+    assert [set(view.draws) for view in tab.views] == [
+        {"/bea/sim/arms", "/bea/hw/arms"}, {"/bea/sim/head", "/bea/hw/head"}, {"/bea/difference/arms"}, {"/bea/difference/head"}
+    ]  # fmt: skip
+    for view in tab.views:
+        (span,) = view.settings["TimeAxis"]["TimeAxis:view_range"]
+        assert (view.kind, span) == ("TimeSeries", {"start": -20_000_000_000, "end": 500_000_000})
+
+
+def test_curves_of_the_hardware_are_wide_and_those_of_the_simulation_thin(twins: Path) -> None:
+    styles = table(RrdReader(twins).stream())
+    for what in ("arms", "head"):
+        hw, sim = (styles[f"/bea/{twin}/{what}"]["SeriesLines:widths"] for twin in ("hw", "sim"))
+        assert len(hw) == len(sim) == 3
+        assert min(hw) > 2 * max(sim)
+
+
+def test_log_and_states_draw_requests_and_states_of_both_robots(twins: Path) -> None:
+    tab = tabs_of(twins)["log and states"]
+    assert shape(tab) == ("vertical", ["states", "requests, replies and refusals"])
+    states, log = tab.views
+    assert (states.kind, set(states.draws)) == ("StateTimeline", {"/bea/sim/state", "/bea/hw/state"})
+    assert (log.kind, set(log.draws)) == ("TextLog", {"/bea/sim/events", "/bea/hw/events"})
+
+
+@pytest.mark.parametrize("place", [SIM, HW])
+def test_a_robot_alone_is_drawn_solid_and_without_differences(tmp_path: Path, place: Place) -> None:
+    tabs = tabs_of(recorded(tmp_path, place))
+    (overlay,) = tabs["overlay"].views
+    assert set(solids(place, "solid", overlay.draws)) == bodies()
+    assert [view.title for view in tabs["plots"].views] == ["arms (°)", "head (°)"]
+    assert len(tabs["side by side"].views) == 3
+
+
+def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:
+    places = [(name, twin) for name in ("bea1", "bea2") for twin in ("sim", "hw")]
+    tabs = tabs_of(recorded(tmp_path, *places))
+    for name in ("overlay", "side by side"):
+        assert tabs[name].kind == "grid"
+    assert tabs["plots"].kind == "tabs"
+    for tab in ("overlay", "side by side", "plots"):
+        for name, part in zip(("bea1", "bea2"), tabs[tab].parts, strict=True):
+            views = [part] if isinstance(part, View) else part.views
+            assert views
+            assert all(
+                view.draws and all(entity.startswith(f"/{name}/") for entity in view.draws) for view in views
+            )
