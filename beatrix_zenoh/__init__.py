@@ -61,7 +61,17 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         import importlib  # noqa: PLC0415 - not before it is needed
 
-        return getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
+        from beatrix_zenoh import hiding  # noqa: PLC0415
+
+        try:
+            value = getattr(importlib.import_module(f"{__name__}.{MODULES[name]}"), name)
+        except (ImportError, AttributeError) as error:
+            # Python would report an AttributeError as "cannot import name", without its cause.
+            why = hiding.cause(error) or f"{__name__}.{name} cannot be imported: {error}"
+            raise ImportError(why, name=__name__) from error
+        if why := hiding.imported():
+            raise ImportError(why, name=__name__)
+        return value
 
     def __dir__():
         return sorted({*globals(), *MODULES})

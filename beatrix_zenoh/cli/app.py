@@ -23,13 +23,19 @@ def process(work: Callable[[], int]) -> None:
         ignore_signals()  # so that a signal cannot change the exit code now that the work is done
     except KeyboardInterrupt:
         code = 130  # the exit code that shells use for Ctrl-C
-    except Exception:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
-        import traceback
+    except Exception as error:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
+        from beatrix_zenoh import hiding
 
-        from beatrix_zenoh.shutdown import FAULT
+        code = 1
+        if why := hiding.cause(error):
+            sys.stderr.write(f"{why}\n")
+        else:
+            import traceback
 
-        traceback.print_exc()
-        code = FAULT
+            from beatrix_zenoh.shutdown import FAULT
+
+            traceback.print_exc()
+            code = FAULT
     sys.exit(code)
 
 
@@ -40,12 +46,14 @@ def run(words: list[str]) -> int:
         from beatrix_zenoh.cli.verbs import application
 
         app = application(words)
-    except ModuleNotFoundError as error:
-        if error.name not in ("typer", "rich"):
-            raise
-        sys.stderr.write(
-            f"The command line needs {error.name}, which is not installed. "
-            'Run `pip install ".[cli]"` in the folder of BEATRIX.\n'
+    except (ImportError, AttributeError) as error:
+        from beatrix_zenoh import hiding
+
+        lacking = (
+            f"needs {error.name}, which is not installed" if isinstance(error, ModuleNotFoundError) else ""
         )
+        text = f"The command line {lacking or f'cannot be loaded: {error}'}."
+        install = 'Run `pip install ".[cli]"` in the folder of BEATRIX.'
+        sys.stderr.write((hiding.cause(error) or f"{text} {install}") + "\n")
         return 1
     return runner.run(app, words, "beatrix")

@@ -15,10 +15,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
-import beatrix_zenoh
+from beatrix_zenoh import hiding
 
 DISTRIBUTION = "beatrix-zenoh"
-OUR_PACKAGES = ("sim_node", "hw_node", "gui")
 REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)")
 ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
 """Part of the marker of a requirement for Linux only, or for all other systems only."""
@@ -54,26 +53,23 @@ def this_computer() -> Iterator[Finding]:
     """Yield the findings of all checks that need no network, except `graphics_probe`."""
     yield Finding("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
-    hidden = list(hidden_packages())
-    yield from hidden or [Finding("hidden packages", "none")]
+    yield from hidden_modules()
     yield from serial_ports()
     yield from cameras()
 
 
 def packages() -> Iterator[Finding]:
     """Yield findings about this package and the packages that each extra needs."""
-    try:
-        requirements = metadata.requires(DISTRIBUTION) or []
-        yield Finding(DISTRIBUTION, metadata.version(DISTRIBUTION))
-    except metadata.PackageNotFoundError:
+    if version(DISTRIBUTION) is None:
         yield Finding(
             DISTRIBUTION,
             "runs from its sources, not installed",
             "pip install -e . in the folder of the sources",
         )
         return
+    yield Finding(DISTRIBUTION, metadata.version(DISTRIBUTION))
     needs: dict[str, list[str]] = {}
-    for line in requirements:
+    for line in requirements():
         needed, only_for = REQUIREMENT.match(line), EXTRA.search(line)
         only_on = ON_LINUX.search(line)
         if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
@@ -97,6 +93,20 @@ def packages() -> Iterator[Finding]:
             yield Finding(title, present)
 
 
+def requirements() -> list[str]:
+    """Return the requirements of this package and of its extras; none if it is not installed."""
+    try:
+        return metadata.requires(DISTRIBUTION) or []
+    except metadata.PackageNotFoundError:
+        return []
+
+
+def distribution(requirement: str) -> str:
+    """Return the name of the distribution in a requirement, in the form in which names are compared."""
+    name = REQUIREMENT.match(requirement)
+    return re.sub("[-_.]+", "-", name[1]).lower() if name else ""
+
+
 def version(name: str) -> str | None:
     """Return the version of a distribution; None if it is not installed."""
     try:
@@ -105,20 +115,20 @@ def version(name: str) -> str | None:
         return None
 
 
-def hidden_packages() -> Iterator[Finding]:
-    """Yield findings about our packages that another package of the same name hides."""
-    home = Path(beatrix_zenoh.__file__).resolve().parents[1]
-    for name in OUR_PACKAGES:
-        spec = importlib.util.find_spec(name)
-        if not (home / name).is_dir():
-            continue
-        place = None if spec is None or spec.origin is None else Path(spec.origin).resolve()
-        if place is None or home not in place.parents:
-            yield Finding(
-                f"package {name}",
-                f"another package hides it: {place or 'a folder without __init__.py'}",
-                f"rename or move {place or name}, or start from another folder",
-            )
+def hidden_modules() -> Iterator[Finding]:
+    """Yield a finding about each file, in this folder or in PYTHONPATH, that hides a module that BEATRIX needs."""
+    first, later = hiding.search_path()
+    needed = {distribution(line) for line in requirements()}
+    packages = {
+        package
+        for package, owners in metadata.packages_distributions().items()
+        if needed.intersection(map(distribution, owners))
+    }
+    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, ["", *first], later)
+    for name, file in sorted(found.items()):
+        yield Finding(f"module {name}", *hiding.texts(name, file))
+    if not found:
+        yield Finding("hidden modules", "none")
 
 
 @contextlib.contextmanager

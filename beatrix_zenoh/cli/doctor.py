@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
 import typer
@@ -12,6 +13,7 @@ from beatrix_zenoh.cli.options import Connect, Json, Name, Who
 from beatrix_zenoh.cli.output import FAILED, print_json, say
 from beatrix_zenoh.cli.robot_checks import network
 from beatrix_zenoh.cli.targets import Selection
+from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.settings import resolve
 
 MARKS = {"ok": "ok", "advice": "-", "todo": "!"}
@@ -33,8 +35,10 @@ def doctor(
         return
     settings = resolve(None, connect, who)
     with graphics_probe() as graphics:  # it runs in a process of its own during the checks
-        found = list(network(settings, name))
-        sections = [(settings.connect, found), ("this computer", [*this_computer(), graphics()])]
+        sections = [
+            (settings.connect, made("router and robots", network(settings, name))),
+            ("this computer", [*made("this computer", this_computer()), graphics()]),
+        ]
     findings = [finding for _, section in sections for finding in section]
     wrong = [finding for finding in findings if finding.todo]
     if as_json:
@@ -44,6 +48,19 @@ def doctor(
         say("\nNo problems found." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
     if wrong:
         raise typer.Exit(FAILED)
+
+
+def made(what: str, checks: Iterator[Finding]) -> list[Finding]:
+    """Return the findings of checks; an unexpected error becomes the last finding, so that the others are shown."""
+    findings: list[Finding] = []
+    try:
+        findings.extend(checks)  # keeps the findings before an error
+    except BeatrixError:
+        raise
+    except Exception as error:  # noqa: BLE001  # a broken installation may raise anything
+        text = f"the check ended with {type(error).__name__}: {error}"
+        findings.append(Finding(what, text, "install BEATRIX again; if this remains, report it as a bug"))
+    return findings
 
 
 def show(sections: list[tuple[str, list[Finding]]]) -> None:

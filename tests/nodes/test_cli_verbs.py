@@ -199,7 +199,7 @@ def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) ->
     )
     assert all(step in text for step, text in zip(steps, found, strict=False))
     own = {row["what"]: row["found"] for row in rows}
-    assert (own["hidden packages"], "OpenGL" in own["graphics"]) == ("none", True)
+    assert (own["hidden modules"], "OpenGL" in own["graphics"]) == ("none", True)
 
 
 def test_doctor_reports_a_named_robot_that_is_not_on_line(shell: Shell) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -35,26 +34,12 @@ def test_a_library_for_another_system_is_not_reported_as_missing(monkeypatch: py
 
 
 def test_sources_that_are_not_installed_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(name: str) -> list[str]:
+    def unknown(name: str) -> str:
         raise metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr("importlib.metadata.requires", unknown)
+    monkeypatch.setattr("importlib.metadata.version", unknown)
     (finding,) = checks.packages()
     assert "pip install" in finding.todo
-
-
-def test_a_module_that_hides_our_package_is_reported(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "hw_node.py").write_text("", encoding="utf-8")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.delitem(sys.modules, "hw_node", raising=False)
-    (finding,) = checks.hidden_packages()
-    assert finding.what == "package hw_node"
-    assert str(tmp_path / "hw_node.py") in finding.found
-    assert "rename" in finding.todo
-
-
-def test_no_package_is_hidden_in_a_normal_installation() -> None:
-    assert list(checks.hidden_packages()) == []
 
 
 def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,119 @@
+"""Files of a user that hide a module which BEATRIX needs, for example a program called `logging.py`.
+
+Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module.
+This module imports only what Python itself imports at its start, because any other module may be the hidden one.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from importlib.machinery import FrozenImporter, PathFinder
+
+OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
+
+
+def hidden(names: Iterable[str], first: Sequence[str], later: Sequence[str]) -> dict[str, str]:
+    """Return the modules of these names that a file in the folders `first` hides from `later`, each with the file.
+
+    A second copy of a package may be there on purpose, so a package is hidden by a single file only, and a package of
+    BEATRIX also by another package, unless that is part of a copy of BEATRIX. Frozen modules cannot be hidden.
+    """
+    found = {}
+    for name in names:
+        mine = next(_files(name, first), "")
+        others = [file for file in _files(name, later) if file != mine]
+        if mine and others and not _is_copy(name, mine, others) and FrozenImporter.find_spec(name) is None:
+            found[name] = mine
+    return found
+
+
+def _is_copy(name: str, mine: str, others: Sequence[str]) -> bool:
+    if name in sys.stdlib_module_names:
+        return False
+    if name in OURS and _is_package(mine):
+        return os.path.isdir(os.path.join(os.path.dirname(mine), os.pardir, OURS[0]))
+    return _is_package(mine) or not any(map(_is_package, others))
+
+
+def _files(name: str, folders: Iterable[str]) -> Iterator[str]:
+    for folder in folders:
+        spec = PathFinder.find_spec(name, [folder])
+        if spec is not None and spec.origin is not None:
+            yield os.path.realpath(spec.origin)
+
+
+def _is_package(file: str) -> bool:
+    return os.path.basename(file).startswith("__init__.")
+
+
+def search_path() -> tuple[list[str], list[str]]:
+    """Return the folders that Python searches before its own modules, and the others."""
+    own = os.path.dirname(os.__file__)
+    split = sys.path.index(own) if own in sys.path else 1
+    return sys.path[:split], sys.path[split:]
+
+
+def loaded() -> set[str]:
+    """Return the names of all imported modules that are in no package."""
+    return {name for name in list(sys.modules) if "." not in name and name != "__main__"}
+
+
+def texts(name: str, file: str) -> tuple[str, str]:
+    """Return what a hiding file does, and what to do."""
+    whose = "Python's module" if name in sys.stdlib_module_names else "the package"
+    what = os.path.dirname(file) if _is_package(file) else file
+    return (
+        f"{what} hides {whose} {name}, which BEATRIX needs",
+        f"rename it, for example to my_{os.path.basename(what)}",
+    )
+
+
+def sentence(name: str, file: str) -> str:
+    """Return both texts as one sentence."""
+    return ": ".join(texts(name, file)) + "."
+
+
+def cause(error: BaseException) -> str:
+    """Return the sentence about the file that has caused an ImportError or AttributeError; empty: none has."""
+    if not isinstance(error, ImportError | AttributeError):
+        return ""
+    named = set(_named(error))
+    found = hidden(loaded() | named, *search_path())
+    return " ".join(sentence(name, found[name]) for name in sorted(found.keys() & named or found))
+
+
+def _named(error: BaseException) -> Iterator[str]:
+    """Yield the names of the modules of which an error tells."""
+    of = error.obj if isinstance(error, AttributeError) else None
+    for name in (getattr(of, "__name__", None), getattr(error, "name", None)):
+        if isinstance(name, str):
+            yield name.partition(".")[0]
+    trace = error.__traceback__
+    while trace is not None:
+        yield os.path.basename(trace.tb_frame.f_code.co_filename).partition(".")[0]
+        trace = trace.tb_next
+
+
+def imported() -> str:
+    """Return the sentence about a file that other modules than the user's have imported by mistake; empty: none."""
+    first, later = search_path()
+    near = {os.path.realpath(folder) for folder in first}
+    modules = list(sys.modules.items())
+    mine = {name for name, module in modules if _is_in(near, name, getattr(module, "__file__", None))}
+    found = hidden(loaded() & mine, first, later)
+    if not found:
+        return ""
+    taken = {
+        id(value) for name, module in modules if name not in mine for value in list(vars(module).values())
+    }
+    return " ".join(sentence(name, file) for name, file in found.items() if id(sys.modules[name]) in taken)
+
+
+def _is_in(folders: Collection[str], name: str, file: object) -> bool:
+    """Return whether a module is in these folders, or in a package in them, and is not BEATRIX's."""
+    if not isinstance(file, str) or name.partition(".")[0] in OURS:
+        return False
+    folder = os.path.dirname(file)
+    return folder in folders or os.path.dirname(folder) in folders

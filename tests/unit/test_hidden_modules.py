@@ -1,0 +1,150 @@
+"""Files of a user with the name of a module that BEATRIX needs, in the folder of the program or in PYTHONPATH."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from stage import free_endpoint, untraced
+
+from beatrix_zenoh import hiding
+from beatrix_zenoh.cli import app, checks, doctor
+
+PROGRAM = """
+from beatrix_zenoh import Robot
+Robot("bea1", connect="nowhere")
+"""
+NEEDED = (
+    "logging",
+    "select",
+    "zenoh",
+    "msgpack",
+    "msgspec",
+    "random",
+    "json",
+    "queue",
+    "enum",
+    "re",
+    "typing",
+)
+HARMLESS = ("calendar", "test", "typer", "numpy", "signal")
+"""Modules that `Robot` does not need, that Python imports before it searches the folder, or that hide no package."""
+
+
+def python(folder: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run Python in a folder, without the PYTHONPATH of the tests."""
+    kept = {name: value for name, value in untraced().items() if name != "PYTHONPATH"}
+    return subprocess.run(
+        [sys.executable, *words],
+        cwd=folder,
+        env={**kept, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tmp_path: Path) -> None:
+    (tmp_path / f"{name}.py").touch()
+    (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
+    done = python(tmp_path, "prog.py")
+    assert done.returncode == 1
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith(f"ImportError: {tmp_path / name}.py hides ")
+    assert f" {name}, which BEATRIX needs: rename it" in last
+
+
+@pytest.mark.parametrize("name", NEEDED[:6])
+def test_a_program_that_hides_a_module_itself_is_named(name: str, tmp_path: Path) -> None:
+    (tmp_path / f"{name}.py").write_text(PROGRAM, encoding="utf-8")
+    done = python(tmp_path, f"{name}.py")
+    assert f"ImportError: {tmp_path / name}.py hides " in done.stderr
+
+
+@pytest.mark.parametrize("name", HARMLESS)
+def test_a_file_that_hides_nothing_that_the_program_needs_is_accepted(name: str, tmp_path: Path) -> None:
+    (tmp_path / f"{name}.py").touch()
+    (tmp_path / "prog.py").write_text(f"import {name}\n{PROGRAM}", encoding="utf-8")
+    done = python(tmp_path, "prog.py")
+    assert "protocol/host:port" in done.stderr  # the error of Robot
+    assert "which BEATRIX needs" not in done.stderr
+
+
+@pytest.mark.parametrize("name", ["logging", "select", "zenoh", "msgspec", "typer", "random", "dataclasses"])
+@pytest.mark.parametrize("verb", ["doctor", "ls"])
+def test_the_command_line_names_a_hiding_file_in_one_line(name: str, verb: str, tmp_path: Path) -> None:
+    (tmp_path / f"{name}.py").touch()
+    where = ("--connect", free_endpoint())
+    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", verb, *where, PYTHONPATH=".")
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith(f"{tmp_path / name}.py hides ")
+
+
+def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) -> None:
+    path = tmp_path / "path"
+    path.mkdir()
+    (path / "wasmtime.py").touch()
+    for name in ("logging.py", "zenoh.py", "beatrix_zenoh.py", "test.py", "os.py", "mine.py"):
+        (tmp_path / name).touch()
+    (tmp_path / "gui").mkdir()
+    (tmp_path / "gui" / "__init__.py").touch()
+    words = ("-P", "-m", "beatrix_zenoh.cli", "doctor", "--json", "--connect", free_endpoint())
+    done = python(tmp_path, *words, PYTHONPATH=str(path))
+    findings = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
+    found = {what for what in findings if what.startswith("module ")}
+    assert found == {f"module {name}" for name in ("beatrix_zenoh", "gui", "logging", "wasmtime", "zenoh")}
+    assert findings["module gui"]["found"].startswith(f"{tmp_path / 'gui'} hides ")
+    assert findings["module logging"]["todo"] == "rename it, for example to my_logging.py"
+    assert "hidden modules" not in findings
+
+
+def test_a_copy_of_beatrix_or_of_a_package_hides_nothing(tmp_path: Path) -> None:
+    for name in ("beatrix_zenoh", "gui", "zenoh"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").touch()
+    first, later = hiding.search_path()
+    assert hiding.hidden(["beatrix_zenoh", "gui", "zenoh"], [str(tmp_path), *first], later) == {}
+
+
+def test_nothing_is_hidden_in_a_normal_installation() -> None:
+    assert [finding.found for finding in checks.hidden_modules()] == ["none"]
+
+
+@pytest.mark.parametrize(
+    ("error", "expected"),
+    [
+        (
+            ModuleNotFoundError("No module named 'msgpack'", name="msgpack"),
+            "needs msgpack, which is not installed",
+        ),
+        (ImportError("DLL load failed"), "cannot be loaded: DLL load failed"),
+        (AttributeError("module 'typer' has no attribute 'Typer'"), "'typer' has no attribute 'Typer'"),
+    ],
+)
+def test_a_missing_or_broken_dependency_is_reported_in_one_line(
+    error: Exception, expected: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(_words: object) -> None:
+        raise error
+
+    monkeypatch.setattr("beatrix_zenoh.cli.verbs.application", broken)
+    assert app.run(["doctor"]) == 1
+    line = capsys.readouterr().err
+    assert (expected in line, 'pip install ".[cli]"' in line, line.count("\n")) == (True, True, 1)
+
+
+def test_a_check_of_doctor_that_fails_becomes_a_finding() -> None:
+    def broken() -> Iterator[checks.Finding]:
+        yield checks.Finding("router", "answers")
+        raise AttributeError("module 'zenoh' has no attribute 'open'")
+
+    first, last = doctor.made("router and robots", broken())
+    assert first.found == "answers"
+    assert (last.what, last.state) == ("router and robots", "todo")
+    assert "AttributeError: module 'zenoh' has no attribute 'open'" in last.found
