@@ -165,12 +165,13 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
         for eye in ("left", "right")
     ]
     shown.show_view((*all_eyes, OUTSIDE))
-    shown.show_image("sim", picture_of(RED, "left"))
-    shown.show_image("hw", picture_of(BLUE, "right"))
-    shown.show_image("sim", picture_of(BLUE, "outside"))
-    assert alike(colour(shown, 0.25, 0.25), RED)
-    assert alike(colour(shown, 0.75, 0.75), BLUE)
-    assert not alike(colour(shown, 0.75, 0.25), BLUE)
+    colours = (RED, (20, 220, 20), (220, 220, 20), BLUE)
+    for view, painted in zip(all_eyes, colours, strict=True):
+        shown.show_image(view.twin, picture_of(painted, view.eye))
+    shown.show_image("sim", picture_of((220, 20, 220), "outside"))
+    places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
+    for place, painted in zip(places, colours, strict=True):
+        assert alike(colour(shown, *place), painted)
 
 
 def test_the_outside_view_shows_no_picture_of_an_eye(qtbot: QtBot) -> None:

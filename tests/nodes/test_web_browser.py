@@ -91,8 +91,8 @@ def test_a_student_drives_from_a_browser(
         assert box[1] >= width - 20
         assert box[2] >= 72
     browser.run("document.querySelector('#looking').click()")
-    loaded = "[...document.images].every((image) => image.naturalWidth > 0)"
-    browser.wait(lambda: bool(browser.run(loaded)), "both eyes")
+    loaded = "[...document.images].filter((image) => image.naturalWidth > 0 && image.offsetWidth > 0).length"
+    browser.wait(lambda: browser.run(loaded) == 2, "both eyes")
     assert browser.errors() == []
 
     serving_page.close()
