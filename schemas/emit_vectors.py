@@ -159,6 +159,17 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         },
     ),
     ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
+    (
+        "ProgramInfo",
+        {
+            "program": "lesson.py",
+            "twin": "",
+            "serves": [],
+            "publishes": [],
+            "subscribes": ["beatrix/bea/hw/state/positions"],
+            "asks": ["beatrix/bea/hw/cmd/ana/pose", "beatrix/*/*/stop"],
+        },
+    ),
 ]
 
 FRAMES: list[tuple[str, int, dict[str, object]]] = [

@@ -292,6 +292,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.",
     ),
+    "program": KeyRow(
+        "beatrix/@program/{who}/{session}",
+        "query",
+        "",
+        "ProgramInfo",
+        ("hw", "sim"),
+        "queries",
+        "",
+        "data",
+        "drop",
+        "What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.",
+    ),
 }
 
 
@@ -461,6 +473,14 @@ def seat(who: str, session: str) -> str:
     Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.
     """
     return f"beatrix/@seat/{who}/{session}"
+
+
+def program(who: str, session: str) -> str:
+    """Return the key `beatrix/@program/{who}/{session}`.
+
+    What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.
+    """
+    return f"beatrix/@program/{who}/{session}"
 
 
 _CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "d436ba3e"
+CONTRACT: Final = "beff7ccc"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -753,6 +753,23 @@ class Info(Struct, frozen=True, kw_only=True):
     """all keys"""
     examples: list[str]
     """commands for Zenoh's example programs"""
+
+
+class ProgramInfo(Struct, frozen=True, kw_only=True):
+    """A program at the router, in its own words: its keys, those of all its sessions together."""
+
+    program: str
+    """name of the program, such as `beatrix gui` or `lesson.py`"""
+    twin: str = ""
+    """`hw` or `sim` of a node; empty: a client"""
+    serves: list[str] = []
+    """keys of its queryables"""
+    publishes: list[str] = []
+    """keys of its publications"""
+    subscribes: list[str] = []
+    """keys of its subscriptions"""
+    asks: list[str] = []
+    """keys of its queries and puts of the last 60 s"""
 
 
 NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {

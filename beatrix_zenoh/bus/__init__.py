@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from beatrix_zenoh.bus.credentials import without_rights as without_rights
 from beatrix_zenoh.bus.declarations import CLOSED as CLOSED
+from beatrix_zenoh.bus.description import describe as describe
 from beatrix_zenoh.bus.endpoint import endpoints as endpoints
 from beatrix_zenoh.bus.endpoint import is_listening as is_listening
 from beatrix_zenoh.bus.endpoint import is_local as is_local

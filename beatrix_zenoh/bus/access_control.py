@@ -13,10 +13,9 @@ EVERYTHING = (
     keys.alive("*", "*"),
     keys.claim("*", "*", "*"),
     keys.seat("*", "*"),
+    keys.program("*", "*"),
 )
-"""All keys of BEATRIX; those of tokens are listed separately, because `**` matches no chunk that begins with @."""
-ADMIN_SPACE = "@/**"
-"""The router's own keys: its sessions and their declarations."""
+"""All keys of BEATRIX; some are listed separately, because `**` matches no chunk that begins with @."""
 MESSAGES = {
     "puts": ("put",),
     "queries": ("query",),
@@ -45,8 +44,6 @@ class Grant:
     subscribes: tuple[str, ...] = ()
     tokens: tuple[str, ...] = ()
     watches: tuple[str, ...] = ()
-    admin: bool = False
-    """Whether the account may read the admin space."""
 
 
 def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:
@@ -56,17 +53,15 @@ def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[s
     routers, which check their own clients and may pass on all messages.
     """
     subject = "cert_common_names" if by_certificate else "usernames"
-    rules = [_rule("receive", ALL_MESSAGES, EVERYTHING, "egress"), _rule("admin", ("query",), (ADMIN_SPACE,))]
-    rules += [_rule("admin-reply", ("reply",), (ADMIN_SPACE,), "egress")]
-    rules += [_rule("link", ALL_MESSAGES, ("**", *EVERYTHING, ADMIN_SPACE), "ingress", "egress")]
+    rules = [_rule("receive", ALL_MESSAGES, EVERYTHING, "egress")]
+    rules += [_rule("link", ALL_MESSAGES, ("**", *EVERYTHING), "ingress", "egress")]
     subjects: list[dict[str, object]] = []
     policies: list[dict[str, object]] = []
     for grant in grants:
         own = list(_rules(grant))
         rules += own
-        shared = ["receive", *(["admin", "admin-reply"] if grant.admin else [])]
         subjects.append({"id": grant.account, subject: [grant.account]})
-        policies.append({"subjects": [grant.account], "rules": shared + [rule["id"] for rule in own]})
+        policies.append({"subjects": [grant.account], "rules": ["receive", *(rule["id"] for rule in own)]})
     if routers:
         subjects.append({"id": "@routers", "cert_common_names": routers})
         policies.append({"subjects": ["@routers"], "rules": ["link"]})
@@ -108,6 +103,6 @@ def low_pass_filter() -> list[dict[str, object]]:
     requests = {"messages": ["query"], "size_limit": LARGEST_REQUEST}
     messages = {"messages": ["put", "delete", "reply"], "size_limit": LARGEST_MESSAGE}
     return [
-        {"id": name, "flows": ["ingress"], "key_exprs": ["**"], **rule}
+        {"id": name, "flows": ["ingress"], "key_exprs": ["**", keys.program("*", "*")], **rule}
         for name, rule in {"requests": requests, "messages": messages}.items()
     ]

@@ -33,8 +33,11 @@ def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
 
 
 def intersects(one: str, other: str) -> bool:
-    """Return whether any key matches both key expressions, which may contain `*` and `**`."""
-    return zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
+    """Return whether any key matches both key expressions, which may contain `*` and `**`; False for invalid ones."""
+    try:
+        return zenoh.KeyExpr(one).intersects(zenoh.KeyExpr(other))
+    except zenoh.ZError:
+        return False
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,8 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         "listen/endpoints": endpoints(listen),
         "listen/exit_on_failure": True,
         "scouting/delay": 0,
-        "adminspace/enabled": True,
+        # Zenoh 1.9 to 1.10.2 can deadlock when it answers a query to the admin space (decision 41).
+        "adminspace/enabled": False,
         "transport/link/tx/queue/congestion_control/block/wait_before_close": WAIT_CLOSE_US,
         "transport/unicast/accept_pending": HALF_OPEN,
         "transport/unicast/accept_timeout": LEASE_MS,

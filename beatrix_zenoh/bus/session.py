@@ -36,6 +36,10 @@ PASSES_S = 0.5
 POLL_S = 0.02
 QUERYABLE, PUBLISHER, SUBSCRIBER, TOKEN, WATCH = "queryable", "publisher", "subscriber", "token", "watch"
 """Kinds of declarations."""
+LATELY_S = 60.0
+"""How long (s) a session remembers the key of a query or put."""
+MOST_KEYS = 256
+"""Largest number of keys of queries and puts that a session remembers."""
 
 
 class Bus:
@@ -44,6 +48,7 @@ class Bus:
     def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
         self._open_session = open_session
         self._declarations = Declarations(open_session)
+        self._asked: dict[str, float] = {}
         self.served = ""
         """A key that this session serves; empty: none."""
         self.endpoint = endpoint
@@ -60,6 +65,18 @@ class Bus:
     def declared(self, kind: str) -> list[str]:
         """Return the keys of all declarations of one kind (QUERYABLE, PUBLISHER or SUBSCRIBER), sorted."""
         return self._declarations.keys(kind)
+
+    def asked(self) -> list[str]:
+        """Return the keys of the queries and puts of the last LATELY_S seconds, sorted."""
+        since_s = time.monotonic() - LATELY_S
+        return sorted(key for key, asked_s in self._asked.copy().items() if asked_s > since_s)
+
+    def _ask(self, key: str) -> None:
+        """Remember the key of a query or put; the oldest of MOST_KEYS is forgotten."""
+        self._asked.pop(key, None)
+        if len(self._asked) >= MOST_KEYS:
+            self._asked.pop(next(iter(self._asked.copy())), None)
+        self._asked[key] = time.monotonic()
 
     # -- queries --------------------------------------------------------------------------------
 
@@ -83,6 +100,9 @@ class Bus:
         Raises:
             WrongUsage: SHUTDOWN, this session is closed.
         """
+        plain, _, parameters = key.partition("?")
+        if parameters != HEALTH:
+            self._ask(plain)
         return self._declarations.use(
             lambda session: Query(session, key, payload, encoding, priority, timeout_s)
         )
@@ -132,6 +152,7 @@ class Bus:
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
         """Publish once, with a `priority` as in `query`; raises the errors of `query`."""
+        self._ask(key)
         self._declarations.use(
             lambda session: session.put(
                 key,

@@ -9,6 +9,8 @@ import threading
 from collections.abc import Callable
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import ProgramInfo
+from beatrix_zenoh.bus.description import describe
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.session import Bus
@@ -59,6 +61,10 @@ class Sessions:
     ) -> Publication:
         """Declare a publication, as `Bus.publication` does."""
         return self.session(_row(key).publish).publication(key, encoding, on_subscribed)
+
+    def describe(self, twin: str) -> ProgramInfo:
+        """Return the description of the node that owns these sessions."""
+        return describe(self.opened().values(), twin)
 
     def close(self) -> None:
         """Close all sessions, the control session last. May be called twice."""

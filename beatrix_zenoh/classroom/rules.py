@@ -8,7 +8,7 @@ from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
 
 ANY = "*"
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
-READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY))
+READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY), keys.program(ANY, ANY))
 """Keys of queries that change nothing."""
 TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
 
@@ -31,7 +31,7 @@ def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
         name,
         puts=(own, *stops),
         queries=(own, *READS, *stops, *drives),
-        serves=(own,),
+        serves=(own, keys.program(name, ANY)),
         subscribes=EVERYTHING[:1],
         tokens=tuple(_own_token(key, name) for key in TOKENS),
         watches=EVERYTHING,
@@ -45,8 +45,8 @@ def student(seat: str, robots: tuple[str, ...]) -> Grant:
 
 
 def teacher() -> Grant:
-    """Return the grant of the teacher: all keys, and the admin space."""
-    return Grant(names.TEACHER, *(EVERYTHING,) * 6, admin=True)
+    """Return the grant of the teacher: all keys."""
+    return Grant(names.TEACHER, *(EVERYTHING,) * 6)
 
 
 def _commands(robot: str, seat: str) -> str:

@@ -20,6 +20,9 @@ LINE_PX, PAD_PX, BOX_PX, GAP_PX = 18, 12, 330, 26
 """Height of a line of text, margin inside a box, width of a box, space between boxes."""
 MIDDLE_PX = 300
 """Space between nodes, to the left, and clients, to the right, for the arrows."""
+COLOURS = {"watch": "#245", "ask": "#a40"}
+"""Colours of the arrows from a node to a program that watches it, and from a program to a node that it asks."""
+UNDESCRIBED = "does not describe itself: it hangs, or has another version"
 
 
 def graph(
@@ -30,7 +33,10 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs at the router, and their keys."""
+    """Show the programs at the router: their keys, who watches whom, and who has asked whom in the last minute.
+
+    Programs describe themselves. A Zenoh program that does not use this library is not listed.
+    """
     with Client(resolve(None, connect, who)) as client:
         programs, endpoint = network.read(client), client.bus.endpoint
     if svg is not None:
@@ -49,39 +55,38 @@ def as_row(program: Program) -> dict[str, object]:
     """Return the fields of a program, for JSON output."""
     return {
         "title": program.title,
+        "described": program.described,
         "serves": sorted(program.serves),
         "publishes": sorted(program.publishes),
         "subscribes": sorted(program.subscribes),
+        "asks": sorted(program.asks),
     }
 
 
 def lines(program: Program, nodes: Sequence[Program]) -> list[str]:
-    """Return a line for each key that a node publishes or serves, or for each node that a client subscribes to."""
+    """Return a line for each key that a node publishes or serves, or for each node that a client watches or asks."""
+    if not program.described:
+        return [UNDESCRIBED]
     if program.robot is not None:
         serves = sorted({short(key) for key in program.serves} - {short(key) for key in program.publishes})
         return [
             *(f"publishes {short(key)}" for key in sorted(program.publishes)),
             *(f"answers {key}" for key in serves),
         ]
-    watched = [f"{node.title}: {', '.join(names)}" for node in nodes if (names := program.watches(node))]
-    return watched or ["subscribes to nothing"]
+    rows = [f"watches {node.title}: {', '.join(found)}" for node in nodes if (found := program.watches(node))]
+    rows += [f"asks {node.title}: {', '.join(found)}" for node in nodes if (found := program.queries(node))]
+    return rows or ["watches and asks no robot"]
 
 
 def text(programs: Sequence[Program], endpoint: str) -> str:
     """Return a text for a terminal: all programs, with their keys."""
     nodes = [program for program in programs if program.robot is not None]
-    parts = [f"router {endpoint}"]
-    for program in programs:
-        verb = "" if program.robot is not None else "  subscribes to\n"
-        rows = lines(program, nodes)
-        indent = "  " if program.robot is not None else "    "
-        shown = "".join(f"{indent}{row}\n" for row in rows)
-        parts.append(f"{program.title}\n{verb if rows[0] != 'subscribes to nothing' else ''}{shown}".rstrip())
-    return "\n\n".join(parts)
+    listed = ("\n  ".join([program.title, *lines(program, nodes)]) for program in programs)
+    return "\n\n".join([f"router {endpoint}", *listed])
 
 
 def drawing(programs: Sequence[Program], endpoint: str) -> str:
-    """Return an SVG: nodes to the left, clients to the right, an arrow from each node to its subscribers."""
+    """Return an SVG: nodes to the left, clients to the right, arrows to who watches a node and from who asks it."""
     nodes = [program for program in programs if program.robot is not None]
     clients = [program for program in programs if program.robot is None]
     left, left_end = _column(nodes, nodes, PAD_PX)
@@ -89,18 +94,20 @@ def drawing(programs: Sequence[Program], endpoint: str) -> str:
     places = left | right
     width, height = 2 * (PAD_PX + BOX_PX) + MIDDLE_PX, max(left_end, right_end)
     shapes = [_box(program, nodes, *places[program.title]) for program in programs]
-    arrows = [
-        _arrow(places[node.title], places[client.title], names)
-        for client in clients
-        for node in nodes
-        if (names := client.watches(node))
-    ]
+    arrows = []
+    for client in clients:
+        for node in nodes:
+            (x1, y1), (x2, y2) = places[node.title], places[client.title]
+            watch, ask = (x1 + BOX_PX, y1, x2, y2), (x2, y2 + LINE_PX, x1 + BOX_PX, y1 + LINE_PX)
+            arrows += _arrow(watch, client.watches(node), "watch")
+            arrows += _arrow(ask, client.queries(node), "ask")
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" font-family="sans-serif" font-size="13">',
-            (
-                '<defs><marker id="tip" markerWidth="9" markerHeight="8" refX="8" refY="4" orient="auto">'
-                '<path d="M0,0 L9,4 L0,8 Z" fill="#245"/></marker></defs>'
+            *(
+                f'<defs><marker id="{kind}" markerWidth="9" markerHeight="8" refX="8" refY="4" orient="auto">'
+                f'<path d="M0,0 L9,4 L0,8 Z" fill="{colour}"/></marker></defs>'
+                for kind, colour in COLOURS.items()
             ),
             f'<rect width="{width}" height="{height}" fill="white"/>',
             f'<text x="{PAD_PX}" y="{LINE_PX}" font-weight="bold">router {escape(endpoint)}</text>',
@@ -138,11 +145,13 @@ def _box(program: Program, nodes: Sequence[Program], x: int, y: int) -> str:
     return "\n".join([frame, *texts])
 
 
-def _arrow(node: tuple[int, int], client: tuple[int, int], names: Sequence[str]) -> str:
-    x1, y1 = node[0] + BOX_PX, node[1] + LINE_PX
-    x2, y2 = client[0], client[1] + LINE_PX
+def _arrow(line: tuple[int, int, int, int], names: Sequence[str], kind: str) -> list[str]:
+    """Return the shapes of an arrow, one line below the upper edges of its boxes, with a label; none without names."""
+    if not names:
+        return []
+    x1, y1, x2, y2 = line[0], line[1] + LINE_PX, line[2], line[3] + LINE_PX
     label = f"{len(names)} keys" if len(names) > 1 else names[0]
-    return (
-        f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" stroke="#245" marker-end="url(#tip)"/>'
-        f'<text x="{(x1 + x2) // 2}" y="{(y1 + y2) // 2 - 5}" text-anchor="middle" fill="#245">{escape(label)}</text>'
-    )
+    return [
+        f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" stroke="{COLOURS[kind]}" marker-end="url(#{kind})"/>',
+        f'<text x="{(x1 + x2) // 2}" y="{(y1 + y2) // 2 - 5}" text-anchor="middle" fill="{COLOURS[kind]}">{escape(label)}</text>',
+    ]

@@ -1,125 +1,121 @@
-"""The programs at a router, and the keys that they serve, publish and subscribe to, from the router's records."""
+"""The programs at a router, and the keys that they serve, publish, subscribe to and ask: in their own words.
+
+The router answers nothing about itself (decision 41). Liveliness tokens show which nodes and seats are there, and each
+program describes itself; a Zenoh program without both stays unseen.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import re
 import time
-from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
-import msgspec
-
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import codec, names
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import ProgramInfo
+from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import NoAnswer
 
-RECORDS: Final = re.compile(r"@/[0-9a-f]+/router/(subscriber|queryable|publisher)/(.+)")
-"""Keys of the router's admin space; the groups are the kind of a declaration and its key expression."""
-FIELDS: Final = {"queryable": "serves", "publisher": "publishes", "subscriber": "subscribes"}
-"""The field of a program for each kind of declaration."""
 ANSWER_S: Final = 2.0
+"""How long (s) to wait for the descriptions; programs that hang are then listed without keys."""
+MOST_KEYS: Final = 500
+"""Largest number of keys of each kind that are read from one description."""
 
-
-class Sources(msgspec.Struct):
-    """A record of the admin space: the sessions that have declared a key expression."""
-
-    clients: list[str] = []
+Owner = tuple[str, str]
+"""Robot and twin of a node; seat and session of a client."""
 
 
 @dataclass
 class Program:
-    """A program at the router: a node, a seat, or a program of which only the session is known."""
+    """A program at the router: a node or a client. Those of the same title are shown as one."""
 
     title: str
-    robot: tuple[str, str] | None = None
+    robot: Place | None = None
     """name and twin, if it is a node"""
+    described: bool = False
+    """whether it has described itself; otherwise it hangs or has another version, and its keys are unknown"""
     serves: set[str] = field(default_factory=set)
     publishes: set[str] = field(default_factory=set)
     subscribes: set[str] = field(default_factory=set)
+    asks: set[str] = field(default_factory=set)
 
     def watches(self, node: Program) -> list[str]:
         """Return the publications of a node that this program subscribes to, such as `state/positions`; sorted."""
-        return sorted(
-            {
-                short(published)
-                for published in node.publishes
-                if any(zbus.intersects(subscribed, published) for subscribed in self.subscribes)
-            }
-        )
+        return sorted({short(key) for key in node.publishes if _any_matches(self.subscribes, key)})
+
+    def queries(self, node: Program) -> list[str]:
+        """Return the purposes of the queries and puts that this program has lately sent to a node; sorted."""
+        answered = node.serves | node.subscribes
+        return sorted({_purpose(key) for key in self.asks if _any_matches(answered, key)})
 
 
 def read(client: Client) -> list[Program]:
-    """Return all programs at the client's router: first the nodes, then the others, both sorted by title.
-
-    Raises:
-        NoAnswer: ACCESS_DENIED, the router does not let this seat read its admin space.
-    """
-    declared = _declarations(client)
-    if declared is None:
-        raise NoAnswer(
-            Reason.ACCESS_DENIED,
-            f"The router at {client.bus.endpoint} does not let this seat list its programs. In a class only the seat `teacher` may.",
-        )
-    seats = _seats(client)
+    """Return all programs at the client's router but this one: first the nodes, then the clients, sorted by title."""
+    infos, (nodes, seats) = _descriptions(client), _tokens(client)
+    if not infos.keys() >= nodes | seats:  # a program has joined meanwhile, or hangs
+        infos, (nodes, seats) = _descriptions(client), _tokens(client)
     programs: dict[str, Program] = {}
-    for session, kind, key in sorted(
-        (session, kind, key) for kind, found in declared.items() for session, key in found
-    ):
-        parts = keys.parse(key)
-        programs.setdefault(session, Program(seats.get(session, f"program {session[:8]}")))
-        program = programs[session]
-        if kind != "subscriber" and parts is not None and "*" not in (parts.robot or "*"):
-            program.robot = parts.robot, parts.twin
-        getattr(program, FIELDS[kind]).add(key)
-    for session, title in seats.items():
-        programs.setdefault(session, Program(title))
-    return _merged(list(programs.values()))
+    for owner in sorted({*infos, *nodes, *seats} - {(client.settings.who, client.bus.session_id)}):
+        node = owner[1] in names.TWINS
+        if node and owner not in nodes:
+            continue  # a description without the token of its robot: the node starts or ends
+        for info in infos.get(owner, [None]):
+            title = "{} ({})".format(*owner) if node else _title(owner[0], info)
+            _add(programs.setdefault(title, Program(title, owner if node else None)), info)
+    return sorted(programs.values(), key=lambda program: (program.robot is None, program.title))
 
 
-def _declarations(client: Client) -> dict[str, list[tuple[str, str]]] | None:
-    """Return session and key expression of every declaration, by kind; None if the router does not reply."""
-    answered = False
-    found: dict[str, list[tuple[str, str]]] = defaultdict(list)
-    query = client.bus.query("@/*/router/**", None, None)
+def _title(seat: str, info: ProgramInfo | None) -> str:
+    return f"seat {seat}" if info is None else f"seat {seat}: {info.program}"
+
+
+def _add(program: Program, info: ProgramInfo | None) -> None:
+    if info is not None:
+        program.described = True
+        for name in ("serves", "publishes", "subscribes", "asks"):
+            getattr(program, name).update(getattr(info, name)[:MOST_KEYS])
+
+
+def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:
+    """Return the descriptions that arrive within ANSWER_S; several nodes of one robot may describe themselves."""
+    found: dict[Owner, list[ProgramInfo]] = {}
+    query = client.bus.query(keys.program("*", "*"), None, codec.MSGPACK, timeout_s=ANSWER_S)
     deadline_s = time.monotonic() + ANSWER_S
     try:
         with contextlib.suppress(TimeoutError):
             while (reply := query.next(deadline_s - time.monotonic())) is not None:
-                answered = True
-                record = RECORDS.fullmatch(reply.key)
-                if record is None:
-                    continue
-                sources = msgspec.json.decode(reply.payload, type=Sources)
-                found[record[1]] += [(session, record[2]) for session in sources.clients]
+                parts = None if reply.error else keys.parse(reply.key)
+                info = client.read(reply, ProgramInfo)
+                if parts is not None and info is not None:
+                    second = info.twin if info.twin in names.TWINS else parts.session
+                    found.setdefault((parts.who, second), []).append(info)
     finally:
         query.close()
-    return found if answered else None
+    return found
 
 
-def _seats(client: Client) -> dict[str, str]:
-    """Return the title of each announced seat by its session, except the session of this client."""
-    found = map(keys.parse, client.bus.tokens(keys.seat("*", "*")))
-    return {
-        parts.session: f"seat {parts.who}"
-        for parts in found
-        if parts is not None and parts.session != client.bus.session_id
-    }
+def _tokens(client: Client) -> tuple[set[Owner], set[Owner]]:
+    """Return the nodes and the clients that have announced themselves."""
+    nodes, seats = (
+        map(keys.parse, client.bus.tokens(key)) for key in (keys.alive("*", "*"), keys.seat("*", "*"))
+    )
+    return (
+        {(parts.robot, parts.twin) for parts in nodes if parts is not None},
+        {(parts.who, parts.session) for parts in seats if parts is not None},
+    )
 
 
-def _merged(programs: list[Program]) -> list[Program]:
-    """Merge all sessions of a node into one program, and likewise all sessions of a seat; return them sorted."""
-    merged: dict[str, Program] = {}
-    for program in programs:
-        title = program.title if program.robot is None else "{} ({})".format(*program.robot)
-        whole = merged.setdefault(title, Program(title, program.robot))
-        whole.serves |= program.serves
-        whole.publishes |= program.publishes
-        whole.subscribes |= program.subscribes
-    return sorted(merged.values(), key=lambda program: (program.robot is None, program.title))
+def _any_matches(expressions: Iterable[str], key: str) -> bool:
+    return any(zbus.intersects(expression, key) for expression in expressions)
+
+
+def _purpose(key: str) -> str:
+    """Return the name of a key's row, such as `motion`, or else the key without robot and twin."""
+    parts = keys.parse(key)
+    return short(key) if parts is None else parts.row
 
 
 def short(key: str) -> str:

@@ -12,7 +12,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Info, Reason
-from beatrix_zenoh.bus import CLOSED, Bus, Reply
+from beatrix_zenoh.bus import CLOSED, Bus, Incoming, Reply
 from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.request import GroupRequest, Place, Request
@@ -50,6 +50,8 @@ class Client:
         self._closing: dict[object, Callable[[], None]] = {}
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
+        self._description = keys.program(settings.who, self.bus.session_id)
+        self.bus.serve(self._description, self._describe)
         if announce:
             self.token = keys.seat(settings.who, self.bus.session_id)
             self.bus.declare_token(self.token)
@@ -73,6 +75,12 @@ class Client:
     def _on_router(self, there: bool) -> None:  # noqa: FBT001
         if not there:
             self.losses += 1
+
+    def _describe(self, incoming: Incoming) -> None:
+        """Answer on Zenoh's thread, without a lock, because `media` holds it while it opens a session."""
+        sessions = [bus for bus in (self.bus, self._media) if bus is not None]
+        incoming.reply(self._description, *incoming.raw.answer(zbus.describe(sessions)))
+        incoming.finish()
 
     def ask(
         self, robot: str, twin: str, key: str, request: msgspec.Struct | None, kind: type[M], timeout_s: float

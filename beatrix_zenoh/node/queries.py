@@ -1,4 +1,4 @@
-"""State queries: the newest positions, status and events, info and clock."""
+"""State queries: the newest positions, status and events, info and clock, and the description of the program."""
 
 from __future__ import annotations
 
@@ -27,11 +27,14 @@ class StateQueries(Component):
             keys.info(name, twin): snapshot.info,
             keys.clock(name, twin): snapshot.clock,
         }
+        self._name, self._twin = name, twin
         self._worker: ThreadPoolExecutor | None = None
 
     def start(self, sessions: Sessions) -> None:
         self._worker = ThreadPoolExecutor(1, "beatrix-queries")
         self._worker.submit(lambda: None).result()
+        description = keys.program(self._name, sessions.control.session_id)
+        self._answers[description] = lambda: sessions.describe(self._twin)
         for key in self._answers:
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
 

@@ -26,6 +26,7 @@ def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
                 keys.stop(robot, twin, "*"),
                 keys.positions(robot, twin),
                 keys.info(robot, twin),
+                keys.program(robot, "abc"),
             ):
                 Answering(session, key)
             if twin == SIM:
@@ -150,9 +151,15 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("teacher", asks, keys.command("ben", SIM, "teacher"), True),
     ("teacher", asks, keys.command(ANY, ANY, "teacher"), True),
     ("teacher", puts, keys.arm_target("bea1", HW, "long"), True),
-    ("teacher", reads_router, "@/**", True),
+    # no account reads anything about the router, and every account reads what programs say of themselves
+    ("teacher", reads_router, "@/**", False),
     ("ana", reads_router, "@/**", False),
     ("bea1", reads_router, "@/**", False),
+    ("teacher", asks, keys.program(ANY, ANY), True),
+    ("ana", asks, keys.program(ANY, ANY), True),
+    ("bea1", asks, keys.program("ana", "abc"), True),
+    ("ana", serves, keys.program("ana", "def"), True),
+    ("bea1", serves, keys.program("bea1", "def"), True),
     # robots may serve and publish under their own names only
     ("bea1", puts, keys.positions("bea1", HW), True),
     ("ana", puts, keys.positions("ana", SIM), True),
@@ -171,6 +178,10 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", serves, keys.clock("bea2", HW), False),
     ("ana", serves, keys.command("bea2", HW, ANY), False),
     ("bea1", serves, keys.clock("bea2", HW), False),
+    ("ana", serves, keys.program("ben", "fed"), False),
+    ("ana", serves, keys.program("bea1", "fed"), False),
+    ("ana", serves, keys.program("teacher", "fed"), False),
+    ("bea1", serves, keys.program("ana", "fed"), False),
     ("ana", announces, keys.alive("bea9", HW), False),
     ("ana", announces, keys.claim("bea1", HW, "abc"), False),
     ("ana", announces, keys.seat("ben", "abc"), False),
