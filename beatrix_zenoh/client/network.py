@@ -87,8 +87,9 @@ def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:
     try:
         with contextlib.suppress(TimeoutError):
             while (reply := query.next(deadline_s - time.monotonic())) is not None:
+                # An error reply is that of a program which leaves before it answers.
                 parts = None if reply.error else keys.parse(reply.key)
-                info = client.read(reply, ProgramInfo)
+                info = None if parts is None else client.read(reply, ProgramInfo)
                 if parts is not None and info is not None:
                     second = info.twin if info.twin in names.TWINS else parts.session
                     found.setdefault((parts.who, second), []).append(info)
