@@ -96,14 +96,9 @@ def joined() -> Path:
 def load(path: Path) -> Account:
     """Read an account file; raises WrongUsage (BAD_VALUE) if it cannot be read or is invalid."""
     try:
-        read = files.content(
-            path, LONGEST, called=str(path), form="TOML, such as ana.toml", nothing="no account is that long"
-        )
-        return parse(read.decode(), str(path))
+        return parse(files.text(path, LONGEST, "TOML"), str(path))
     except OSError as error:
         raise _wrong(str(path), f"it cannot be read ({error.strerror})") from error
-    except UnicodeDecodeError as error:
-        raise _wrong(str(path), "it is not text in UTF-8") from error
 
 
 def parse(text: str, called: str) -> Account:

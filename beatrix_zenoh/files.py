@@ -1,16 +1,19 @@
 """Read and write files.
 
-The size of files to read is limited, because a user may name a wrong file. Only the owner may read private files.
+The size of files to read is limited, because a user may name a wrong file. Editors write UTF-8 with and without a byte
+order mark; both are read. Only the owner may read private files.
 """
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import json
 import os
 import re
 import sys
 import tempfile
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -19,26 +22,68 @@ import msgspec
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 
+LETTERS = 80
+"""Number of first bytes by which text in UTF-16 without byte order mark is recognised: every second one is 0."""
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML accepts without quotes."""
 
 
-def content(path: Path, longest: int, *, called: str, form: str, nothing: str) -> bytes:
+def content(path: Path, longest: int, form: str, called: str = "") -> bytes:
     """Return the bytes of a file of at most `longest` bytes.
 
-    `called`: name of the file in error messages; `form`: its format; `nothing`: why no valid file is longer.
+    `form`: its format; `called`: its name in error messages, by default its path.
 
     Raises:
         OSError: the file cannot be read.
         WrongUsage: BAD_VALUE, it is not a regular file but, for example, a device, or it is longer than `longest`.
     """
+    called = called or str(path)
     if path.exists() and not path.is_file():
         raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: choose a file in {form}.")
     with path.open("rb") as file:
         held = file.read(longest + 1)
     if len(held) > longest:
-        raise WrongUsage(Reason.BAD_VALUE, f"{called} is longer than {longest} bytes: {nothing}.")
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"{called} is longer than {longest} bytes: choose a file in {form} that is shorter.",
+        )
     return held
+
+
+def text(path: Path, longest: int, form: str, called: str = "") -> str:
+    """Return the text of a file that a person may have written, without byte order mark.
+
+    Raises:
+        OSError, WrongUsage: as `content`; also WrongUsage (BAD_VALUE) if the text is not UTF-8.
+    """
+    held = content(path, longest, form, called)
+    wide = held[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) or any(
+        half and not any(half) for half in (held[:LETTERS:2], held[1:LETTERS:2])
+    )
+    try:
+        if not wide:
+            return held.decode("utf-8-sig")
+        found = "in UTF-16"
+    except UnicodeDecodeError as error:
+        if any(byte < ord("\t") for byte in held):
+            raise WrongUsage(
+                Reason.BAD_VALUE, f"{called or path} is not a text file: choose a file in {form}."
+            ) from error
+        line = held.count(b"\n", 0, error.start) + 1
+        found = f"in an older encoding such as Latin-1 (byte {error.object[error.start]:#04x} in line {line})"
+    raise WrongUsage(
+        Reason.BAD_VALUE,
+        f"{called or path} is not text in UTF-8 but {found}: save it again as {form} with the encoding UTF-8.",
+    )
+
+
+def toml(path: Path, longest: int, called: str = "") -> dict[str, object]:
+    """Return the table in a TOML file; raises the errors of `text`, and WrongUsage (BAD_VALUE) for invalid TOML."""
+    held = text(path, longest, "TOML", called)
+    try:
+        return tomllib.loads(held)
+    except (ValueError, RecursionError) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{called or path} cannot be read as TOML: {error}.") from error
 
 
 def unknown_fields(table: Mapping[str, object], kind: type[msgspec.Struct]) -> list[str]:

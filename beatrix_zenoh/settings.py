@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from beatrix_zenoh import account, names
+from beatrix_zenoh import account, files, names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.errors import WrongUsage
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 FILE = "beatrix.toml"
+LONGEST = 64 * 1024
+"""Largest size of this file (bytes)."""
 CAMERAS = {eye: f"camera_{eye}" for eye in names.EYES}
 FIELDS = ("robot", "connect", "who", "account", *CAMERAS.values())
 
@@ -108,8 +109,8 @@ def _stored() -> dict[str, str]:
     if not path.is_file():
         return {}
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        table = files.toml(path, LONGEST, str(path.resolve()))
+    except OSError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path.resolve()} cannot be read: {error}.") from error
     unknown = set(table) - set(FIELDS)
     if unknown or not all(isinstance(value, str) for value in table.values()):

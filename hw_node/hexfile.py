@@ -82,13 +82,7 @@ def pieces(path: Path) -> list[Piece]:
 def content(path: Path) -> bytes:
     """Return the whole file without a byte order mark; raises the errors of `read`."""
     try:
-        held = files.content(
-            path,
-            LONGEST_FILE,
-            called=f"{path}",
-            form="Intel HEX",
-            nothing="firmware for this board is shorter",
-        )
+        held = files.content(path, LONGEST_FILE, "Intel HEX")
     except OSError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
     return held.removeprefix(codecs.BOM_UTF8)

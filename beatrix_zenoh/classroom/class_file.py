@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ipaddress
 import re
-import tomllib
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,8 @@ from beatrix_zenoh.account import Role
 from beatrix_zenoh.errors import WrongUsage, quoted
 
 Auth = Literal["password", "certificate"]
+LONGEST = 64 * 1024
+"""Largest size of a class file (bytes)."""
 SEATS_MAX = 99
 EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
 
@@ -113,9 +114,8 @@ def read(path: Path) -> Classroom:
         WrongUsage: BAD_VALUE, with the field and its allowed values.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        file = _converted(path, tomllib.loads(text))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        file = _converted(path, files.toml(path, LONGEST))
+    except OSError as error:
         raise wrong(path, f"cannot be read: {error}. Write, for example, {EXAMPLE}") from error
     count = file.seats if isinstance(file.seats, int) else len(file.seats)
     if not 1 <= count <= SEATS_MAX:

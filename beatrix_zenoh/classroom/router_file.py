@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Literal
 
@@ -76,12 +75,8 @@ def load(path: Path) -> RouterFile:
             last change of the class file.
     """
     try:
-        table = tomllib.loads(
-            files.content(
-                path, LONGEST, called=str(path), form="TOML", nothing="no class is that large"
-            ).decode()
-        )
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        table = files.toml(path, LONGEST)
+    except OSError as error:
         raise _wrong(f"{path} cannot be read: {error}.") from error
     if "role" in table:
         try:

@@ -68,19 +68,7 @@ def read(path: Path) -> MotionFile:
         OSError: the file cannot be read.
         WrongUsage: BAD_VALUE; the message names the cause and, if there is one, the wrong line.
     """
-    content = files.content(
-        path,
-        LONGEST_FILE,
-        called=str(path),
-        form="CSV",
-        nothing="no motion file is that long",
-    )
-    try:
-        return parse(content.decode("utf-8-sig"), str(path))
-    except UnicodeDecodeError as error:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} is not text in UTF-8: save it as CSV UTF-8, or as plain text. {FORM}"
-        ) from error
+    return parse(files.text(path, LONGEST_FILE, "CSV"), str(path))
 
 
 def parse(text: str, source: str) -> MotionFile:

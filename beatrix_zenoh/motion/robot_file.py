@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -52,11 +51,8 @@ def load(path: Path | None) -> RobotData:
     tables: Tables = msgspec.to_builtins(ROBOT)
     called = f"--robot-file {path}"
     try:
-        held = files.content(
-            path, LONGEST_FILE, called=called, form="TOML", nothing="files with values of a robot are shorter"
-        )
-        given = tomllib.loads(held.decode())
-    except (OSError, ValueError, RecursionError) as error:
+        given = files.toml(path, LONGEST_FILE, called)
+    except OSError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
     try:
         fields = set()

@@ -11,11 +11,14 @@ from typing import Annotated, Final
 import msgspec
 from msgspec import Meta
 
-from beatrix_zenoh.files import user_folder
+from beatrix_zenoh import files
+from beatrix_zenoh.errors import WrongUsage
 from gui.state.intents import Theme
 from gui.texts import DEFAULT_LANGUAGE, Texts
 
 FILE: Final = "window.json"
+LONGEST: Final = 1 << 20
+"""Largest size of this file (bytes)."""
 
 
 class SavedPose(msgspec.Struct, frozen=True):
@@ -45,7 +48,7 @@ class Saved(msgspec.Struct, frozen=True):
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the path of the file in the user's folder on this platform."""
-    return user_folder(platform, environment) / FILE
+    return files.user_folder(platform, environment) / FILE
 
 
 def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
@@ -64,10 +67,10 @@ def load(file: Path) -> tuple[Saved, str]:
     A damaged file is renamed to end in `.bad`. The sentence reports this; it is empty if the file is not damaged.
     """
     try:
-        return msgspec.json.decode(file.read_bytes(), type=Saved), ""
+        return msgspec.json.decode(files.text(file, LONGEST, "JSON"), type=Saved), ""
     except FileNotFoundError:
         return Saved(), ""
-    except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+    except (OSError, WrongUsage, msgspec.DecodeError):
         kept = file.with_name(file.name + ".bad")
         try:
             file.replace(kept)

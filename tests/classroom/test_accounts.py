@@ -279,15 +279,15 @@ def test_the_error_for_a_wrong_file_names_cause_and_right_file(tmp_path: Path, t
 
 def test_the_refusal_states_why_a_file_is_no_account_file(passwords: ClassRouter, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
-    picture.write_bytes(b"\x89PNG")
+    picture.write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
     causes = {
         passwords.class_file: "it is the class file",
         passwords.folder / "router.toml": "it is the account of the class's router",
-        picture: "it is not text in UTF-8",
         tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
     }
     for path, cause in causes.items():
         assert f"{path} is not an account file: {cause}" in beatrix("join", str(path)).stderr
+    assert f"{picture} is not a text file: choose a file in TOML" in beatrix("join", str(picture)).stderr
 
 
 def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) -> None:
