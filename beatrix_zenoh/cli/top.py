@@ -17,6 +17,7 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.seats import Seats
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
@@ -28,6 +29,10 @@ HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent"
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
+EVENTS = 200
+"""Number of events kept for each robot, to count STOPs."""
+STOPS_SHOWN = 8
+"""Largest number of seats in the line about STOPs."""
 
 
 class Row(NamedTuple):
@@ -55,15 +60,17 @@ def top(
     The angles are those of the head (degrees). Ctrl-C ends the table.
     """
     with Client(resolve(None, connect, who)) as client:
-        monitor = Monitor(client)
+        monitor = Monitor(client, events=EVENTS)
         seats = Seats(client)
         if once or as_json:
             time.sleep(TABLE_S)
             rows = rows_of(monitor)
             if as_json:
-                print_json({"result": True, "robots": [as_dict(row) for row in rows], "seats": seats.names()})
+                robots = [as_dict(row) for row in rows]
+                stops = [stops_as_dict(one) for one in stops_by_seat(monitor.robots())]
+                print_json({"result": True, "robots": robots, "seats": seats.names(), "stops": stops})
             else:
-                say(text(client, rows, seats))
+                say(text(client, rows, seat_lines(monitor, seats)))
         elif os.isatty(STDOUT):
             live(client, monitor, seats)
         else:
@@ -112,15 +119,33 @@ def messages(client: Client, rows: list[Row]) -> list[str]:
     return notes(rows) if rows else [NO_ROBOT]
 
 
-def seats_line(seats: Seats) -> str:
-    """Return a line with the seats that are connected to the router."""
-    return f"seats: {', '.join(seats.names())}"
+def seat_lines(monitor: Monitor, seats: Seats) -> list[str]:
+    """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
+    lines = [f"seats: {', '.join(seats.names())}"]
+    stops = stops_by_seat(monitor.robots())
+    if stops:
+        more = [f"{len(stops) - STOPS_SHOWN} more seats"] if len(stops) > STOPS_SHOWN else []
+        lines.append(f"STOP pressed: {', '.join([*map(stop_words, stops[:STOPS_SHOWN]), *more])}")
+    return lines
 
 
-def text(client: Client, rows: list[Row], seats: Seats) -> str:
+def stop_words(stops: SeatStops) -> str:
+    """Return the STOPs of one seat as words: `ben 3 times (bea1 hw 2, bea2 hw 1)`."""
+    robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
+    times = "once" if stops.total == 1 else f"{stops.total} times"
+    return f"{stops.seat or 'an unknown seat'} {times} ({robots})"
+
+
+def stops_as_dict(stops: SeatStops) -> dict[str, object]:
+    """Return the STOPs of one seat for JSON output."""
+    robots = [{"robot": robot, "on": twin, "count": count} for (robot, twin), count in stops.robots.items()]
+    return {"seat": stops.seat, "count": stops.total, "robots": robots}
+
+
+def text(client: Client, rows: list[Row], seats: list[str]) -> str:
     """Return the table and the lines below it as text, for a pipe."""
     table = [columns(HEADS, [cells(row) for row in rows])] if rows else []
-    return "\n".join([*table, *messages(client, rows), seats_line(seats)])
+    return "\n".join([*table, *messages(client, rows), *seats])
 
 
 def as_dict(row: Row) -> dict[str, object]:
@@ -144,20 +169,23 @@ def print_tables(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Print table after table until Ctrl-C, or until the reader closes the pipe."""
     while True:
         time.sleep(TABLE_S)
-        say(f"{text(client, rows_of(monitor), seats)}\n")
+        say(f"{text(client, rows_of(monitor), seat_lines(monitor, seats))}\n")
 
 
 def live(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Redraw the table until Ctrl-C."""
     from rich.live import Live
 
-    with Live(screen_table(client, rows_of(monitor), seats), auto_refresh=False, screen=True) as screen:
+    def table() -> RenderableType:
+        return screen_table(client, rows_of(monitor), seat_lines(monitor, seats))
+
+    with Live(table(), auto_refresh=False, screen=True) as screen:
         while True:
             time.sleep(REFRESH_S)
-            screen.update(screen_table(client, rows_of(monitor), seats), refresh=True)
+            screen.update(table(), refresh=True)
 
 
-def screen_table(client: Client, rows: list[Row], seats: Seats) -> RenderableType:
+def screen_table(client: Client, rows: list[Row], seats: list[str]) -> RenderableType:
     """Return the table with colours and the lines below it, for a terminal."""
     from rich.console import Group
     from rich.table import Table
@@ -170,10 +198,8 @@ def screen_table(client: Client, rows: list[Row], seats: Seats) -> RenderableTyp
         table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
     for row in rows:
         table.add_row(*cells(row), style=colour(row))
-    foot = Text(
-        f"\n{seats_line(seats)}\nsilent: time since the last positions of the robot. Ctrl-C ends.",
-        style="dim",
-    )
+    last = "silent: time since the last positions of the robot. Ctrl-C ends."
+    foot = Text("\n".join(["", *seats, last]), style="dim")
     return Group(table, *(Text(line, style="yellow") for line in messages(client, rows)), foot)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 import msgspec
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, Events, Positions, Status
+from beatrix_zenoh._generated.messages import Event, EventKind, Events, Positions, Status
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.clocks import Offsets
 from beatrix_zenoh.client.readings import Reading, reading
@@ -22,6 +22,8 @@ LOST_S = 0.5
 """A robot without positions for this long (s) is lost, even with a token; positions arrive every 20 ms."""
 RATE_S = 1.0
 """Time window (s) in which a rate is measured."""
+STOP_SEATS = 64
+"""Largest number of seats whose STOPs are counted for each robot."""
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -56,6 +58,8 @@ class RobotState:
     """oldest first"""
     offsets: Offsets | None
     """clock offsets after `Monitor.measure_clocks`"""
+    stops: tuple[tuple[str, int], ...] = ()
+    """seats that have sent STOP to this robot, empty for an unknown one, and how often, the most frequent first"""
 
     @cached_property
     def reading(self) -> Reading | None:
@@ -108,6 +112,7 @@ class EventLog:
         self._past = b""
         self._coming: deque[bytes] = deque(maxlen=self._length)
         self._read: list[Event] = []
+        self._stops: Counter[str] = Counter()
 
     def put(self, payload: bytes) -> None:
         """Store an event that has just arrived."""
@@ -120,6 +125,7 @@ class EventLog:
     def read(self) -> tuple[Event, ...]:
         """Decode the new events; return all stored events, oldest first."""
         past, self._past = self._past, b""
+        known = {(event.t_mono_ns, event.seq) for event in self._read}
         found = list(self._read)
         if past:
             events = self._client.read(Reply(self._key, past, "", error=False), Events)
@@ -129,8 +135,20 @@ class EventLog:
             found += [] if event is None else [event]
         # Events published during the query arrive twice, and a restarted node counts from 0 again, so that time stamp
         # and number together identify an event.
-        self._read = list({(event.t_mono_ns, event.seq): event for event in found}.values())[-self._length :]
+        distinct = {(event.t_mono_ns, event.seq): event for event in found}
+        for key, event in distinct.items():
+            if event.kind is EventKind.STOP and key not in known:
+                self._count_stop(event)
+        self._read = list(distinct.values())[-self._length :]
         return tuple(self._read)
+
+    def _count_stop(self, event: Event) -> None:
+        if event.seat in self._stops or len(self._stops) < STOP_SEATS:
+            self._stops[event.seat] += event.count
+
+    def stops(self) -> tuple[tuple[str, int], ...]:
+        """Return how often each seat has sent STOP, in the events that were read, the most frequent first."""
+        return tuple(self._stops.most_common())
 
 
 class Record:
@@ -160,6 +178,7 @@ class Record:
             hz=self.positions.rate(now),
             events=self.events.read(),
             offsets=self.offsets,
+            stops=self.events.stops(),
         )
 
     def _presence(self, age_s: float | None) -> Presence:

@@ -1,9 +1,14 @@
-"""The STOP events of a robot, which show STOP even while no motion of this program runs."""
+"""The STOP events of a robot, which show STOP even while no motion of this program runs, and their number by seat."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import NamedTuple
+
 from beatrix_zenoh._generated.messages import EventKind, Reason
+from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_state import RobotState
 from beatrix_zenoh.errors import Interrupted
 
 
@@ -26,3 +31,23 @@ class StopEvents:
     def close(self) -> None:
         """End the subscription."""
         self._events.close()
+
+
+class SeatStops(NamedTuple):
+    """The STOPs of one seat."""
+
+    seat: str
+    """empty: unknown"""
+    total: int
+    robots: dict[Place, int]
+    """STOPs of each robot. Its own events report them, so those of a student's simulation prove nothing."""
+
+
+def stops_by_seat(robots: Iterable[RobotState]) -> list[SeatStops]:
+    """Return the STOPs of all seats in the events of these robots, the most frequent seat first."""
+    found: dict[str, dict[Place, int]] = {}
+    for robot in robots:
+        for seat, count in robot.stops:
+            found.setdefault(seat, {})[robot.robot, robot.twin] = count
+    stops = [SeatStops(seat, sum(counts.values()), counts) for seat, counts in found.items()]
+    return sorted(stops, key=lambda one: (-one.total, one.seat))

@@ -9,6 +9,7 @@ from typing import Final
 from beatrix_zenoh._generated.messages import LeaseAction, Status
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
+from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
 from beatrix_zenoh.errors import WrongUsage
 from gui.state import history, pills, refusals
 from gui.state.actions import Action, Govern, StopAll, WatchCameras, WatchClass
@@ -23,6 +24,8 @@ from gui.state.world import LinkPhase, World
 from gui.texts import Texts
 
 PLACE: Final = "class"
+STOPS_SHOWN: Final = 8
+"""Largest number of seats whose STOPs are shown."""
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
@@ -57,9 +60,18 @@ def _summary(world: World, texts: Texts) -> str:
     seats = ", ".join(world.seats) or texts("unknown")
     text = texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
     frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
-    if not frozen:
-        return text
-    return f"{text} {texts('class.frozen', frozen=float(frozen), robots=float(len(world.robots)))}"
+    if frozen:
+        text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
+    stops = stops_by_seat(world.robots)
+    if stops:
+        text += " " + texts("class.stops", stops=", ".join(_stops(one, texts) for one in stops[:STOPS_SHOWN]))
+    return text
+
+
+def _stops(stops: SeatStops, texts: Texts) -> str:
+    """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
+    robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
+    return f"{stops.seat or texts('who.unknown')} {stops.total} ({robots})"
 
 
 def _empty(world: World, texts: Texts) -> str:

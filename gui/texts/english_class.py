@@ -63,6 +63,7 @@ CLASS: Final[dict[str, str]] = {
     "class.hide_tip": "Show one robot again (F2)",
     "class.summary": "Robots: {robots:.0f}. Seats on line: {count:.0f} ({seats}).",
     "class.frozen": "Frozen: {frozen:.0f} of {robots:.0f}.",
+    "class.stops": "STOP pressed: {stops}.",
     "class.freeze_all": "Freeze all",
     "class.freeze_all_tip": "Stop all robots; until you unfreeze them, only you can move them.",
     "class.unfreeze_all": "Unfreeze all",

@@ -65,6 +65,7 @@ CLASS: Final[dict[str, str]] = {
     "class.hide_tip": "Wieder einen Roboter zeigen (F2)",
     "class.summary": "Roboter: {robots:.0f}. Plätze: {count:.0f} ({seats}).",
     "class.frozen": "Gesperrt: {frozen:.0f} von {robots:.0f}.",
+    "class.stops": "STOP gedrückt: {stops}.",
     "class.freeze_all": "Alle sperren",
     "class.freeze_all_tip": "Alle Roboter anhalten; bis du sie freigibst, bewegst nur du sie.",
     "class.unfreeze_all": "Alle freigeben",

@@ -12,6 +12,7 @@ from beatrix_zenoh import Interrupted, Refused, Robot, codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
 from beatrix_zenoh.bus import Query
+from beatrix_zenoh.client import Monitor
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
@@ -114,13 +115,15 @@ def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> 
                     other.client.put_stop(*other.place)
                 else:
                     other.client.bus.query(other.client.stop_key(*other.place), timeout_s=1.0).next(5.0)
-        ben.enable()  # its event comes after those of STOP
+        ben.reset()  # its event comes after those of STOP
         received = []
         for event in events:
             if (event.kind, event.seat) == (EventKind.COMMAND, "ben"):
                 break
             received += [event] if event.kind is EventKind.STOP else []
     assert sorted((event.seat, event.count) for event in received) == [("ben", 1), ("cem", 1)]
+    with Monitor(robot.client, robot.name, robot.twin, events=1) as monitor:
+        until(lambda: {"ben", "cem"} <= {seat for seat, _ in monitor.robot(*robot.place).stops}, "counted")
     for other in (ben, cem):
         other.client.close()
 

@@ -58,6 +58,13 @@ def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
     view = page(opened())
     assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
     assert view.limit_now == "Speed limit: 20 °/s."
+
+
+def test_the_summary_counts_the_stops_of_each_seat() -> None:
+    first, second, *others = TEACHER.robots
+    robots = (replace(first, stops=(("cem", 30), ("", 1))), replace(second, stops=(("cem", 2),)), *others)
+    summary = page(opened(), replace(TEACHER, robots=robots)).summary
+    assert summary.endswith("STOP pressed: cem 32 (bea1 sim 30, bea1 hw 2), unknown 1 (bea1 sim 1).")
     free = replace(TEACHER.robots[0], status=status("sim"))
     mixed = page(opened(), replace(TEACHER, robots=(free, *TEACHER.robots[1:])))
     assert mixed.limit_now == "The robots have different speed limits."

@@ -22,6 +22,14 @@ def test_stop_ends_a_motion_and_the_command_that_sent_it_fails(free: Shell) -> N
     assert (look.returncode, "STOP" in output) == (1, True)
 
 
+def test_top_counts_the_stops_of_each_seat(shell: Shell) -> None:
+    shell.good("stop", "--who", "gustav")
+    line = next(row for row in shell.good("top", "--once").splitlines() if row.startswith("STOP pressed: "))
+    assert f"gustav 2 times ({NAME} sim 1, {NAME} hw 1)" in line
+    (stops,) = [one for one in shell.json("top")["stops"] if one["seat"] == "gustav"]
+    assert stops["count"] == 2
+
+
 def test_no_setting_prevents_stop(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "beatrix.toml").write_text('robot = "bea1', encoding="utf-8")
     done = shell.run("stop", "--json", cwd=tmp_path, BEATRIX_ROBOT="Bea 1", BEATRIX_WHO="Frau Müller")
