@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import signal
@@ -9,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
@@ -145,8 +146,25 @@ class Process:
             raise
 
 
+@contextlib.contextmanager
+def routing(endpoint: str) -> Iterator[Process]:
+    """Run a router in a process of its own, as in a class: a crash of the router does not end the tests."""
+    router = start_router(endpoint)
+    try:
+        yield router
+    finally:
+        router.end()
+
+
+def start_router(endpoint: str) -> Process:
+    """Start the process of a router; return when it is ready. The caller ends it."""
+    router = Process("-m", "beatrix_zenoh.cli", "router", "--listen", endpoint, traced=False)
+    router.expect("ready")
+    return router
+
+
 class Stage:
-    """A router in this process, robots in processes of their own, clients here; all ended on exit.
+    """A router and robots in processes of their own, clients here; all ended on exit.
 
     `traced`: count the coverage of its simulations and hardware nodes.
     """
@@ -154,7 +172,7 @@ class Stage:
     def __init__(self, *, traced: bool = False) -> None:
         self._traced = traced
         self.endpoint = free_endpoint()
-        self._router = zbus.open_router(self.endpoint)
+        self._router = start_router(self.endpoint)
         self._processes: list[Process] = []
         self._nodes: list[Node] = []
         self._clients: list[Client] = []
@@ -230,7 +248,12 @@ class Stage:
 
     def end_router(self) -> None:
         """End the router; robots and clients go on."""
-        self._router.close()
+        self._router.end()
+
+    def restart_router(self) -> None:
+        """End the router and start it again."""
+        self._router.end()
+        self._router = start_router(self.endpoint)
 
     def __enter__(self) -> Self:
         return self

@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stage import Process, free_endpoint
+from stage import Process, free_endpoint, start_router
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
@@ -133,9 +133,8 @@ class Storm:
 def storm(seconds: float) -> Storm:
     """Start a router and a virtual robot, and return their storm of this duration (s)."""
     endpoint = free_endpoint()
-    router = Process("-m", "beatrix_zenoh.cli", "router", "--listen", endpoint, traced=False)
+    router = start_router(endpoint)
     try:
-        router.expect("ready")
         where = ("--name", NAME, "--connect", endpoint)
         node = Process("-m", "hw_node", *where, "--port", "virtual:", traced=False)
         try:

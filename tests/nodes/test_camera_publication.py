@@ -228,8 +228,7 @@ def test_pictures_continue_after_a_restart_of_the_router() -> None:
         try:
             with own.robot("bea", "hw").camera("left") as images:
                 images.next(5.0)
-                own._router.close()
-                own._router = zbus.open_router(own.endpoint)
+                own.restart_router()
                 images.take()
                 until(lambda: bool(images.take()), "pictures through the new router", 10.0)
         finally:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from old_program import Program
 from pty_board import PtyBoard
-from stage import Process, free_endpoint, until
+from stage import Process, free_endpoint, routing, start_router, until
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -126,7 +126,7 @@ def test_the_ready_line_says_whether_there_is_a_board(
     endpoint: str, temporary: Path, port: str, end: str
 ) -> None:
     named = ("--name", "bea", "--port", port.format(folder=temporary))
-    with zbus.open_router(endpoint):
+    with routing(endpoint):
         robot = Process(*CLI, "hw", *named, "--connect", endpoint)
         try:
             assert robot.expect("ready") == f"ready beatrix/bea/hw/@alive{end}"
@@ -208,7 +208,7 @@ def test_up_reports_the_loss_and_the_return_of_the_board(endpoint: str, tmp_path
 
 def test_a_log_file_contains_requests_stops_and_the_loss_of_the_board(endpoint: str, tmp_path: Path) -> None:
     log = tmp_path / "day.log"
-    with PtyBoard(tmp_path / "board") as board, zbus.open_router(endpoint):
+    with PtyBoard(tmp_path / "board") as board, routing(endpoint):
         served = ("--name", "bea", "--connect", endpoint, "--port", str(board.path), "--log-file", str(log))
         node = Process(*CLI, "hw", *served)
         node.expect("ready")
@@ -254,7 +254,7 @@ def test_up_gives_each_robot_a_log_file(endpoint: str, tmp_path: Path) -> None:
 
 
 def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
-    session = zbus.open_router(endpoint)
+    router = start_router(endpoint)
     up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
     try:
         document = json.loads(up.expect("{"))
@@ -264,7 +264,7 @@ def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
         assert up.end(signal.SIGINT) == 0
         zbus.connect(endpoint).close()
     finally:
-        session.close()
+        router.end()
         up.end(signal.SIGKILL)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 import zenoh
 from shell import Shell
-from stage import Stage, free_endpoint, ready, until
+from stage import Stage, free_endpoint, ready, routing, start_router, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -46,32 +46,31 @@ def refused(robot: Robot) -> bool:
 
 def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> None:
     endpoint = free_endpoint()
-    router = zbus.open_router(endpoint)
+    router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
     client = Client(Settings("bea", endpoint, "ana"))
     robot = ready(Robot("bea", "hw", client=client))
     robot.look(yaw=30, wait=False)
-    router.close()
+    router.end()
     try:
         until(
             lambda: not node.context.snapshot.status().moving,
             "the motion of a disconnected client is stopped",
             3.0,
         )
-        router = zbus.open_router(endpoint)
+        router = start_router(endpoint)
         until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
         assert robot.status().calibrated, "the robot kept its state"
         until(lambda: not refused(robot), "the seat is connected again", 5.0)
     finally:
         client.close()
         node.close()
-        router.close()
+        router.end()
 
 
 def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage) -> None:
     endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
+    router = start_router(endpoint)
     node = stage.process("sim_node", "--name", "bea", "--connect", endpoint, "--ready")
     node.expect("ready")
     with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
@@ -82,21 +81,21 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
         node.expect(f"The router at {endpoint} was lost: the node stops all motions")
         with pytest.raises(NoAnswer, match="is lost, so the robots stop their motions"):
             robot.look(yaw=4)
-        again = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-        again.expect("ready")
-        until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
-        node.expect(f"The router at {endpoint} is connected again.")
-        until(lambda: not refused(robot), "the seat is connected again", 5.0)
+        with routing(endpoint):
+            until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
+            node.expect(f"The router at {endpoint} is connected again.")
+            until(lambda: not refused(robot), "the seat is connected again", 5.0)
+            node.end()
 
 
 def test_a_node_that_is_started_before_the_router_waits_for_it(stage: Stage) -> None:
     endpoint = free_endpoint()
     process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     assert f"`beatrix router --listen {endpoint}`" in process.expect("No router at")
-    router = zbus.open_router(endpoint)
+    router = start_router(endpoint)
     process.expect("ready beatrix/bea/hw/@alive")
     process.end()
-    router.close()
+    router.end()
 
 
 def test_ctrl_c_ends_a_node_that_waits_for_its_router(stage: Stage) -> None:
@@ -108,8 +107,7 @@ def test_ctrl_c_ends_a_node_that_waits_for_its_router(stage: Stage) -> None:
 
 def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
+    router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
@@ -122,12 +120,12 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
             until(lambda: not refused(robot), "all sessions are connected again", 10.0)
     finally:
         node.close()
+        router.end()
 
 
 def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage) -> None:
     endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
+    router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
     sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
     try:
@@ -151,12 +149,12 @@ def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage
     finally:
         router.send(signal.SIGCONT)
         node.close()
+        router.end()
 
 
 def test_top_reports_the_loss_of_the_router(stage: Stage) -> None:
     endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
+    router = start_router(endpoint)
     top = Shell(endpoint).start("top")
     assert top.stdout is not None
     try:

@@ -9,9 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 from linked import Linked, look
-from stage import Process, Stage, free_endpoint, until
+from stage import Process, Stage, free_endpoint, start_router, until
 
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Command, Reason
 from beatrix_zenoh.client import Client, Presence
 from beatrix_zenoh.client.queries import pose_query
@@ -136,19 +135,19 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
     endpoint = free_endpoint()
     with Linked(endpoint) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
-        router = zbus.open_router(endpoint)
+        router = start_router(endpoint)
         linked.do(Connect())
         linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router", 0.9)
         with Stage() as other:
             node = other.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
             node.expect("ready")
             linked.on_line("hw")
-            router.close()
+            router.end()
             world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 0.5)
             assert endpoint in world.trouble
             linked.do(StopBoth(1))
             assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
-            router = zbus.open_router(endpoint)
+            router = start_router(endpoint)
             try:
                 linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "it is back")
                 linked.on_line("hw")
@@ -156,7 +155,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
             finally:
                 linked.close()
                 node.end()
-                router.close()
+                router.end()
 
 
 def retried(linked: Linked) -> bool:
