@@ -59,9 +59,13 @@ def motion_running(holder: str) -> Refused:
     return Refused(Reason.BUSY, detail=Detail(holder=holder))
 
 
-def stopped_pause(seat: str, wait_s: float) -> Refused:
-    """Return a STOPPED refusal: the seat was stopped and must not send a motion for `wait_s` (s)."""
-    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s))
+def stopped_pause(seat: str, wait_s: float, *, again: bool = False) -> Refused:
+    """Return a STOPPED refusal: the seat was stopped and must not send a motion for `wait_s` (s).
+
+    `again`: this also holds for programs that start now.
+    """
+    field = "again" if again else ""
+    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s, field=field))
 
 
 def coming_to_rest() -> Refused:

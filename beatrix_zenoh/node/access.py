@@ -77,6 +77,10 @@ class Access:
         self._latched_s: float | None = None
         self.frozen = False
         """Whether the teacher has frozen the robot."""
+        self._began: dict[Caller, float] = {}
+        """Times at which sessions with a token were first heard; an ended one is forgotten with its end."""
+        self._heard: dict[Caller, float] = {}
+        """Times of the first requests of the newest sessions without a token."""
         self._ended: dict[Caller, None] = {}
 
     @_locked
@@ -93,7 +97,8 @@ class Access:
         """
         if action in ALWAYS:
             return
-        paused_s = self._pauses.restart(caller, now_s) if action is Action.MOVE else 0.0
+        began_s = self._heard_since(caller, now_s)
+        pause = self._pauses.restart(caller, now_s, began_s) if action is Action.MOVE else None
         if caller in self._ended:
             raise refusals.session_ended()
         if action is Action.GOVERN:
@@ -112,8 +117,22 @@ class Access:
             if not (self._stop_sent and resting):
                 raise refusals.coming_to_rest()
             self._resting = True
-        if paused_s > 0:
-            raise refusals.stopped_pause(caller.seat, paused_s)
+        if pause is not None:
+            raise pause
+
+    def _heard_since(self, caller: Caller, now_s: float) -> float | None:
+        """Return the time of the first token or request of a session; None if the session is unknown.
+
+        A session may send its first request before its token arrives, or have no token.
+        """
+        if not caller.session:
+            return None
+        began_s = self._began.get(caller)
+        if began_s is None:
+            began_s = self._heard.setdefault(caller, now_s)
+            if len(self._heard) > ENDED_SESSIONS:
+                del self._heard[next(iter(self._heard))]
+        return began_s
 
     @_locked
     def take(self, caller: Caller) -> None:
@@ -202,18 +221,23 @@ class Access:
         self._latched_s = None
 
     @_locked
-    def session_changed(self, caller: Caller, *, alive: bool) -> bool:
+    def session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> bool:
         """Record that a client's session has begun, returned or ended; return whether a running motion lost its client.
+
+        `now_s` is the time at which its token arrived or disappeared.
 
         The end counts only for this seat with this session. In a class the router lets each client declare tokens of
         its own seat only, so no client can end the session of another seat.
         """
         if alive or not caller.session:
             self._ended.pop(caller, None)
+            self._began.setdefault(caller, self._heard.pop(caller, now_s))
             return False
         self._ended[caller] = None
         if len(self._ended) > ENDED_SESSIONS:
-            del self._ended[next(iter(self._ended))]
+            oldest = next(iter(self._ended))
+            del self._ended[oldest]
+            self._began.pop(oldest, None)
         self.lease.session_ended(caller)
         return self.lease.motion.runs(caller)
 

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from beatrix_zenoh import refusals
+from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import OLD_PROGRAMS
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 
 QUIET_OLD_PROGRAM_S = 5.0
 """Used instead of QUIET_S for programs of 2023; longer, because they cannot read the reason of a refusal."""
 
+LOOP_S = 10.0
+"""If another seat stops a second program of a seat this soon (s) after the first, new programs must pause, too."""
+
 
 @dataclass
 class _Pause:
     """The pause of a stopped seat."""
+
+    stopped_s: float
+    """time of STOP"""
 
     requested_s: float
     """time of STOP, or of the last motion request of the seat since then"""
@@ -21,12 +29,16 @@ class _Pause:
     """caller whose motion was stopped"""
     presser: Caller
     """caller that sent STOP"""
+    again: bool = False
+    """whether another seat has also stopped a program that began after the first STOP: perhaps a loop of programs"""
 
 
 class Pauses:
     """Pauses of stopped seats.
 
-    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S.
+    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S. It
+    is for streams of motions that go on: a session that has begun after STOP need not pause, because a person has
+    started a program again. If another seat stops this program too, sessions that begin later must pause.
     """
 
     def __init__(self) -> None:
@@ -38,27 +50,34 @@ class Pauses:
         A second STOP never shortens a pause; each pause records its last STOP by a caller other than the stopped one.
         """
         if mover is not None:
-            pause = self._pauses.setdefault(mover.seat, _Pause(now_s, mover, presser))
-            pause.requested_s, pause.stopped = now_s, mover
+            pause = self._pauses.get(mover.seat)
+            if pause is None or now_s - pause.requested_s >= LOOP_S:
+                pause = self._pauses[mover.seat] = _Pause(now_s, now_s, mover, presser)
+            elif pause.stopped.session != mover.session and presser.seat != mover.seat:
+                pause.again = True
+            pause.stopped_s = pause.requested_s = now_s
+            pause.stopped = mover
         for pause in self._pauses.values():
             if not is_same(presser, pause.stopped):
                 pause.presser = presser
 
-    def restart(self, caller: Caller, now_s: float) -> float:
-        """If this caller must pause, restart the pause of its seat and return the length (s); otherwise return 0.
+    def restart(self, caller: Caller, now_s: float, began_s: float | None) -> Refused | None:
+        """If this caller must pause, restart the pause of its seat and return the refusal; otherwise return None.
 
-        The caller that sent STOP need not pause. Its seat keeps the pause, because another session of the seat may
-        still send the stream of motions that was stopped.
+        The caller that sent STOP need not pause, nor a session that has begun after it (`began_s`; None: unknown).
+        Their seat keeps the pause, because another session of the seat may still send the stream that was stopped.
         """
         pause = self._pauses.get(caller.seat)
         if pause is None or is_same(pause.presser, caller):
-            return 0.0
+            return None
+        if began_s is not None and began_s > pause.stopped_s and not pause.again:
+            return None
         quiet_s = QUIET_OLD_PROGRAM_S if caller.seat == OLD_PROGRAMS else QUIET_S
         if now_s - pause.requested_s >= quiet_s:
             del self._pauses[caller.seat]
-            return 0.0
+            return None
         pause.requested_s = now_s
-        return quiet_s
+        return refusals.stopped_pause(caller.seat, quiet_s, again=pause.again)
 
     def end(self, seat: str) -> None:
         """End the pause of a seat."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.bus import Sessions, SessionWatchdog
@@ -33,10 +35,11 @@ class Presence(Component):
         parts = keys.parse(key)
         if parts is not None:
             caller = Caller(parts.who, parts.session)
-            self._context.queue.post_event(lambda: self._session_changed(caller, alive=alive))
+            now_s = time.monotonic()
+            self._context.queue.post_event(lambda: self._session_changed(caller, now_s, alive=alive))
 
-    def _session_changed(self, caller: Caller, *, alive: bool) -> None:
-        if self._context.access.session_changed(caller, alive=alive):
+    def _session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> None:
+        if self._context.access.session_changed(caller, now_s, alive=alive):
             self._context.controller.client_lost()
 
     def _router(self, connected: bool) -> None:  # noqa: FBT001

@@ -124,7 +124,7 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.NOT_HOLDER, None): _seat_case,
     (Reason.TEACHER_ONLY, None): lambda detail: "seat" if detail.holder else "",
     (Reason.BUSY, None): _seat_case,
-    (Reason.STOPPED, None): _seat_case,
+    (Reason.STOPPED, None): lambda detail: detail.field or _seat_case(detail),
     (Reason.NO_ANSWER, None): _absence_case,
     (Reason.NO_SUCH_ROBOT, None): lambda _: "absent",
     (Reason.NODE_LOST, None): lambda detail: "back" if detail.field in detail.known else "robot",

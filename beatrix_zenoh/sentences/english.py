@@ -166,7 +166,11 @@ ENGLISH: Final = Language(
         (Reason.STOPPED, None, ""): "STOP was pressed. Try again when the arms are at rest.",
         (Reason.STOPPED, None, "wait"): (
             "STOP was pressed while {holder} was driving. Send no motion for {wait_s}, then try again; each earlier try "
-            "restarts the wait."
+            "restarts the wait. A program that you start now need not wait."
+        ),
+        (Reason.STOPPED, None, "again"): (
+            "STOP was pressed again while {holder} was driving. Send no motion for {wait_s}, then try again; each "
+            "earlier try, also of a new program, restarts the wait."
         ),
         (Reason.REPLACED, None, ""): "A newer motion of this seat replaced this one before it began.",
         (Reason.FAULT, None, ""): "The robot reports a fault. Look at its status.",

@@ -213,7 +213,11 @@ GERMAN: Final = Language(
         (Reason.STOPPED, None, ""): "STOP wurde gedrückt. Versuche es wieder, wenn die Arme ruhen.",
         (Reason.STOPPED, None, "wait"): (
             "STOP wurde gedrückt, während {holder} steuerte. Sende {wait_s} lang keine Bewegung, dann versuche es wieder; "
-            "jeder Versuch davor lässt das Warten neu beginnen."
+            "jeder Versuch davor lässt das Warten neu beginnen. Ein Programm, das du jetzt startest, muss nicht warten."
+        ),
+        (Reason.STOPPED, None, "again"): (
+            "STOP wurde wieder gedrückt, während {holder} steuerte. Sende {wait_s} lang keine Bewegung, dann versuche es "
+            "wieder; jeder Versuch davor, auch der eines neuen Programms, lässt das Warten neu beginnen."
         ),
         (
             Reason.REPLACED,

@@ -44,6 +44,25 @@ def test_after_a_stop_between_two_motions_the_second_is_refused(body: Body, robo
     boss.client.close()
 
 
+@pytest.mark.bodies("in-process")
+@pytest.mark.parametrize("by", ["itself", "boss"])
+def test_a_program_that_is_started_after_stop_moves_at_once(body: Body, robot: Robot, by: str) -> None:
+    """As a notebook in which `robot = Robot("x")` is run again."""
+    until(lambda: robot.status().holder == "", "free", 4.0)
+    seat = f"stopped-by-{by}"  # no seat of another test, which boss may just have stopped
+    first, boss = body.robot(seat), body.robot("boss")
+    first.move(3, 3, 3, speed=60)
+    (first if by == "itself" else boss).stop()
+    second = body.robot(seat)
+    second.move(1, 1, 1, speed=60)
+    if by == "boss":
+        with pytest.raises(Refused, match=r"for 3.0 s.*A program that you start now need not wait"):
+            first.move(0, 0, 0, speed=60)
+    until(lambda: robot.status().holder == "", "free", 4.0)
+    for other in (first, boss, second):
+        other.client.close()
+
+
 def test_another_session_of_the_seat_that_pressed_stop_need_not_pause(body: Body, robot: Robot) -> None:
     other = body.robot("ana")
     robot.move(3, 3, 3, speed=60)

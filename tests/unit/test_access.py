@@ -9,7 +9,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.node.access import ENDED_SESSIONS, Access, Action
 from beatrix_zenoh.node.lease import LINGER_S, NO_CALLER, QUIET_S, Caller
-from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
+from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S
 
 
 @pytest.fixture
@@ -197,9 +197,10 @@ def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> No
 
 
 def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) -> None:
-    """The next process of that seat could continue the stream of motions."""
+    """Another process of that seat could continue the stream of motions."""
+    access.session_changed(ANA_AGAIN, 0, alive=True)
     begin_motion(access, ANA, 0)
-    assert access.session_changed(ANA, alive=False)
+    assert access.session_changed(ANA, 0, alive=False)
     access.release(10)
     access.stop_pressed(BEN, 10.1)
     access.stop_sent(10.1)
@@ -235,6 +236,75 @@ def test_an_old_program_may_move_at_once_after_its_own_stop(access: Access) -> N
     begin_motion(access, OLD, 0).stop_pressed(OLD, 1)
     assert refusal(access, OLD, 1, resting=False) is Reason.OK
     assert refusal(access, BOSS, 1, resting=False) is Reason.STOPPED
+
+
+# -- programs that start after STOP ----------------------------------------------------------------
+
+
+def test_a_program_that_was_started_after_stop_need_not_pause_and_the_stopped_one_must(
+    access: Access,
+) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    access.session_changed(ANA_AGAIN, 1.1, alive=True)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+    begin_motion(access, ANA_AGAIN, 1.3)
+    assert refusal(access, ANA, 1.4) is Reason.STOPPED
+
+
+def test_the_first_motion_of_a_new_program_may_arrive_before_its_token(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), ANA, 1)
+    begin_motion(access, ANA_AGAIN, 1.1)
+    access.session_changed(ANA_AGAIN, 1.2, alive=True)
+    assert refusal(stop(access, BEN, 1.3), ANA_AGAIN, 1.4) is Reason.STOPPED
+
+
+def test_a_second_program_that_already_ran_must_pause(access: Access) -> None:
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    assert refusal(access, ANA_AGAIN, 1.1) is Reason.STOPPED
+
+
+def test_a_token_that_comes_late_or_returns_does_not_make_a_program_new(access: Access) -> None:
+    """The router may be restarted, and a program may declare its token late."""
+    begin_motion(access, ANA, 0)
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    stop(access, BEN, 1)
+    for program in (ANA, ANA_AGAIN):
+        access.session_changed(program, 1.1, alive=False)
+        access.session_changed(program, 1.2, alive=True)
+        assert refusal(access, program, 1.3) is Reason.STOPPED
+
+
+def test_a_program_without_a_known_session_must_pause(access: Access) -> None:
+    stop(begin_motion(access, Caller("ana", ""), 0), BEN, 1)
+    assert refusal(access, Caller("ana", ""), 1.1) is Reason.STOPPED
+
+
+def test_a_second_stop_by_another_seat_ends_a_loop_of_programs(access: Access) -> None:
+    """As of `while true; do beatrix look; done`."""
+    stop(begin_motion(access, Caller("ana", "p0"), 0), BEN, 1)
+    stop(begin_motion(access, Caller("ana", "p1"), 2), BEN, 3)
+    for number in range(2, 9):
+        with pytest.raises(Refused, match="also of a new program") as refused:
+            access.authorize(Action.MOVE, Caller("ana", f"p{number}"), 2.0 + number)
+        assert refused.value.detail is not None
+        assert refused.value.detail.wait_s == QUIET_S
+    assert refusal(access, Caller("ana", "p9"), 10 + QUIET_S) is Reason.OK
+
+
+@pytest.mark.parametrize("presser", [ANA, BEN], ids=["own stop", "stop of another seat after some time"])
+def test_programs_that_a_person_stops_and_starts_again_need_not_pause(
+    access: Access, presser: Caller
+) -> None:
+    pause_s = 1 if presser is ANA else LOOP_S
+    for number in range(5):
+        program = Caller("ana", f"p{number}")
+        begin_motion(access, program, number * 2 * pause_s)
+        stop(
+            access,
+            presser._replace(session=program.session if presser is ANA else "b1"),
+            (number * 2 + 1) * pause_s,
+        )
 
 
 # -- emergency latch ----------------------------------------------------------------------------
@@ -299,39 +369,39 @@ def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: A
 
 
 def test_requests_of_an_ended_session_are_refused_until_it_is_back(access: Access) -> None:
-    assert not access.session_changed(ANA, alive=False)
+    assert not access.session_changed(ANA, 0, alive=False)
     assert refusal(access, ANA, 0) is Reason.CLIENT_LOST
     assert refusal(access, ANA, 0, Action.ENABLE) is Reason.CLIENT_LOST
     assert refusal(access, ANA, 0, Action.STOP) is Reason.OK
-    access.session_changed(ANA, alive=True)
+    access.session_changed(ANA, 0, alive=True)
     assert refusal(access, ANA, 0) is Reason.OK
 
 
 def test_only_the_end_of_the_moving_session_is_a_lost_client(access: Access) -> None:
     begin_motion(access, ANA, 0)
-    assert not access.session_changed(BEN, alive=False)
-    assert not access.session_changed(ANA, alive=True)
-    assert access.session_changed(ANA, alive=False)
+    assert not access.session_changed(BEN, 0, alive=False)
+    assert not access.session_changed(ANA, 0, alive=True)
+    assert access.session_changed(ANA, 0, alive=False)
 
 
 def test_the_end_of_a_token_of_another_seat_ends_no_session(access: Access) -> None:
     begin_motion(access, ANA, 0)
-    assert not access.session_changed(Caller("ben", ANA.session), alive=False)
+    assert not access.session_changed(Caller("ben", ANA.session), 0, alive=False)
     assert refusal(access, ANA, 0) is Reason.OK
 
 
 def test_the_end_of_a_session_without_a_motion_is_not_a_lost_client(access: Access) -> None:
-    assert not finish_motion(access, ANA, 0).session_changed(ANA, alive=False)
+    assert not finish_motion(access, ANA, 0).session_changed(ANA, 0, alive=False)
 
 
 def test_a_caller_without_a_session_is_never_a_lost_client(access: Access) -> None:
     begin_motion(access, NO_SESSION, 0)
-    assert not access.session_changed(NO_SESSION, alive=False)
+    assert not access.session_changed(NO_SESSION, 0, alive=False)
     assert refusal(access, NO_SESSION, 1) is Reason.OK
 
 
 def test_only_the_newest_ended_sessions_are_remembered(access: Access) -> None:
     for number in range(ENDED_SESSIONS + 1):
-        access.session_changed(Caller("x", f"s{number}"), alive=False)
+        access.session_changed(Caller("x", f"s{number}"), 0, alive=False)
     assert refusal(access, Caller("x", "s0"), 0) is Reason.OK
     assert refusal(access, Caller("x", "s1"), 0) is Reason.CLIENT_LOST

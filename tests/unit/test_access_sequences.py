@@ -7,6 +7,7 @@ from callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
@@ -33,6 +34,9 @@ class Sequences(RuleBasedStateMachine):
         self.last_move_asked: dict[str, float] = {}
         self.stopped_streams: dict[Caller, float] = {}
         """Callers whose motion was ended by another session's STOP, and the time of their last request for a motion."""
+        self.new_programs: set[Caller] = set()
+        self.stopped_twice: set[str] = set()
+        """Seats of which another seat has stopped a program that was started after STOP."""
 
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
@@ -60,6 +64,23 @@ class Sequences(RuleBasedStateMachine):
         elif requested_s is not None:
             self.stopped_streams[caller] = self.now_s if paused else requested_s
 
+    @rule(seat=st.sampled_from(["ana", "ben", TEACHER]), token_first=st.booleans())
+    def a_new_program_moves(self, seat: str, token_first: bool) -> None:
+        """A program that starts now is refused after STOP only if another seat has stopped two programs of its seat."""
+        caller = Caller(seat, f"new{len(self.new_programs)}")
+        self.now_s += 0.01
+        if token_first:
+            self.access.session_changed(caller, self.now_s, alive=True)
+        self.new_programs.add(caller)
+        try:
+            self.access.authorize(Action.MOVE, caller, self.now_s, resting=self.moving is None)
+            self.access.take(caller)
+        except Refused as refused:
+            paused = refused.detail is not None and refused.reason is Reason.STOPPED
+            assert not paused or seat in self.stopped_twice, "a program that starts again is refused"
+            return
+        self.moving = caller
+
     @rule(caller=CALLERS)
     def enable(self, caller: Caller) -> None:
         try:
@@ -76,6 +97,8 @@ class Sequences(RuleBasedStateMachine):
         self.access.rested(self.now_s)
         if driving is not None and (not caller.session or caller.session != driving.session):
             self.stopped_streams[driving] = self.now_s
+            if driving in self.new_programs and caller.seat != driving.seat:
+                self.stopped_twice.add(driving.seat)
         self.moving = None
         if emergency:
             self.latched, self.motors_on = True, False
@@ -115,7 +138,7 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(caller=CALLERS, alive=st.booleans())
     def session_changes(self, caller: Caller, alive: bool) -> None:
-        if self.access.session_changed(caller, alive=alive):
+        if self.access.session_changed(caller, self.now_s, alive=alive):
             assert self.moving == caller
             self.access.release(self.now_s)
             self.moving = None

@@ -71,8 +71,8 @@ def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot
     take(access, ANA, 0)
     assert take(access, BEN, 1, wait=True) == take(access, CLEO, 2, wait=True) == 0
     assert standing(access, 3).waiting == ("ben", "cleo")
-    access.session_changed(BEN, alive=False)
-    access.session_changed(ANA, alive=False)
+    access.session_changed(BEN, 0, alive=False)
+    access.session_changed(ANA, 0, alive=False)
     now = standing(access, 4)
     assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
 

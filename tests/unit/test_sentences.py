@@ -68,6 +68,7 @@ REFUSALS: list[BeatrixError] = [
     refusals.teacher_only("ana"),
     refusals.motion_running("ana"),
     refusals.stopped_pause("ana", 3.0),
+    refusals.stopped_pause("ana", 3.0, again=True),
     refusals.coming_to_rest(),
     refusals.queue_full(64),
     refusals.replaced_before_start(),
