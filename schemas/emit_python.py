@@ -21,6 +21,8 @@ FLOAT32_MAX: Final = 3.4028234663852886e38
 Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
 '''
+ENUMS = ("Reason", "Source")
+"""Enumerations that have defaults in messages."""
 SHOWN = ("Reason", "Fault")
 """Enumerations whose texts programs show to users."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
@@ -43,8 +45,8 @@ def field_type(row: dict[str, object]) -> str:
 def default_of(row: dict[str, object]) -> str:
     if row.get("optional"):
         return " = None"
-    if row.get("type") == "Reason" and "default" in row:
-        return f" = Reason.{row['default']}"
+    if row.get("type") in ENUMS and "default" in row:
+        return f" = {row['type']}.{str(row['default']).upper()}"
     return f" = {row['default']!r}" if "default" in row else ""
 
 

@@ -11,6 +11,36 @@ import struct
 
 from contract import Contract
 
+POSE: dict[str, object] = {
+    "absolute": True,
+    "yaw": 0.5,
+    "pitch": -0.125,
+    "roll": 0.0,
+    "speed": None,
+    "lease": 0,
+    "lead": 2.0,
+    "source": "window",
+}
+EVENT: dict[str, object] = {
+    "seq": 3,
+    "t_mono_ns": 123456789012345,
+    "t_wall_ns": 1700000000123456789,
+    "kind": "command",
+    "action": "ENABLE",
+    "seat": "ana",
+    "session": "4711",
+    "phase": None,
+    "reason": "EMERGENCY",
+    "message": "EMERGENCY_STOP is latched.",
+    "motion": 0,
+    "duration": 0.0,
+    "count": 2,
+    "detail": None,
+    "source": "sdk",
+    "motion_query": None,
+    "pose_query": None,
+    "position": None,
+}
 MESSAGES: list[tuple[str, dict[str, object]]] = [
     ("Vector3", {"x": 0.1, "y": -0.25, "z": 1.5}),
     ("Steps", {"x": 0, "y": -129, "z": 70000}),
@@ -22,14 +52,23 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "position": {"x": 0.1, "y": -0.25, "z": 1.5},
             "speed": {"x": 0.5, "y": 0.5, "z": 0.5},
             "lease": 0,
+            "lead": None,
+            "source": "zenoh",
         },
     ),
     (
         "MotionQuery",
-        {"absolute": False, "position": {"x": 0.0, "y": 0.0, "z": -0.0625}, "speed": None, "lease": 7},
+        {
+            "absolute": False,
+            "position": {"x": 0.0, "y": 0.0, "z": -0.0625},
+            "speed": None,
+            "lease": 7,
+            "lead": 2.0,
+            "source": "window",
+        },
     ),
-    ("PoseQuery", {"absolute": True, "yaw": 0.5, "pitch": -0.125, "roll": 0.0, "speed": None, "lease": 0}),
-    ("PoseQuery", {"absolute": False, "yaw": 0.0, "pitch": 0.1, "roll": 0.0, "speed": 1.0, "lease": 70000}),
+    ("PoseQuery", POSE),
+    ("PoseQuery", POSE | {"absolute": False, "yaw": 0.0, "speed": 1.0, "lease": 70000, "lead": None}),
     ("LeaseQuery", {"action": "wait", "speed": 0.0}),
     ("LeaseQuery", {"action": "limit", "speed": 0.5}),
     (
@@ -57,8 +96,8 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "detail": None,
         },
     ),
-    ("CommandQuery", {"command": 1, "value": True}),
-    ("CommandQuery", {"command": -2, "value": False}),
+    ("CommandQuery", {"command": 1, "value": True, "source": "page"}),
+    ("CommandQuery", {"command": -2, "value": False, "source": "zenoh"}),
     (
         "CommandReply",
         {
@@ -115,23 +154,20 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             },
         },
     ),
+    ("Event", EVENT),
     (
         "Event",
-        {
-            "seq": 3,
-            "t_mono_ns": 123456789012345,
-            "t_wall_ns": 1700000000123456789,
-            "kind": "command",
-            "action": "ENABLE",
-            "seat": "ana",
-            "session": "4711",
-            "phase": None,
-            "reason": "EMERGENCY",
-            "message": "EMERGENCY_STOP is latched.",
-            "motion": 0,
-            "duration": 0.0,
-            "count": 2,
-            "detail": None,
+        EVENT
+        | {
+            "kind": "motion",
+            "action": "pose",
+            "phase": "accepted",
+            "reason": "OK",
+            "message": "Accepted: 1.2 s.",
+            "motion": 17,
+            "source": "window",
+            "pose_query": POSE,
+            "position": {"x": 0.5, "y": 0.5, "z": 0.5},
         },
     ),
     (

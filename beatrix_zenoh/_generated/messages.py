@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "beff7ccc"
+CONTRACT: Final = "219e3035"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -197,6 +197,29 @@ class LeaseAction(StrEnum):
     """Limit the speed of all arms, or with speed 0 end the limit. Teacher only."""
 
 
+class Source(StrEnum):
+    """The kind of program that sends a request."""
+
+    SDK = "sdk"
+    """A Python program."""
+    CLI = "cli"
+    """The command line."""
+    WINDOW = "window"
+    """The window."""
+    PAGE = "page"
+    """The control page."""
+    PLAY = "play"
+    """A choreography."""
+    REPLAY = "replay"
+    """A replay of a recording or motion file."""
+    OLD_PROGRAM = "old_program"
+    """A line of a program of 2023; set by the node."""
+    ARM_TOPIC = "arm_topic"
+    """A per-arm topic of 2023; set by the node."""
+    ZENOH = "zenoh"
+    """A program without this library."""
+
+
 class EventKind(StrEnum):
     """The subject of an event."""
 
@@ -291,6 +314,10 @@ class MotionQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """top speed of each arm, > 0; missing: the robot's default [rad/s]"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
     """number of the lease under which the request is sent; the request is refused if this lease has ended; 0: no lease"""
+    lead: Float32 | None = None
+    """if the request goes to both robots of a name: the hardware begins this long after the simulation; missing: it goes to one robot; only recorded in events [s]"""
+    source: Source = Source.ZENOH
+    """program that sends the request, as it says; only recorded in events"""
 
 
 class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -308,6 +335,10 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """top speed of the fastest arm, > 0; missing: the robot's default [rad/s]"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
     """number of the lease under which the request is sent; the request is refused if this lease has ended; 0: no lease"""
+    lead: Float32 | None = None
+    """if the request goes to both robots of a name: the hardware begins this long after the simulation; missing: it goes to one robot; only recorded in events [s]"""
+    source: Source = Source.ZENOH
+    """program that sends the request, as it says; only recorded in events"""
 
 
 class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -317,6 +348,8 @@ class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """number of the command"""
     value: bool = True
     """used by ENABLE: on or off"""
+    source: Source = Source.ZENOH
+    """program that sends the request, as it says; only recorded in events"""
 
 
 class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -655,6 +688,14 @@ class Event(Struct, frozen=True, kw_only=True):
     """number of similar events that this event represents: in a flood the node counts similar events instead of sending each"""
     detail: Detail | None = None
     """the refusal as data"""
+    source: Source | None = None
+    """program that sent the request; missing: not known, or the end of a motion"""
+    motion_query: MotionQuery | None = None
+    """accepted: the motion of the arms as it was requested"""
+    pose_query: PoseQuery | None = None
+    """accepted: the motion of the head as it was requested"""
+    position: Vector3 | None = None
+    """of a motion, as in MotionReply. accepted: arm angles of the goal, missing if it was refused; done: set point of the arms [rad]"""
 
 
 class Events(Struct, frozen=True, kw_only=True):

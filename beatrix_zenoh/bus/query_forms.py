@@ -208,7 +208,7 @@ def _nested(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
     if kind is CommandQuery:
         return _command(flat)
     fields: dict[str, object] = {
-        name: value if name == "absolute" else _number(value) for name, value in flat.items()
+        name: value if name in ("absolute", "source") else _number(value) for name, value in flat.items()
     }
     if kind is MotionQuery:
         if "position" in fields:

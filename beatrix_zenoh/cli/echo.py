@@ -12,7 +12,7 @@ from typing import Annotated, TypeVar
 import msgspec
 import typer
 
-from beatrix_zenoh._generated.messages import Event, EventKind, Phase, Positions, Reason, Status
+from beatrix_zenoh._generated.messages import Event, Positions, Status
 from beatrix_zenoh.cli.listing import problems, state, state_row
 from beatrix_zenoh.cli.motions import reading_row
 from beatrix_zenoh.cli.options import Connect, Name, On, Who
@@ -24,11 +24,11 @@ from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.sentences.events import sentence
 
 T = TypeVar("T")
 PAST = 10
 """Number of past events that are printed first, without --count."""
-REQUESTS = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
 
 
 class Stream(StrEnum):
@@ -126,19 +126,7 @@ def show_event(place: Place, event: Event, *, as_json: bool) -> None:
 
 
 def event_line(place: Place, event: Event) -> str:
-    """Return an event as a line: time by the robot's clock, robot, seat, subject, outcome and message."""
+    """Return an event as a line: time by the robot's clock, robot, and the event as a sentence."""
     clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
     milliseconds = event.t_wall_ns // 1_000_000 % 1000
-    subjects = dict.fromkeys((str(event.kind), event.action))  # once if they are equal, as for a motion
-    words = (*subjects, outcome(event), "" if event.reason is Reason.OK else event.reason)
-    subject = " ".join(str(word) for word in words if word)
-    times = f" ({event.count} times)" if event.count > 1 else ""
-    return f"{clock}.{milliseconds:03d}  {place[0]} ({place[1]})  {event.seat or '-'}  {subject}{times}: {event.message}"
-
-
-def outcome(event: Event) -> str:
-    """Return the outcome of a request as a word; empty if it is not a request, or its message gives the outcome."""
-    good = event.reason is Reason.OK
-    if event.phase is Phase.DONE:
-        return "done" if good else "ended"
-    return "refused" if not good and event.kind in REQUESTS else ""
+    return f"{clock}.{milliseconds:03d}  {place[0]} ({place[1]})  {sentence(event)}"

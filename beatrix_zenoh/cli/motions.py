@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated
 
 import typer
+from msgspec import structs
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.output import note, print_failure, print_json, say
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
@@ -160,7 +161,7 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
         Refused: with the robot's reason.
         NoAnswer: no reply arrived in time.
     """
-    with Client(robot.client.settings, announce=False) as client:
+    with Client(robot.client.settings, announce=False, source=Source.CLI) as client:
         detached = Robot(robot.name, robot.twin, client=client, timeout_s=robot.timeout_s)
         return detached.begin(query).accepted.message
 
@@ -169,7 +170,7 @@ def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> N
     """Preview the motion on a copy of the simulation, print the result, then carry the motion out on both robots."""
     settings = targets.client.settings
     with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
-        plan = twin.preview_query(query)
+        plan = twin.preview_query(structs.replace(query, source=Source.CLI))
         twin.check_ready()  # raises before the note below says that both move
         if lead_s:
             note(f"Preview: {plan.verdict} The simulation moves now.")

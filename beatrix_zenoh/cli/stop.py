@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 import typer
 
 from beatrix_zenoh import names
-from beatrix_zenoh._generated.messages import CommandReply, Reason
+from beatrix_zenoh._generated.messages import CommandReply, Reason, Source
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
 from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, is_named
@@ -82,7 +82,7 @@ def stop(
         show(wrong_names, as_json=as_json)
     sides = {*(on or ())}
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
-    with noting(wrong_settings), Client(settings) as client:
+    with noting(wrong_settings), Client(settings, source=Source.CLI) as client:
         requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from beatrix_zenoh import names
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Reason, Source
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.client.robot import Robot
@@ -60,7 +60,7 @@ def open_targets(
         Refused: several robots are on line, and no name was given.
     """
     settings = resolve(selection.name, selection.connect, selection.who)
-    with Client(settings) as client:
+    with Client(settings, source=Source.CLI) as client:
         present = client.robots()
         name = settings.robot
         own = settings.account is not None and settings.account.robot

@@ -17,7 +17,7 @@ def request_stop(
 ) -> GroupRequest[CommandReply]:
     """Send STOP or EMERGENCY_STOP to all matching robots; read the `replies` of the result within STOP_S."""
     if emergency:
-        query = CommandQuery(command=Command.EMERGENCY_STOP.value)
+        query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
         key = keys.command(robot, twin, client.settings.who)
         return GroupRequest(client, key, query, CommandReply, STOP_S, PRIORITY)
     # A foreign queryable may take the query, so STOP is also published, and before it: the replies then cover both.

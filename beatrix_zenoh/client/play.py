@@ -9,7 +9,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import NamedTuple, Protocol
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
+from msgspec.structs import replace
+
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.plan import Plan
@@ -66,11 +68,16 @@ def _play_lockstep(
 ) -> None:
     begin_s = time.monotonic()
     for title, pose in choreography.steps:
-        plan = twin.preview_query(pose.query())
+        plan = twin.preview_query(request(pose))
         time.sleep(max(0.0, begin_s + pose.at - time.monotonic()))
         check()
         progress(title, pose)
         plan.commit()
+
+
+def request(pose: Step, lead_s: float | None = None) -> MotionQuery | PoseQuery:
+    """Return the request for a pose of a choreography; `lead_s`: as `lead` of the request."""
+    return replace(pose.query(), source=Source.PLAY, lead=lead_s)
 
 
 class _WaitingPose(NamedTuple):
@@ -150,7 +157,7 @@ def _play_alone(
     part = _Player(robot)
     begin_s = time.monotonic()
     for title, pose in choreography.steps:
-        part.waiting.append(_WaitingPose(begin_s + pose.at, pose.query(), title, pose))
+        part.waiting.append(_WaitingPose(begin_s + pose.at, request(pose), title, pose))
     with stopping([part]):
         while not part.free:
             check()
@@ -171,7 +178,8 @@ def _play_timed(
     sim, hw = _Player(twin.sim), _Player(twin.hw)
     begin_s = time.monotonic()
     coming = deque(
-        _WaitingPose(begin_s + pose.at, pose.query(), title, pose) for title, pose in choreography.steps
+        _WaitingPose(begin_s + pose.at, request(pose, lead_s), title, pose)
+        for title, pose in choreography.steps
     )
     preview: Future[Plan] | None = None
     # A preview takes about 0.1 s; a thread of its own makes it, so that it does not delay the hardware.

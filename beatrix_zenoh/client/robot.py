@@ -17,6 +17,7 @@ from beatrix_zenoh._generated.messages import (
     MotionQuery,
     MotionReply,
     PoseQuery,
+    Source,
     TargetQuery,
     TargetReply,
 )
@@ -124,7 +125,9 @@ class Robot(RobotBase):
     ) -> CommandReply:
         """Send any command; raises Refused with the robot's reason, or NoAnswer after `timeout_s` (s)."""
         key = keys.command(self.name, self.twin, self.client.settings.who)
-        query = CommandQuery(command=command.value, value=true_or_false("value", value))
+        query = CommandQuery(
+            command=command.value, value=true_or_false("value", value), source=self.client.source
+        )
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
         return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
 
@@ -217,6 +220,8 @@ class Robot(RobotBase):
         """Send a motion and return when the robot has accepted it; raises Refused or NoAnswer."""
         if self.lease_number and not query.lease:
             query = structs.replace(query, lease=self.lease_number)
+        if query.source is Source.ZENOH:
+            query = structs.replace(query, source=self.client.source)
         key_of = keys.motion if isinstance(query, MotionQuery) else keys.pose
         key = key_of(self.name, self.twin, self.client.settings.who)
         lasts_s = max(self.timeout_s, self._longest_s(query) + MARGIN_S)

@@ -11,7 +11,7 @@ import msgspec
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Info, Reason
+from beatrix_zenoh._generated.messages import Info, Reason, Source
 from beatrix_zenoh.bus import CLOSED, Bus, Incoming, Reply
 from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.dispatcher import Dispatcher
@@ -29,9 +29,11 @@ class Client:
     NoAnswer (NO_ROUTER, ACCOUNT_REFUSED) or, for an invalid endpoint or an expired certificate, WrongUsage.
     """
 
-    def __init__(self, settings: Settings, *, announce: bool = True) -> None:
+    def __init__(self, settings: Settings, *, announce: bool = True, source: Source = Source.SDK) -> None:
         """Open the session; without `announce` a motion continues after the end of the session."""
         self.settings = settings
+        self.source = source
+        """The kind of this program, for events."""
         self.bus: Bus = zbus.connect(settings.connect, label=settings.who, account=settings.account)
         self.losses = 0
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""

@@ -12,6 +12,8 @@ from concurrent.futures import Future
 from functools import partial
 from typing import NamedTuple, Self
 
+from msgspec.structs import replace
+
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
@@ -45,7 +47,7 @@ class TwinMotion:
     """
 
     def __init__(self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead_s: float = 0.0) -> None:
-        self._sim, self._hw, self._query = sim, hw, query
+        self._sim, self._hw, self._query = sim, hw, replace(query, lead=lead_s)
         self.lead_s = lead_s
         self._begun: dict[Robot, Motion] = {}
         self._sending: Robot | None = None

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from beatrix_zenoh import codec, refusals
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, Reason, Vector3
+from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, Reason, Source, Vector3
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.names import ARM_TOPICS
@@ -40,7 +41,9 @@ class ArmTopics(Component):
 
     def _run(self, key: str, arm: str, payload: bytes) -> None:
         """Decode a target angle and begin the motion to it, on the controller's thread."""
-        handle = RequestHandle(CALLER, f"{arm} target", self._context.events, send=self._warn)
+        handle = RequestHandle(
+            CALLER, f"{arm} target", self._context.events, send=self._warn, source=Source.ARM_TOPIC
+        )
         try:
             check_own_key(key, keys.arm_target(self._context.name, self._context.twin, arm))
             if arm not in ARMS:
@@ -61,4 +64,5 @@ class ArmTopics(Component):
         own = running is not None and running.caller == CALLER
         target = list(running.goal.exact if running is not None and own else controller.base())
         target[arm] = angle
-        motions.begin(controller, MotionQuery(position=Vector3(*target)), handle)
+        query = MotionQuery(position=Vector3(*target), source=Source.ARM_TOPIC)
+        motions.begin(controller, query, replace(handle, query=query))

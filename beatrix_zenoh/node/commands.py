@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Final
 
 from beatrix_zenoh import names, refusals
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, EventKind, MotionQuery, Reason, Vector3
+from beatrix_zenoh._generated.messages import (
+    Command,
+    CommandQuery,
+    EventKind,
+    MotionQuery,
+    Reason,
+    Source,
+    Vector3,
+)
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.node import lifecycle, replies
@@ -45,7 +54,7 @@ class CommandHandler(Component):
         try:
             query = query_forms.read(incoming.raw, CommandQuery)
             if query.command in FRAMES:  # before any check: STOP is open to every seat and allows wildcards
-                self._press(incoming, Command(query.command))
+                self._press(incoming, Command(query.command), query.source)
                 return
             names.check_seat(handle.caller.seat)
             check_own_key(incoming.key, self._key)
@@ -53,18 +62,16 @@ class CommandHandler(Component):
         except Refused as error:
             self._decline(handle, error)
             return
-        handle = request_handle(
-            incoming, self._key, name_of(command, query), self._context.events, EventKind.COMMAND
-        )
+        handle = replace(handle, action=name_of(command, query), source=query.source)
 
         def decline(error: BeatrixError) -> None:
             self._decline(handle, error)
 
         self._context.queue.post(Task(lambda: self._run(command, query, handle, received_s), decline))
 
-    def _press(self, incoming: Incoming, command: Command) -> None:
-        events = self._context.events
-        self._stop.press(command, request_handle(incoming, self._key, command.name, events, EventKind.STOP))
+    def _press(self, incoming: Incoming, command: Command, source: Source) -> None:
+        handle = request_handle(incoming, self._key, command.name, self._context.events, EventKind.STOP)
+        self._stop.press(command, replace(handle, source=source))
 
     def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
         handle.end(replies.command_refusal(error, self._context.controller.arms()))

@@ -12,8 +12,20 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import Detail, Event, EventKind, Events, Phase, Reason
+from beatrix_zenoh._generated.messages import (
+    Detail,
+    Event,
+    EventKind,
+    Events,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+    Source,
+    Vector3,
+)
 from beatrix_zenoh.node.lease import NO_CALLER, Caller
+from beatrix_zenoh.sentences.events import sentence
 
 KEPT: Final = 200
 """Number of newest events that the log keeps, for queries and for the publisher."""
@@ -63,8 +75,11 @@ class EventLog:
         motion: int = 0,
         duration_s: float = 0.0,
         detail: Detail | None = None,
+        source: Source | None = None,
+        query: MotionQuery | PoseQuery | None = None,
+        position: Vector3 | None = None,
     ) -> None:
-        """Record an event with the present time."""
+        """Record an event with the present time; `query` is the motion as it was requested."""
         event = Event(
             seq=0,
             t_mono_ns=time.monotonic_ns(),
@@ -79,6 +94,10 @@ class EventLog:
             motion=motion,
             duration=duration_s,
             detail=detail,
+            source=source,
+            motion_query=query if isinstance(query, MotionQuery) else None,
+            pose_query=query if isinstance(query, PoseQuery) else None,
+            position=position,
         )
         emitted = []
         now_s = self._monotonic_s()
@@ -138,16 +157,3 @@ def write(events: list[Event]) -> None:
             log.warning("%s", event.message)
         elif event.kind is not EventKind.LOG and log.isEnabledFor(logging.INFO):
             log.info("%s", sentence(event))
-
-
-def sentence(event: Event) -> str:
-    """Return an event as one line for a log file or a terminal."""
-    refused = event.reason is not Reason.OK and event.phase is not Phase.DONE
-    words = dict.fromkeys((str(event.kind), event.action, "refused" if refused else str(event.phase or "")))
-    subject = " ".join(word for word in words if word)
-    seat = (
-        f" of {event.seat}" if event.seat else " of an unknown seat" if event.kind is EventKind.STOP else ""
-    )
-    times = f" ({event.count} times)" if event.count > 1 else ""
-    outcome = "" if event.reason is Reason.OK else f"{event.reason}: "
-    return f"{subject}{seat}{times}: {outcome}{event.message}"

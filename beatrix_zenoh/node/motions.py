@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from beatrix_zenoh import names
@@ -60,7 +61,9 @@ class MotionHandler(Component):
         try:
             check_own_key(incoming.key, key)
             names.check_seat(handle.caller.seat)
-            begin(self._context.controller, query_forms.read(incoming.raw, kind), handle)
+            query = query_forms.read(incoming.raw, kind)
+            handle = replace(handle, source=query.source, query=query)
+            begin(self._context.controller, query, handle)
         except BeatrixError as error:
             typed = error.reason in LIMIT_REASONS and not incoming.raw.binary
             hint = RADIANS_HINT if typed else ""

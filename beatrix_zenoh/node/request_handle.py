@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import CommandReply, EventKind, LeaseReply, MotionReply, PreviewReply
+from beatrix_zenoh._generated.messages import (
+    CommandReply,
+    EventKind,
+    LeaseReply,
+    MotionQuery,
+    MotionReply,
+    Phase,
+    PoseQuery,
+    PreviewReply,
+    Reason,
+    Source,
+)
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
@@ -32,6 +43,10 @@ class RequestHandle:
     send: Callable[[msgspec.Struct], None] = field(default=lambda _: None)
     finish: Callable[[], None] = field(default=lambda: None)
     kind: EventKind = EventKind.MOTION
+    source: Source | None = None
+    """None: not known"""
+    query: MotionQuery | PoseQuery | None = None
+    """the motion as it was requested; None: no motion, or the request was not decoded"""
 
     def reply(self, message: Reply) -> None:
         """Send a reply and record it."""
@@ -39,6 +54,8 @@ class RequestHandle:
         if self.events is None or isinstance(message, PreviewReply):
             return
         motion = message if isinstance(message, MotionReply) else None
+        done = motion is not None and motion.phase is Phase.DONE
+        arrives = motion is not None and (done or motion.reason is Reason.OK)
         self.events.add(
             self.kind,
             action=self.action,
@@ -49,6 +66,9 @@ class RequestHandle:
             motion=0 if motion is None else motion.motion,
             duration_s=0.0 if motion is None else motion.duration,
             detail=message.detail,
+            source=None if done else self.source,
+            query=None if done else self.query,
+            position=message.position if arrives and isinstance(message, MotionReply) else None,
         )
 
     def end(self, message: Reply) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import Command, Detail, EventKind, Phase, Reason
+from beatrix_zenoh._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
 from beatrix_zenoh._generated.serial import State
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.legacy import Cause, Effect
@@ -18,6 +18,7 @@ from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.commands import CommandHandler
 from beatrix_zenoh.node.component import Context
 from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.stop import StopHandler
 
 CALLER: Final = Caller(OLD_PROGRAMS, TEXT_SESSION)
@@ -137,4 +138,6 @@ class TextDriving:
             message=outcome.message,
             duration_s=duration_s,
             detail=detail,
+            source=None if phase is Phase.DONE else Source.OLD_PROGRAM,
+            position=vector(self._context.controller.arms()) if phase is Phase.DONE else None,
         )

@@ -9,7 +9,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from beatrix_zenoh._generated.messages import MotionQuery, Reason, Vector3
+from beatrix_zenoh._generated.messages import MotionQuery, Reason, Source, Vector3
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import stopping
@@ -41,9 +41,12 @@ Progress = Callable[[float], None]
 
 
 class Stream:
-    """The targets for one robot, sent `delay_s` (s) after their times."""
+    """The targets for one robot, sent `delay_s` (s) after their times.
 
-    def __init__(self, robot: Robot, following: Following, delay_s: float) -> None:
+    `lead_s` is the lead (s) of both robots, None for one robot.
+    """
+
+    def __init__(self, robot: Robot, following: Following, delay_s: float, lead_s: float | None) -> None:
         """Measure the robot's clock, and subscribe to its positions and STOPs; raises NoAnswer."""
         self.robot = robot
         self._following = following
@@ -52,7 +55,7 @@ class Stream:
         self._stops = StopEvents(robot)
         self._coming = iter(following.targets)
         self._next = next(self._coming, None)
-        self._delay_s = delay_s
+        self._delay_s, self._lead_s = delay_s, lead_s
         self._begin_s = math.inf
         self.motion: Motion | None = None
 
@@ -93,14 +96,15 @@ class Stream:
                 "Close other programs and try again.",
             )
         target, self._next = self._next, next(self._coming, None)
+        query = replace(target.query, source=Source.REPLAY, lead=self._lead_s)
         with naming(str(self.robot)):
             try:
-                self.motion = self.robot.begin(self._corrected(target.query))
+                self.motion = self.robot.begin(self._corrected(query))
             except Refused as refusal:
                 if refusal.reason not in BAD_SPEED_REASONS:
                     raise
                 # The corrected speeds may exceed a limit, so use those of the plan.
-                self.motion = self.robot.begin(target.query)
+                self.motion = self.robot.begin(query)
 
     def _corrected(self, query: MotionQuery) -> MotionQuery:
         """Return the target with speeds that correct the deviation from the plan.
@@ -164,7 +168,8 @@ def replay(
         raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
     _go_to_start(robots, following)
     delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
-    streams = [Stream(robot, following, delay_s) for robot, delay_s in delays.items()]
+    both_s = None if isinstance(robots, Robot) else lead_s
+    streams = [Stream(robot, following, delay_s, both_s) for robot, delay_s in delays.items()]
     begin_s = time.monotonic() + BEGIN_S
     for stream in streams:
         stream.start(begin_s)
@@ -182,13 +187,14 @@ def replay(
 
 def _go_to_start(robots: Twin | Robot, following: Following) -> None:
     """Move to the start of the path, unless the robots are already at it."""
+    start = replace(following.start, source=Source.REPLAY)
     if isinstance(robots, Robot):
         if _away_from_start(robots, following):
-            robots.begin(following.start).wait()
+            robots.begin(start).wait()
         return
     robots.check_ready()
     if _away_from_start(robots.sim, following) or _away_from_start(robots.hw, following):
-        robots.preview_query(following.start).commit()
+        robots.preview_query(start).commit()
 
 
 def _away_from_start(robot: Robot, following: Following) -> bool:

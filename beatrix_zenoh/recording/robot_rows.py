@@ -23,10 +23,10 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
+from beatrix_zenoh.sentences.events import sentence
 
 STILL: Final = 5e-5
 """If all components of a quaternion change by at most this (0.006 deg), there is no new row."""
-REQUESTS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP)
 
 
 class State(StrEnum):
@@ -92,7 +92,7 @@ class RobotRows:
     def event(self, event: Event, time_ns: int) -> Iterator[Row]:
         """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
-        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {line_of(event)}"
+        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {sentence(event)}"
         yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event))
         if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
             self._stopped = True
@@ -150,20 +150,6 @@ def arms_deg(vector: Vector3) -> tuple[float, float, float]:
 def head_deg(head: Head) -> tuple[float, float, float]:
     """Return yaw, pitch and roll (deg)."""
     return math.degrees(head.yaw), math.degrees(head.pitch), math.degrees(head.roll)
-
-
-def line_of(event: Event) -> str:
-    """Return a line with seat, request, outcome and message of an event."""
-    words = [event.seat, *dict.fromkeys((str(event.kind), event.action))]
-    if event.reason is Reason.OK:
-        words.append("" if event.phase is None else event.phase)
-    else:
-        words += [
-            "ended" if event.phase is Phase.DONE else "refused" * (event.kind in REQUESTS),
-            event.reason,
-        ]
-    times = f" ({event.count} times)" if event.count > 1 else ""
-    return f"{' '.join(word for word in words if word)}{times}: {event.message}"
 
 
 def clock(time_ns: int) -> str:

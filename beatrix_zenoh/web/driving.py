@@ -12,7 +12,7 @@ from functools import partial
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source, Vector3
 from beatrix_zenoh.client import Client, Motion, Robot
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.errors import BeatrixError, Refused
@@ -180,7 +180,7 @@ class Driver:
             self.close()
 
     def _drive(self) -> None:
-        client = Client(self._settings)
+        client = Client(self._settings, source=Source.PAGE)
         with self._wake:
             self.client = client
             closed = self._closed

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Reason, Source
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.seats import Seats
@@ -144,7 +144,7 @@ class Connection:
 
     def _connect(self) -> None:
         try:
-            client = Client(self.settings)
+            client = Client(self.settings, source=Source.WINDOW)
         except BeatrixError as error:
             self._refused = error.reason is Reason.ACCOUNT_REFUSED
             self._trouble = error.message

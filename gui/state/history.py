@@ -95,7 +95,11 @@ def row_view(row: Row, world: World, texts: Texts) -> HistoryRowView:
 
 def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
     key = other_seats.WHATS.get(group.action, "")
-    text = texts(key) if key else group.action
+    query = group.query
+    if query is not None and group.count == 1 and (query.absolute or isinstance(query, MotionQuery)):
+        text = _motion(query, texts, undoes=False)
+    else:
+        text = texts(key) if key else group.action
     if group.count > 1:
         text = texts("what.times", what=text, count=float(group.count))
     text_of_result, good = _foreign_result(group, texts)

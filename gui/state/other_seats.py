@@ -6,7 +6,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, LeaseAction, Phase, Reason
+from beatrix_zenoh._generated.messages import (
+    Command,
+    Detail,
+    Event,
+    EventKind,
+    LeaseAction,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+)
 from gui.state.world import World
 
 KINDS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP, EventKind.LEASE)
@@ -57,6 +67,8 @@ class Group:
     message: str
     detail: Detail | None
     duration_s: float
+    query: MotionQuery | PoseQuery | None
+    """the newest motion as it was requested"""
 
 
 def groups(world: World) -> tuple[Group, ...]:
@@ -123,6 +135,7 @@ def _group(event: Event, twin: str) -> Group:
         message=event.message,
         detail=event.detail,
         duration_s=event.duration,
+        query=event.motion_query or event.pose_query,
     )
 
 
@@ -146,5 +159,6 @@ def _joined(group: Group, event: Event, twin: str) -> Group:
         reason=kept.reason,
         message=kept.message,
         detail=kept.detail,
+        query=new.query or group.query,
         duration_s=max(group.duration_s, new.duration_s) if new.reason is Reason.OK else new.duration_s,
     )

@@ -92,11 +92,11 @@ def test_echo_shows_the_last_events_and_then_the_next_ones(free: Shell) -> None:
     free.good("look", "--yaw", "5", "--speed", "60", "--on", "hw")
     echo = free.start("echo", "events", "--on", "hw")
     try:
-        refused = wait_for(echo, "OUT_OF_REACH")
-        assert "bea1 (hw)  ana  motion pose refused OUT_OF_REACH: The head would" in refused
-        assert "ana  motion pose done: Arrived" in wait_for(echo, " done")
+        asked = "bea1 (hw)  ana asked look yaw 0.0°, pitch 50.0°, roll 0.0° at the default speed, from"
+        assert f"{asked} the command line, refused OUT_OF_REACH: The head" in wait_for(echo, "REACH")
+        assert "done: Arrived" in wait_for(echo, "ana motion pose ")
         free.good("calibrate", "--on", "hw")
-        assert "ana  command CALIBRATE: The present position is home now." in wait_for(echo, "CALIBRATE")
+        assert "line: The present position is home now." in wait_for(echo, "ana command CALIBRATE, from")
     finally:
         echo.terminate()
         echo.communicate(timeout=END_S)

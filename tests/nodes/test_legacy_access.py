@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Iterator
 
 import pytest
 from old_program import Place, Program
 from stage import until, wait_status
 
-from beatrix_zenoh._generated.messages import Command, Event, EventKind, Phase, Reason
+from beatrix_zenoh._generated.messages import Command, Event, EventKind, Phase, Reason, Source
+from beatrix_zenoh.motion.gear import Gear
 
 pytestmark = pytest.mark.bodies("hw")
 
@@ -67,6 +69,11 @@ def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place
             (EventKind.STOP, "@STOPALL", None, Reason.OK),
         ]
         assert 0.3 < events[3].duration < 3.0
+        assert [event.source for event in events[:3]] == [Source.OLD_PROGRAM] * 3
+        assert events[2].message == "@MOVRALL 50 50 50"
+        assert events[3].position is not None
+        moved = math.degrees(events[3].position.x) - place.start
+        assert moved == pytest.approx(50 * 360 / Gear().steps_per_turn, abs=0.01)
 
 
 def test_a_teacher_who_takes_the_robot_stops_a_running_motion(place: Place) -> None:

@@ -12,7 +12,7 @@ from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions, Steps
+from beatrix_zenoh._generated.messages import Positions, Source, Steps
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.motion.kinematics import Neck
@@ -121,6 +121,8 @@ def test_the_robot_first_moves_to_the_start_of_the_path(twin: Twin) -> None:
     assert twin.hw.positions().commanded == pytest.approx((12,) * 3, abs=0.1)
     assert passed == sorted(passed)
     assert passed[-1] == 0.5
+    (*_, asked) = (event for event in twin.hw.past_events() if event.motion_query is not None)
+    assert asked.source is Source.REPLAY
 
 
 def test_a_refused_path_moves_no_robot(twin: Twin) -> None:

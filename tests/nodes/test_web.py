@@ -13,6 +13,7 @@ from stage import Stage, ready, until
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh._generated.messages import Source
 from beatrix_zenoh.web.handlers import MESSAGES_MAX
 
 NAMES, PRESSES = itertools.count(1), itertools.count(1)
@@ -104,6 +105,7 @@ def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, r
     jog(driver, "yaw", 5.0)
     driver.state(resting, "at rest")
     rests = robot.positions().head.yaw
+    assert {event.source for event in robot.past_events() if event.pose_query is not None} == {Source.PAGE}
     late = next(PRESSES) - 1
     driver.send("hold", press=late, part="yaw", sign=1, speed=20)  # a late heartbeat
     driver.send("command", command="ready")

@@ -19,21 +19,21 @@ EVENT = Event(
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"action": "pose", "phase": Phase.ACCEPTED}, "ana  motion pose: Text."),
+        ({"action": "pose", "phase": Phase.ACCEPTED}, "ana motion pose accepted: Text."),
         (
             {"action": "pose", "phase": Phase.ACCEPTED, "reason": Reason.ARM_GAP},
-            "ana  motion pose refused ARM_GAP: Text.",
+            "ana motion pose refused ARM_GAP: Text.",
         ),
-        ({"action": "pose", "phase": Phase.DONE}, "ana  motion pose done: Text."),
+        ({"action": "pose", "phase": Phase.DONE}, "ana motion pose done: Text."),
         (
             {"action": "pose", "phase": Phase.DONE, "reason": Reason.STOPPED},
-            "ana  motion pose ended STOPPED: Text.",
+            "ana motion pose ended STOPPED: Text.",
         ),
         (
             {"kind": EventKind.COMMAND, "action": "ENABLE", "reason": Reason.EMERGENCY, "count": 12},
-            "ana  command ENABLE refused EMERGENCY (12 times): Text.",
+            "ana command ENABLE refused EMERGENCY (12 times): Text.",
         ),
-        ({"kind": EventKind.BOARD, "seat": "", "reason": Reason.BOARD_LOST}, "-  board BOARD_LOST: Text."),
+        ({"kind": EventKind.BOARD, "seat": "", "reason": Reason.BOARD_LOST}, "board BOARD_LOST: Text."),
     ],
 )
 def test_an_event_is_one_line_with_time_robot_seat_and_outcome(changes: dict[str, object], line: str) -> None:

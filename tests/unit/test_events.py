@@ -6,8 +6,8 @@ import msgspec
 import pytest
 from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import EventKind, Fault, Phase, Reason
-from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, EventLog, sentence
+from beatrix_zenoh._generated.messages import EventKind, Fault, Phase
+from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, EventLog
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.status_events import StatusEvents
 
@@ -89,11 +89,6 @@ def test_windows_of_inactive_seats_are_deleted(log: EventLog, clock: Clock) -> N
         clock.now_s += WINDOW_S
         log.take()
     assert not log._windows
-
-
-def test_a_sentence_names_the_seat_and_the_reason(log: EventLog) -> None:
-    log.add(EventKind.COMMAND, action="ENABLE", caller=ANA, reason=Reason.EMERGENCY, message="No.")
-    assert sentence(log.take()[0]) == "command ENABLE refused of ana: EMERGENCY: No."
 
 
 def test_a_new_holder_and_a_lost_board_are_events(log: EventLog) -> None:

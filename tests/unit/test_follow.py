@@ -246,7 +246,7 @@ def test_a_suspended_program_sends_no_late_target(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("beatrix_zenoh.recording.replay.clock_s", lambda _robot: 0.0)
     monkeypatch.setattr("beatrix_zenoh.recording.replay.StopEvents", lambda _robot: NoStop())
     following = follow(path("0,0,0,0\n1,10,0,0\n"), ROBOT)
-    stream = Stream(FakeRobot(), following, 0.0)
+    stream = Stream(FakeRobot(), following, 0.0, None)
     stream.start(time.monotonic() - LATE_S - 0.1)
     with pytest.raises(Interrupted, match="was suspended") as error:
         stream.advance()

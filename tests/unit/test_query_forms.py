@@ -284,10 +284,13 @@ def test_the_home_pose_may_be_requested(raw: RawQuery) -> None:
     assert query_forms.read(raw, PoseQuery) == PoseQuery()
 
 
+POSE_FIELDS = ["absolute", "yaw", "pitch", "roll", "speed", "lease", "lead", "source"]
+
+
 @pytest.mark.parametrize(
     ("payload", "field", "known"),
     [
-        (b'{"yaw":1,"extra":2}', "extra", ["absolute", "yaw", "pitch", "roll", "speed", "lease"]),
+        (b'{"yaw":1,"extra":2}', "extra", POSE_FIELDS),
         (b'{"yaw":"far"}', "yaw", []),
         (b'{"yaw":1', "", []),
         (b"[1,2,3]", "", []),

@@ -6,12 +6,13 @@ import signal
 import statistics
 import time
 from collections.abc import Iterator
+from functools import partial
 
 import pytest
 from linked import Linked, look
 from stage import Process, Stage, free_endpoint, start_router, until
 
-from beatrix_zenoh._generated.messages import Command, Reason
+from beatrix_zenoh._generated.messages import Command, Reason, Source
 from beatrix_zenoh.client import Client, Presence
 from beatrix_zenoh.client.queries import pose_query
 from gui.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
@@ -29,6 +30,13 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         reading = linked.world.twin(twin).reading
         assert reading is not None
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
+        until(partial(recorded, linked, twin), "the event")
+
+
+def recorded(linked: Linked, twin: str) -> bool:
+    """Return whether an event shows that the window has requested a yaw of 10 deg."""
+    asked = [event.pose_query for event in linked.world.twin(twin).events if event.source is Source.WINDOW]
+    return any(query is not None and 0.17 < query.yaw < 0.18 for query in asked)
 
 
 def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
