@@ -10,7 +10,7 @@ from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
 from rig import damaged
 
-from beatrix_zenoh._generated.serial import Error, FrameType, Move, State
+from beatrix_zenoh._generated.serial import Error, FrameType, Move, Outcome, State
 from beatrix_zenoh.board.link import encode
 
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
@@ -126,6 +126,28 @@ def test_an_emergency_stop_behind_a_flood_of_text_takes_effect_at_once_and_is_ac
         acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
         assert acks == [(seq, b"\0")]
         assert mega.state == State.EMERGENCY
+
+
+def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None:
+    stop = encode(FrameType.STOP, 5, b"")
+    targets = [Move(600 + i, (1500 - i % 2,) * 3, (4189,) * 3).pack() for i in range(80)]
+    flood = b"".join(encode(FrameType.MOVE, 1, target) for target in targets)
+
+    def braking(before: bytes) -> int:
+        """Return the time (cycles) from the last byte of STOP to the last step."""
+        with Mega() as mega:
+            mega.ready()
+            mega.move((1500, 1500, 1500))
+            mega.tick(350)
+            mega.avr.run(len(flood + stop) * mega.avr.byte_cycles - len(before + stop) * mega.avr.byte_cycles)
+            arrival = mega.avr.send(before + stop)
+            mega.tick(400)  # less than the host's timeout
+            mega.run()
+            mega.settle()
+            assert mega.outcome == Outcome.STOPPED
+            return max(int(mega.avr.steps(arm)[0][-1]) for arm in range(3)) - arrival
+
+    assert abs(braking(flood) - braking(b"")) < RECOGNISED_MS * CYCLES_PER_MS
 
 
 def test_discarded_bytes_are_counted_and_leave_no_partial_line() -> None:

@@ -16,14 +16,18 @@ void Machine::start() {
 // requests that arrived before it can neither start a motion (start_motion) nor clear the latch (reset).
 void Machine::process(ReceiveBuffer &buffer, uint8_t most) {
   scan(buffer);
-  for (; most && hal::transmit_room() >= REPLY_ROOM; most--) {
+  bool room = hal::transmit_room() >= REPLY_ROOM;
+  for (; most && room; most--) {
     if (stop_pending_ && buffer.stop_is_due()) {
       finish_stop(buffer);
     } else if (buffer.empty()) {
       return;
     } else if (receive(buffer.take())) {
       scan(buffer);
+    } else {
+      continue;  // most bytes: nothing was sent
     }
+    room = hal::transmit_room() >= REPLY_ROOM;
   }
 }
 

@@ -41,12 +41,11 @@ uint16_t times(uint16_t fraction_of, uint16_t cycles) { return uint16_t(multiply
 
 }  // namespace
 
-bool next_train(const Axis &axis, int32_t before, uint16_t begin, StepTrain *train) {
+bool next_train(const Axis &axis, int32_t before, uint16_t begin, Interval *last, StepTrain *train) {
   int8_t steps = int8_t(axis.steps() - before);
   if (!steps) return false;
   bool forward = steps > 0;
-  uint32_t distance = to_tick_distance(axis.end()) - to_tick_distance(axis.start());
-  if (!forward) distance = -distance;
+  uint32_t distance = to_tick_distance(forward ? axis.end() - axis.start() : axis.start() - axis.end());
   uint32_t first = distance_to_first(axis.start(), before, forward);
   train->forward = forward;
   train->count = uint8_t(forward ? steps : -steps);
@@ -56,7 +55,11 @@ bool next_train(const Axis &axis, int32_t before, uint16_t begin, StepTrain *tra
     train->sparse = true;
     train->first = uint16_t(begin + (distance ? times(fraction(first, distance), TICK_CYCLES) : 0));
   } else {
-    train->interval = times(fraction(ONE_STEP, distance), TICK_CYCLES);
+    if (distance != last->distance) {
+      last->distance = distance;
+      last->cycles = times(fraction(ONE_STEP, distance), TICK_CYCLES);
+    }
+    train->interval = last->cycles;
     train->sparse = train->interval >= SPARSE_INTERVAL;
     train->first = uint16_t(begin + times(uint16_t(first >> (DISTANCE_BITS - 16)), train->interval));
   }

@@ -10,9 +10,15 @@ namespace mega {
 
 static const uint16_t TICK_CYCLES = 16000;
 
+// Interval of several steps in a tick, which at constant speed is computed only once.
+struct Interval {
+  uint32_t distance;  // of the tick
+  uint16_t cycles;
+};
+
 // Compute the steps of an axis in its last tick. `before`: step count at the start of the tick; `begin`: cycle at which
-// the millisecond starts. Return false if there are no steps.
-bool next_train(const Axis &axis, int32_t before, uint16_t begin, StepTrain *train);
+// the millisecond starts; `last`: the axis's last interval. Return false if there are no steps.
+bool next_train(const Axis &axis, int32_t before, uint16_t begin, Interval *last, StepTrain *train);
 
 }  // namespace mega
 }  // namespace beatrix

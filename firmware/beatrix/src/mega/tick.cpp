@@ -25,6 +25,7 @@ const uint16_t STAGGER = 264;
 Machine *machine;
 volatile bool done_flag = false;
 uint16_t begin = 0;  // of the last planned millisecond
+Interval intervals[ARMS];
 
 // The planned millisecond starts TICK_CYCLES after the last one, or later if that time has passed.
 void start_millisecond() {
@@ -46,7 +47,8 @@ void plan() {
   start_millisecond();
   for (uint8_t i = 0; i < ARMS; i++) {
     StepTrain train;
-    if (next_train(machine->motion().axis(i), before[i], uint16_t(begin + i * STAGGER), &train)) queue_train(i, train);
+    uint16_t first = uint16_t(begin + i * STAGGER);
+    if (next_train(machine->motion().axis(i), before[i], first, &intervals[i], &train)) queue_train(i, train);
   }
 }
 
