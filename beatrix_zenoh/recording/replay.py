@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.record_robots import clock_s
 
 POLL_S: Final = 0.02
 """Period of checks while no target is due."""
-LATE_S: Final = 1.0
+LATE_S: Final = 0.5
 """A target that is late by more than this is not sent: the program was suspended, and the robot has stopped."""
 THERE_DEG: Final = 0.1
 """Tolerance of the position at the start of the path; a microstep is 0.086 deg."""

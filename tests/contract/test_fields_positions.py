@@ -8,6 +8,7 @@ import time
 
 import pytest
 from body import Body
+from excuses import in_time
 from published import Published, published_positions
 from stage import ask_raw, until
 
@@ -165,20 +166,24 @@ def test_seq_counts_publications_and_a_query_returns_the_newest(robot: Robot) ->
     assert set(queried) <= set(numbers)
 
 
+@pytest.mark.measures_time
 def test_positions_are_published_at_50_hz(robot: Robot) -> None:
     samples = one_second(published_positions(robot))
     lasted_s = (samples[-1].t_mono_ns - samples[0].t_mono_ns) / 1e9
-    assert (len(samples) - 1) / lasted_s == pytest.approx(keys.POSITIONS_HZ, rel=0.2)
+    due_s = (len(samples) - 1) / keys.POSITIONS_HZ
+    assert lasted_s > due_s / 1.2
+    in_time(lasted_s, due_s / 0.8, f"{len(samples)} samples at 50 Hz")
 
 
-def test_time_stamps_never_decrease_and_are_by_the_clocks_of_this_computer(robot: Robot) -> None:
+def test_time_stamps_never_decrease_and_are_by_the_clocks_of_this_computer(body: Body, robot: Robot) -> None:
     began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
     positions = published_positions(robot)
     samples = list(one_second(positions))
     ended_ns, ended_wall_ns = time.monotonic_ns(), time.time_ns()
     stamps = [at.t_mono_ns for at in samples]
     assert stamps == sorted(stamps)
-    assert len(set(stamps)) > 0.2 * len(stamps), "a simulated Mega sends less telemetry on a busy computer"
+    if body.kind != "mega":  # it simulates every cycle, and sends less telemetry on a busy computer
+        assert len(set(stamps)) > 0.8 * len(stamps)
     assert began_ns - 0.1e9 < stamps[0] <= stamps[-1] <= ended_ns, "not later than now, and not old"
     assert ended_ns - stamps[-1] < 0.5e9
     assert began_wall_ns - 0.1e9 < samples[0].t_wall_ns <= samples[-1].t_wall_ns <= ended_wall_ns

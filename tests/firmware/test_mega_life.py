@@ -41,7 +41,7 @@ def test_the_drivers_stay_off_at_start() -> None:
 
 def test_every_start_has_a_new_boot_number() -> None:
     with Mega() as mega:
-        for boot in range(1, 100):
+        for boot in range(1, 200):
             assert hello(mega).boot == boot
             mega.restart()
 

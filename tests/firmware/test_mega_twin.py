@@ -58,7 +58,7 @@ def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int6
     return counts[np.searchsorted(steps, times)]
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", range(50))
 def test_mega_and_virtual_board_differ_by_at_most_a_step(seed: int) -> None:
     frames = script(seed)
     firmware = Firmware()

@@ -126,7 +126,7 @@ def test_a_new_target_in_motion_keeps_the_acceleration_limit_and_is_reached(
             assert abs(b - a) <= bound + dead + ROUNDING, tick
 
 
-@settings(max_examples=6)
+@settings(max_examples=20)
 @given(TARGETS, st.integers(20, SPEED_MAX), TARGETS)
 def test_a_straight_move_from_rest_is_straight_and_all_arms_arrive_together(
     first: Steps, speed: int, target: Steps
