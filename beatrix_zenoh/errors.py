@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Self
 
 from beatrix_zenoh import sentences
 from beatrix_zenoh._generated.messages import Detail, Reason
@@ -27,6 +28,10 @@ class BeatrixError(Exception):
         self.reason = reason
         self.message = message
         self.detail = detail
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Reason, str, Detail | None]]:
+        """Describe the error for pickle, so that one of a child process reaches its parent."""
+        return type(self), (self.reason, self.message, self.detail)
 
 
 class Refused(BeatrixError):

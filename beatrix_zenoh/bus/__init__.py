@@ -10,6 +10,7 @@ from beatrix_zenoh.bus.endpoint import is_listening as is_listening
 from beatrix_zenoh.bus.endpoint import is_local as is_local
 from beatrix_zenoh.bus.endpoint import parse_endpoint as parse_endpoint
 from beatrix_zenoh.bus.endpoint import probe as probe
+from beatrix_zenoh.bus.forks import ProcessBound as ProcessBound
 from beatrix_zenoh.bus.incoming import Incoming as Incoming
 from beatrix_zenoh.bus.incoming import Received as Received
 from beatrix_zenoh.bus.publication import Publication as Publication

@@ -11,6 +11,7 @@ from typing import Protocol, TypeVar
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus.forks import ProcessBound
 from beatrix_zenoh.errors import WrongUsage
 
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
@@ -32,7 +33,7 @@ class Declaration:
     make: Callable[[zenoh.Session], Declared]
 
 
-class Declarations:
+class Declarations(ProcessBound):
     """A session and its declarations; several threads may declare, end declarations, renew and close at once.
 
     The lock protects the session and the dictionary of declarations. No call of Zenoh, and no deletion of an object of
@@ -129,7 +130,9 @@ class Declarations:
             return sorted({declaration.key for declaration in self._made if declaration.kind == kind})
 
     def close(self) -> None:
-        """Close the session with all declarations; may be called twice."""
+        """Close the session with all declarations; may be called twice. Does nothing in a forked child."""
+        if self.inherited:
+            return
         with self._lock:
             self.closed = True
             session, made, self._made = self._session, self._made, {}

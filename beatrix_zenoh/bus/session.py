@@ -18,9 +18,10 @@ from zenoh.handlers import Callback
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.declarations import Declarations, Declared
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
+from beatrix_zenoh.bus.forks import ProcessBound
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.query import QUERY_S, Query, priority_of
@@ -42,7 +43,7 @@ MOST_KEYS = 256
 """Largest number of keys of queries and puts that a session remembers."""
 
 
-class Bus:
+class Bus(ProcessBound):
     """One Zenoh session: a client of an explicit router, without discovery and shared memory."""
 
     def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
@@ -286,8 +287,10 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
-        WrongUsage: BAD_VALUE, `endpoint` or ZENOH_RUNTIME is invalid, or the certificate of the account has expired.
+        WrongUsage: BAD_VALUE, `endpoint` or ZENOH_RUNTIME is invalid, the certificate of the account has expired, or this
+            process was forked from one that has connected.
     """
+    forks.check()
     for one in endpoints(endpoint):
         parse_endpoint(one)
     if account is not None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus import forks
 from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
 
 LEASE_MS = 2000
@@ -59,6 +60,7 @@ def opened(
 
     Raises:
         WrongUsage: BAD_VALUE, the environment variable ZENOH_RUNTIME cannot be parsed.
+        WrongUsage: BAD_VALUE, this process was forked from one that has opened a session.
         NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is the text of `explain`, followed
             by Zenoh's own text without source locations.
     """
@@ -73,6 +75,7 @@ def opened(
     config = zenoh.Config()
     for key, value in {**COMMON, **settings}.items():
         config.insert_json5(key, json.dumps(value))
+    forks.opening()
     try:
         return zenoh.open(config)
     except zenoh.ZError as error:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 from beatrix_zenoh import refusals
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.queries import number
 from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.robot import Robot
 
 
-class Lease:
+class Lease(ProcessBound):
     """A robot that this program has taken: `with robot.lease(): …`.
 
     Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.

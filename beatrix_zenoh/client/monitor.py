@@ -8,7 +8,7 @@ from typing import Self
 
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh.bus import Received, Reply
+from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.clocks import Offsets, clock_offsets
 from beatrix_zenoh.client.request import Place, own_place
 from beatrix_zenoh.client.robot_state import Record, RobotState
@@ -21,7 +21,7 @@ ROBOTS = 1000
 """Largest number of robots; further names, for example of a faulty program, are ignored."""
 
 
-class Monitor:
+class Monitor(ProcessBound):
     """All robots of a router, live; read their states with `robots` and `robot`.
 
         with Robot("bea1") as robot, Monitor(robot.client) as monitor:

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Protocol, cast
 
 from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
 
@@ -35,7 +36,7 @@ class Replies(Protocol):
         """Receive no more replies."""
 
 
-class Motion:
+class Motion(ProcessBound):
     """A motion that a robot has accepted.
 
     Several threads may use it. Zenoh's threads only enqueue the final reply; the thread that waits for it reads it.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from beatrix_zenoh._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.queries import true_or_false, wait_s
 from beatrix_zenoh.client.readings import Path, arm_angles, head_angles
@@ -28,7 +29,7 @@ Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was on line."""
 
 
-class Plan:
+class Plan(ProcessBound):
     """A previewed motion, to be committed or aborted."""
 
     def __init__(

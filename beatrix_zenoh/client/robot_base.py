@@ -7,6 +7,7 @@ from typing import Self
 from beatrix_zenoh import names
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Event, Events, Info, Positions, Reason, Status
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import camera, streams
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.queries import seconds
@@ -19,7 +20,7 @@ from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.settings import resolve
 
 
-class RobotBase:
+class RobotBase(ProcessBound):
     """The readable part of a robot; `Robot` adds commands and motions."""
 
     def __init__(

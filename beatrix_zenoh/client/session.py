@@ -12,7 +12,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Info, Reason, Source
-from beatrix_zenoh.bus import CLOSED, Bus, Incoming, Reply
+from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
 from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.request import GroupRequest, Place, Request
@@ -22,7 +22,7 @@ from beatrix_zenoh.settings import Settings
 M = TypeVar("M", bound=msgspec.Struct)
 
 
-class Client:
+class Client(ProcessBound):
     """One Zenoh session under one seat; robots of this process share it.
 
     A liveliness token announces the seat, so that a robot notices the end of the session and stops its motion. Raises
@@ -158,7 +158,9 @@ class Client:
         return forget
 
     def close(self) -> None:
-        """Close the session; robots stop its running motions. May be called twice."""
+        """Close the session; robots stop its running motions. May be called twice. Does nothing in a forked child."""
+        if self.inherited:
+            return
         with self._lock:
             self._closed = True
             closing, self._closing = list(self._closing.values()), {}

@@ -12,7 +12,7 @@ import msgspec
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.bus import Bus, Received, Reply
+from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.wakeup import Wakeup
 from beatrix_zenoh.errors import NoAnswer
@@ -100,7 +100,7 @@ class Inbox:
         self._wakeup.set()
 
 
-class Subscription(Generic[T]):
+class Subscription(ProcessBound, Generic[T]):
     """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:

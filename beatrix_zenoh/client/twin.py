@@ -9,6 +9,7 @@ from typing import NamedTuple, Self
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.readings import Reading
@@ -30,7 +31,7 @@ class TwinReading(NamedTuple):
     hw: Reading
 
 
-class Twin:
+class Twin(ProcessBound):
     """Simulation and hardware of one name; see `Robot` for the arguments.
 
     `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a

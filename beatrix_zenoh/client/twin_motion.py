@@ -16,6 +16,7 @@ from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot, stop_together
@@ -39,7 +40,7 @@ class TwinReplies(NamedTuple):
     hw: MotionReply
 
 
-class TwinMotion:
+class TwinMotion(ProcessBound):
     """A motion of both robots, similar to concurrent.futures.Future; several threads may use it.
 
     The simulation begins at once and the hardware `lead_s` later. During the lead, `cancel`, STOP at either robot,

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from beatrix_zenoh import refusals
 from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Reason, Status
+from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.readings import ArmAngles, Reading
 from beatrix_zenoh.client.robot import Robot
@@ -37,7 +38,7 @@ class PlanPosition(NamedTuple):
     t: float
 
 
-class TwinState:
+class TwinState(ProcessBound):
     """Published state of both robots: one subscription to positions and one to status, opened at the first use.
 
     Several threads may use it.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from code import InteractiveConsole
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,9 +21,12 @@ PAGES = (
     "docs/how-to/motion-files.md",
     "docs/how-to/cameras.md",
     "docs/how-to/share-a-robot.md",
+    "docs/how-to/processes.md",
 )
 FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
 """Files that a page shows; the first line of each is its name."""
+PROGRAM = re.compile(r"# (\S+\.py)\n")
+"""The first line of Python that is a program of its own, and not typed at the prompt."""
 
 
 class Prompt(InteractiveConsole):
@@ -56,6 +61,10 @@ def test_the_python_of_a_page_runs(
         (tmp_path / name).write_text(content, encoding="utf-8")
     prompt = Prompt({"__name__": "page"})
     for block in blocks:
+        if program := PROGRAM.match(block):
+            (tmp_path / program[1]).write_text(block, encoding="utf-8")
+            subprocess.run([sys.executable, program[1]], check=True, timeout=60)
+            continue
         for line in [*block.splitlines(), ""]:
             prompt.push(line)
     assert prompt.errors == ""

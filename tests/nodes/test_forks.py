@@ -1,0 +1,192 @@
+"""Programs that fork: multiprocessing with the start method fork, process pools, os.fork. Nothing of them may hang."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stage import Stage
+
+from beatrix_zenoh.bus.forks import CURE
+
+START = """
+import json, multiprocessing, os, signal, sys, threading, time, warnings
+from concurrent.futures import ProcessPoolExecutor
+from beatrix_zenoh import BeatrixError, Monitor, Robot, Twin
+warnings.simplefilter("ignore", DeprecationWarning)  # since Python 3.12 for a fork in a process with threads
+os.environ["BEATRIX_CONNECT"], os.environ["BEATRIX_WHO"] = sys.argv[1], "ana"
+LIMIT_S = 10.0
+
+def in_fork(do, *, end=os._exit):
+    '''Call `do` in a forked child; return its result or error, or that it hangs.'''
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reader)
+        try:
+            text = "returned " + str(do())
+        except BaseException as error:
+            text = type(error).__name__ + ": " + str(error)
+        os.write(writer, text.encode())
+        os.close(writer)
+        end(0)
+    os.close(writer)
+    deadline = time.monotonic() + LIMIT_S
+    while os.waitpid(child, os.WNOHANG) == (0, 0):
+        if time.monotonic() > deadline:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return "hangs"
+        time.sleep(0.002)
+    with open(reader) as pipe:
+        return pipe.read()
+"""
+USED = (
+    START
+    + """
+robot = Robot("bea1")
+robot.make_ready()
+twin, stream, monitor = Twin("bea1"), robot.stream(timeout_s=None), Monitor(robot.client)
+lease = robot.lease()
+motion = robot.move(60, 60, 60, speed=6, wait=False)
+iterator = iter(stream)
+next(iterator)
+bound = robot.look
+threading.Thread(target=motion.result, daemon=True).start()  # holds a lock of the motion
+threading.Thread(target=robot.events().next, daemon=True).start()
+robot.client._lock.acquire()  # as a thread that opens the session of the cameras
+REFUSED = {
+    "status": robot.status, "positions": robot.positions, "info": robot.info, "look": lambda: robot.look(10),
+    "move": lambda: robot.move(1, 2, 3), "home": robot.home, "stop": robot.stop, "enable": robot.enable,
+    "emergency_stop": robot.emergency_stop, "past_events": robot.past_events, "target": robot.target,
+    "stream": robot.stream, "camera": lambda: robot.camera("left"), "lease": robot.lease, "events": robot.events,
+    "with": lambda: robot.__enter__(), "bound": lambda: bound(10),
+    "stream.next": stream.next, "stream.latest": lambda: stream.latest, "for": lambda: next(iter(stream)),
+    "iterator": lambda: next(iterator), "motion.result": motion.result, "motion.done": motion.done,
+    "motion.cancel": motion.cancel, "twin.look": lambda: twin.look(10), "twin.positions": lambda: twin.positions(),
+    "twin.preview": lambda: twin.preview(10), "twin.stop": lambda: twin.stop(), "monitor": lambda: monitor.robots(),
+    "new monitor": lambda: Monitor(robot.client), "client": robot.client.robots,
+    "new robot": lambda: Robot("bea1"), "new twin": lambda: Twin("bea1"),
+}
+CLOSED = {
+    "robot.close": lambda: robot.close(), "stream.close": lambda: stream.close(), "lease.close": lambda: lease.close(),
+    "twin.close": lambda: twin.close(), "monitor.close": lambda: monitor.close(), "exit": lambda: robot.__exit__(),
+    "client.close": robot.client.close,
+}
+found = {name: in_fork(do) for name, do in {**REFUSED, **CLOSED}.items()}
+found["refused"], found["closed"] = sorted(REFUSED), sorted(CLOSED)
+found["repr"] = in_fork(lambda: repr(robot))
+found["end"] = in_fork(lambda: None, end=sys.exit)
+robot.client._lock.release()
+found["parent"] = robot.move(0, 0, 0).result().result
+print(json.dumps(found), flush=True)
+"""
+)
+"""Every use of inherited objects in a child, while threads of the parent wait and hold locks."""
+
+
+POOLS = (
+    START
+    + """
+import pickle
+from multiprocessing import get_context
+from beatrix_zenoh import suggestion
+
+def enabled(name):
+    with Robot(name) as robot:
+        return robot.status().enabled
+
+def use(robot):
+    return robot.status().enabled
+
+def refuse():
+    with Robot("bea1") as robot:
+        robot.look(pitch=60)
+
+def in_pool(method, do, *arguments):
+    '''Call `do` in a pool of one process; return its result or error.'''
+    with ProcessPoolExecutor(1, mp_context=get_context(method)) as pool:
+        try:
+            return pool.submit(do, *arguments).result(30)
+        except BeatrixError as error:
+            alternative = suggestion(error)
+            return [type(error).__name__, error.message, alternative and round(alternative.head.pitch)]
+
+if __name__ == "__main__":
+    found = {"fork before": in_pool("fork", enabled, "bea1")}
+    robot = Robot("bea1")
+    found["fork"] = in_pool("fork", enabled, "bea1")
+    child = get_context("fork").Process(target=lambda: robot.status())
+    child.start()
+    child.join(10)
+    found["exit code"] = child.exitcode
+    for method in ("spawn", "forkserver"):
+        found[method] = in_pool(method, enabled, "bea1")
+    found["passed"] = in_pool("spawn", use, robot)
+    found["refused"] = in_pool("spawn", refuse)
+    twin = Twin("bea1")
+    motion, stream = robot.move(0, 0, 0, wait=False), robot.stream()
+    for one in (robot, robot.client, twin, twin.preview(5), motion, stream, Monitor(robot.client)):
+        try:
+            pickle.dumps(one)
+        except BeatrixError as error:
+            found[type(one).__name__] = error.message
+    twin.close()
+    robot.close()
+    found["fork after close"] = in_pool("fork", enabled, "bea1")
+    print(json.dumps(found), flush=True)
+"""
+)
+"""Process pools of all start methods, before, during and after a connection of the parent; and pickling."""
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        made.simulation("bea1", "--ready")
+        made.hardware("bea1")
+        yield made
+
+
+def results(stage: Stage, text: str, folder: Path) -> dict[str, Any]:
+    """Run a program and return what it prints as JSON."""
+    program = folder / "program.py"
+    program.write_text(text, encoding="utf-8")
+    process = stage.script(program, stage.endpoint)
+    found: dict[str, Any] = json.loads(process.expect("{"))
+    assert process.wait() == 0
+    return found
+
+
+def test_every_use_of_an_inherited_object_is_refused_at_once(stage: Stage, tmp_path: Path) -> None:
+    found = results(stage, USED, tmp_path)
+    for name in found["refused"]:
+        assert (found[name].partition(":")[0], found[name].endswith(CURE)) == ("WrongUsage", True), found[
+            name
+        ]
+    assert {found[name] for name in found["closed"]} == {"returned None"}
+    assert found["repr"].startswith("returned <Robot of process ")
+    assert (found["end"], found["parent"]) == ("returned None", True)
+
+
+def test_a_child_of_a_process_that_has_connected_is_refused_and_others_work(
+    stage: Stage, tmp_path: Path
+) -> None:
+    found = results(stage, POOLS, tmp_path)
+    assert [found[name] for name in ("fork before", "spawn", "forkserver")] == [True, True, True]
+    for name in ("fork", "fork after close"):
+        kind, sentence, _ = found[name]
+        assert kind == "WrongUsage"
+        assert sentence.startswith("This process cannot connect, because process ")
+        assert sentence.endswith(CURE)
+    assert found["exit code"] == 1
+    assert found["refused"][::2] == ["Refused", 35], "an error reaches the parent with its data"
+    assert found["passed"][0] == "WrongUsage"
+    for name in ("Robot", "Client", "Twin", "Plan", "Motion", "Subscription", "Monitor"):
+        assert found[name].startswith(
+            f"{name} works only in the process that created it, so it can neither be"
+        )
+        assert found[name].endswith(CURE)
