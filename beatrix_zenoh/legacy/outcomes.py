@@ -19,6 +19,15 @@ EXPLAINED_S = 0.1
 """Time within which the board sends the warning that explains a NACK, if it sends one (s)."""
 STEPS_MAX: Final = 32767
 """Largest number of steps in a line, in either direction."""
+NUMBERS: Final = {
+    **dict.fromkeys(("@MOVRX", "@MOVRY", "@MOVRZ", "@MOVAX", "@MOVAY", "@MOVAZ"), 1),
+    **dict.fromkeys(("@MOVRALL", "@MOVAALL"), 3),
+    **dict.fromkeys(("@MOVTORPOS", "@MOVTOAPOS"), 2),
+}
+"""Number of words after the first that have an effect; speeds have none."""
+WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+NUMBER: Final = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)")
+"""Whole and decimal numbers; the decimals have no effect."""
 
 UNREADABLE: Final = Cause(Reason.BAD_VALUE, "the line was refused: at most 127 ASCII characters are allowed.")
 BUSY: Final = Cause(Reason.BUSY, WARNING_TEXT[WarningCode.BUSY])
@@ -59,7 +68,11 @@ class Outcomes:
     def accepted(self, line: Line) -> None:
         """Report a motion that was sent to the board; other lines are reported only when they end."""
         if line.effect is Effect.MOVE:
-            self._record(line, Cause(Reason.OK, ""), Phase.ACCEPTED)
+            read = Cause(Reason.OK, misread(line.text))
+            if read.message:
+                text = line.text.decode("ascii", "replace")
+                self._warn(Cause(Reason.OK, f"`{text}`: {read.message}"))
+            self._record(line, read, Phase.ACCEPTED)
 
     def declined(
         self, line: Line, cause: Cause, *, silent: bool = False, detail: Detail | None = None
@@ -152,6 +165,29 @@ class Outcomes:
 def refuses(cause: Cause | None) -> bool:
     """Return whether a cause explains why a line was not carried out."""
     return cause is not None and cause.reason is not Reason.OK
+
+
+def misread(text: bytes) -> str:
+    """Return how the firmware reads the words of a line that are no numbers, as a clause; empty: all are numbers.
+
+    Like the firmware of 2023 it reads a sign and digits up to the first other character, and 0 if there are none.
+    """
+    first, *words = text.decode("ascii", "replace").removesuffix(" ").split(" ")
+    count = NUMBERS.get(first, 0)
+    wrong = [f"`{word}` {read_as(word)}" for word in words[:count] if word and not NUMBER.fullmatch(word)]
+    if "" in words[:count]:
+        wrong.append("two spaces in a row enclose an empty word, which counts as 0")
+    if (missing := count - len(words)) > 0:
+        wrong.append(
+            f"{missing} of {count} numbers {'is' if missing == 1 else 'are'} missing and counted as 0"
+        )
+    return "; ".join(wrong) + "." if wrong else ""
+
+
+def read_as(word: str) -> str:
+    """Return how the firmware reads a word that is no number."""
+    whole = WHOLE.match(word)
+    return "is no number and counts as 0" if whole is None else f"is read as {int(whole[0])}"
 
 
 def board_warning(code: int) -> Cause:

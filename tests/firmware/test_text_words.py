@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from program import Program
 from rig import Steps
 
+from beatrix_zenoh.legacy.outcomes import misread
+
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
 LONG = 400
@@ -131,6 +133,20 @@ def test_numbers_are_read_up_to_the_first_other_character(
 ) -> None:
     assert program.run(f"@MOVRY {argument} 200") == DONE
     assert program.position == (0, steps, 0)
+
+
+@given(st.text("0123456789+-.,;eN ", max_size=6))
+def test_the_node_knows_how_the_firmware_reads_a_word(word: str) -> None:
+    program = Program().ready()
+    line = f"@MOVAY {word}"
+    program.send(line.encode() + b"\r")
+    program.tick(LONG)
+    said = misread(line.encode())
+    wanted = int(float(word.split(" ", maxsplit=1)[0])) if not said else 0
+    if found := re.search(r"read as (-?\d+)", said):
+        wanted = int(found[1])
+    if abs(wanted) < 50:
+        assert program.position == (0, wanted, 0)
 
 
 @pytest.mark.parametrize("argument", ["32768", "-32768", "65537", "99999999999999999"])

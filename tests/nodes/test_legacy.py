@@ -13,7 +13,7 @@ from old_program import Place, Program
 from stage import Stage, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
-from beatrix_zenoh._generated.messages import Command, Reason
+from beatrix_zenoh._generated.messages import Command, EventKind, Phase, Reason
 
 
 @pytest.mark.bodies("sim")
@@ -247,6 +247,23 @@ def test_motions_that_exceed_the_queue_are_refused_in_order(place: Place) -> Non
         assert 0 < busy < count - 32
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         assert abs(program.x) == 40
+
+
+def test_a_line_with_words_that_are_no_numbers_is_carried_out_with_a_warning(place: Place) -> None:
+    with place.program() as program:
+        program.begin()
+        since = place.newest_event()
+        for line in ("@MOVRX None", "@MOVRALL 5 5"):
+            assert program.say(line) == ["ACK\n", "ACK\n"]
+        until(lambda: place.events(since)[-1].message.startswith("@MOVRALL"), "the events")
+    events = place.events(since)
+    warnings = [event.message for event in events if event.kind is EventKind.WARNING]
+    assert warnings == [
+        "old program: `@MOVRX None`: `None` is no number and counts as 0.",
+        "old program: `@MOVRALL 5 5`: 1 of 3 numbers is missing and counted as 0.",
+    ]
+    begun = [event.message for event in events if event.phase is Phase.ACCEPTED]
+    assert begun[0] == "@MOVRX None: `None` is no number and counts as 0."
 
 
 def test_limits_shorten_a_motion_with_a_warning(place: Place) -> None:

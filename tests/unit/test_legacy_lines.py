@@ -14,7 +14,7 @@ from beatrix_zenoh.legacy import Cause, Effect
 from beatrix_zenoh.legacy.line import ACK, NACK, Answer, Line, effect_of, readable
 from beatrix_zenoh.legacy.line_queue import CAPACITY, LAST, REFUSED_MAX, LineQueue
 from beatrix_zenoh.legacy.link import TextLink
-from beatrix_zenoh.legacy.outcomes import explain
+from beatrix_zenoh.legacy.outcomes import explain, misread
 
 
 @pytest.mark.parametrize(
@@ -63,6 +63,34 @@ def test_the_cause_of_a_refusal_is_found_in_the_line_itself(text: bytes, unknown
     if cause is not None:
         assert cause.reason is Reason.BAD_VALUE
         assert word in cause.message
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        (b"@MOVRX None", "`None` is no number and counts as 0."),
+        (b"@MOVAX np.float64(20.0) 200", "`np.float64(20.0)` is no number and counts as 0."),
+        (b"@MOVRALL 20 20", "1 of 3 numbers is missing and counted as 0."),
+        (b"@MOVRALL 20;20;20", "`20;20;20` is read as 20; 2 of 3 numbers are missing and counted as 0."),
+        (b"@MOVRX 20,5", "`20,5` is read as 20."),
+        (b"@MOVRX 1e3", "`1e3` is read as 1."),
+        (b"@MOVRX  7 200", "two spaces in a row enclose an empty word, which counts as 0."),
+        (b"@MOVRX ", "1 of 1 numbers is missing and counted as 0."),
+        (b"@MOVTORPOS nan 5", "`nan` is no number and counts as 0."),
+        (
+            b"@MOVAALL 1  None",
+            "`None` is no number and counts as 0; two spaces in a row enclose an empty word, which counts as 0.",
+        ),
+        (b"@MOVRX -7", ""),
+        (b"@MOVRX +5 fast", ""),
+        (b"@MOVRX 3.9", ""),
+        (b"@MOVRX 7 ", ""),
+        (b"@MOVRALL 1 2 3 0 x y z 0", ""),
+        (b"@MOVHOME", ""),
+    ],
+)
+def test_words_that_are_no_numbers_are_named_with_what_they_count_as(text: bytes, read: str) -> None:
+    assert misread(text) == read
 
 
 def test_a_damaged_answer_has_as_many_lines_as_the_protocol_requires() -> None:
