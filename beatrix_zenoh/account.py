@@ -29,14 +29,14 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     """name of the seat, and of its own robot"""
     role: Role
     connect: str
-    """endpoints of the router and, if there is one, of the second router; separated by commas"""
-    password: str = ""
-    expires: dt.date | None = None
-    """last day on which the certificate is valid; None: no certificate"""
-    authority: str = ""
+    """endpoints of the router, separated by commas"""
+    expires: dt.date
+    """last day on which the certificate is valid"""
+    authority: str
     """certificate (PEM) of the authority that has signed the certificate of the router"""
-    certificate: str = ""
-    key: str = ""
+    certificate: str
+    """certificate (PEM); its common name is the name and a random suffix, and the router knows only the newest"""
+    key: str
 
     def __repr__(self) -> str:
         """Return name and class without the credentials, because logs contain reprs."""
@@ -79,7 +79,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
 
     def check_time(self, today: dt.date) -> None:
         """Raise WrongUsage (BAD_VALUE) after the certificate's last day."""
-        if self.expires is not None and today > self.expires:
+        if today > self.expires:
             raise WrongUsage(
                 Reason.BAD_VALUE,
                 f"The certificate of account {self.name} expired on {self.expires}; the date of this computer is "
@@ -112,15 +112,17 @@ def parse(text: str, called: str) -> Account:
     except msgspec.ValidationError as error:
         raise _wrong(called, _cause(table, str(error))) from error
     names.check_name(account.name, "account")
-    if not (account.password or (account.authority and account.certificate and account.key)):
-        raise _wrong(called, "it contains neither a password nor authority, certificate and key")
+    if not all(endpoint.strip().startswith("tls/") for endpoint in account.connect.split(",")):
+        raise _wrong(called, "its router must have endpoints that begin with tls/")
     return account
 
 
 def _cause(table: dict[str, object], error: str) -> str:
     """Return why a table is not an account; `error`: msgspec's message, which names the path of the wrong field."""
-    if table.get("role") in ("router", "standby"):
+    if table.get("role") == "router":
         return "it is the account of the class's router, which stays on the router's computer"
+    if "password" in table:
+        return "it has a password, as in earlier versions: the teacher deletes it and runs `beatrix classroom init` again"
     if "addresses" in table:
         return "it is the class file, from which the teacher makes the accounts"
     if unknown := files.unknown_fields(table, Account):

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
+import datetime as dt
 import queue
 import shutil
 import signal
-import socket
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
+import msgspec
 from patience import patiently
 from stage import Process
 
@@ -18,6 +18,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.classroom import class_file, provision
+from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.recording.viewer import free_port
 
 CLI = ("-m", "beatrix_zenoh.cli")
@@ -28,21 +29,10 @@ addresses = ["{address}"]
 seats = {seats}
 robots = ["bea1", "bea2"]
 teacher = "Ada <Lovelace>"
-auth = "{auth}"
 
 [router]
 port = {port}
-standby = "{standby}"
 """
-
-
-def two_free_ports() -> int:
-    """Return a free port whose successor is free, too: the link to a second router uses the successor."""
-    while True:
-        port = free_port()
-        with contextlib.suppress(OSError, OverflowError), socket.socket() as following:
-            following.bind(("127.0.0.1", port + 1))
-            return port
 
 
 class Answering:
@@ -95,15 +85,13 @@ class ReceivedKeys:
 
 def class_text(
     *,
-    auth: str = "password",
     port: int = 7447,
-    standby: str = "",
     name: str = "8b",
     address: str = "127.0.0.1",
     seats: str = '["ana", "ben"]',
 ) -> str:
     """Return a class file with the robots bea1 and bea2 and a teacher."""
-    return CLASS.format(auth=auth, port=port, standby=standby, name=name, address=address, seats=seats)
+    return CLASS.format(port=port, name=name, address=address, seats=seats)
 
 
 class ClassRouter:
@@ -112,13 +100,10 @@ class ClassRouter:
     `options` are those of `class_text`.
     """
 
-    def __init__(
-        self, folder: Path, auth: str, standby: str = "", inside: tuple[str, ...] = (), **options: str
-    ) -> None:
+    def __init__(self, folder: Path, inside: tuple[str, ...] = (), **options: str) -> None:
         self._inside = inside
         self.class_file = folder / "class.toml"
-        text = class_text(auth=auth, port=two_free_ports(), standby=standby, **options)
-        self.class_file.write_text(text)
+        self.class_file.write_text(class_text(port=free_port(), **options))
         self.classroom = class_file.read(self.class_file)
         self.folder = folder / self.classroom.name
         provision.init(self.classroom, self.folder)
@@ -126,21 +111,32 @@ class ClassRouter:
         self._sessions: dict[str, Bus] = {}
         self._processes: list[Process] = [self.process]
 
-    def start(self, file: Path | None = None) -> Process:
-        """Start the router of this class file, or of another one; return when it is ready."""
-        process = Process(*CLI, "router", "--class", str(file or self.class_file), inside=self._inside)
+    def start(self) -> Process:
+        """Start the router; return when it is ready."""
+        process = Process(*CLI, "router", "--class", str(self.class_file), inside=self._inside)
         process.expect("ready")
         return process
 
-    def start_standby(self) -> Process:
-        """Start the second router."""
-        self._processes.append(self.start(self.folder / "standby.toml"))
-        return self._processes[-1]
-
     def start_again(self) -> None:
-        """Start the first router again."""
+        """Start the router again."""
         self.process = self.start()
         self._processes.append(self.process)
+
+    def replace(self, name: str) -> Account:
+        """Delete the file of an account and run `init`, as after the loss of a card; return the old account."""
+        old = self.account(name)
+        self.path(name).unlink()
+        made = provision.init(self.classroom, self.folder)
+        assert made.new == [name]
+        return old
+
+    def rewrite(self, old: str, new: str) -> None:
+        """Change the text of the class file and run `init`."""
+        text = self.class_file.read_text()
+        assert old in text
+        self.class_file.write_text(text.replace(old, new))
+        self.classroom = class_file.read(self.class_file)
+        provision.init(self.classroom, self.folder)
 
     def make_anew(self) -> None:
         """Create all accounts with new secrets, as after a loss of the folder. Only a new router process uses them."""
@@ -153,6 +149,14 @@ class ClassRouter:
 
     def account(self, name: str) -> Account:
         return accounts.load(self.path(name))
+
+    def authority(self) -> Authority:
+        """Return the authority of the class, which signs its certificates."""
+        return Authority.read((self.folder / "authority.pem").read_text())
+
+    def former(self, name: str) -> Account:
+        """Return an account as it was before it was replaced: with another certificate of the class's authority."""
+        return certified(self.account(name), self.authority())
 
     def session(self, name: str, program: str = "client") -> Bus:
         """Return the session of an account; each program of the account has its own."""
@@ -177,6 +181,21 @@ class ClassRouter:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def certified(account: Account, issuer: Authority, trusted: str = "", **validity: Any) -> Account:
+    """Return the account with a new certificate of `issuer`; it checks the router against `trusted` (default: as before).
+
+    `validity` are options of `Authority.issue`.
+    """
+    own = issuer.issue(f"{account.name}.01234567", **validity)
+    return msgspec.structs.replace(
+        account,
+        certificate=own.certificate,
+        key=own.key,
+        authority=trusted or account.authority,
+        expires=dt.date.max,
+    )
 
 
 def start_node(folder: Path, account: Path) -> Process:

@@ -138,7 +138,7 @@ def recording(school: School) -> bytes:
     """Return the bytes that a program sends with the account of a seat to read the status of a robot."""
     account = accounts.load(school.path("seat03"))
     with Cable("127.0.0.1", school.classroom.port) as cable:
-        account = msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}")
+        account = msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}")
         with Client(Settings(NAME, account.connect, "seat03", account=account)) as client:
             Robot(NAME, "hw", client=client).status()
         return bytes(max(cable.recorded, key=len))
@@ -213,7 +213,7 @@ def lost(school: School, following: Robot, what: str, number: int) -> tuple[floa
     account = accounts.load(school.path("seat03"))
     with Cable("127.0.0.1", school.classroom.port) as cable:
         path = school.folder / "seat03-relayed.toml"
-        path.write_text(msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}").text())
+        path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
         with program(str(ROOT / "tests/at_seat.py"), account=path) as holder:
             assert holder.stdin is not None
             assert holder.stdout is not None

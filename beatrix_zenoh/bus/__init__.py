@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.bus.credentials import without_rights as without_rights
 from beatrix_zenoh.bus.declarations import CLOSED as CLOSED
 from beatrix_zenoh.bus.description import describe as describe
 from beatrix_zenoh.bus.endpoint import endpoints as endpoints

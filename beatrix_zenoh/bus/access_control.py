@@ -46,25 +46,20 @@ class Grant:
     watches: tuple[str, ...] = ()
 
 
-def access_control(grants: list[Grant], *, by_certificate: bool, routers: list[str]) -> dict[str, object]:
+def access_control(grants: list[Grant], common_names: Mapping[str, str]) -> dict[str, object]:
     """Return Zenoh's section `access_control`: deny by default, a subject and a policy for each account.
 
-    An account is a user name or the common name of a certificate; `routers` are the common names of other
-    routers, which check their own clients and may pass on all messages.
+    `common_names`: common name of the one valid certificate of each account. A certificate with another common name
+    has no rights, even if the authority of the class has signed it.
     """
-    subject = "cert_common_names" if by_certificate else "usernames"
     rules = [_rule("receive", ALL_MESSAGES, EVERYTHING, "egress")]
-    rules += [_rule("link", ALL_MESSAGES, ("**", *EVERYTHING), "ingress", "egress")]
     subjects: list[dict[str, object]] = []
     policies: list[dict[str, object]] = []
     for grant in grants:
         own = list(_rules(grant))
         rules += own
-        subjects.append({"id": grant.account, subject: [grant.account]})
+        subjects.append({"id": grant.account, "cert_common_names": [common_names[grant.account]]})
         policies.append({"subjects": [grant.account], "rules": ["receive", *(rule["id"] for rule in own)]})
-    if routers:
-        subjects.append({"id": "@routers", "cert_common_names": routers})
-        policies.append({"subjects": ["@routers"], "rules": ["link"]})
     return {
         "enabled": True,
         "default_permission": "deny",

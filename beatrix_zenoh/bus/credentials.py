@@ -14,6 +14,9 @@ from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.files import private_file
 
 PROBE_S = 2.0
+BUFFERS = {"so_sndbuf": 256 * 1024, "so_rcvbuf": 32 * 1024}
+"""Socket buffers (bytes). A small one for received data, as for TCP; a larger one for data to send, because Zenoh 1.10
+closes a TLS connection only after all data is written, so a buffer that is full would hide a lost computer."""
 _UNKNOWN = (
     "it does not know this certificate, which is from another class or an earlier `beatrix classroom init`"
 )
@@ -55,6 +58,7 @@ def tls(identity: Identity, *, listens: bool) -> dict[str, object]:
     """
     certificate, key = _encoded(identity.certificate), _encoded(identity.key)
     section: dict[str, object] = {
+        **BUFFERS,
         "root_ca_certificate_base64": _encoded(identity.authority),
         "enable_mtls": True,
         "connect_certificate_base64": certificate,
@@ -71,14 +75,7 @@ def _encoded(text: str) -> str:
 
 def settings(account: Account | None) -> Mapping[str, object]:
     """Return Zenoh's settings with the credentials of an account; empty without an account."""
-    if account is None:
-        return {}
-    if account.password:
-        return {
-            "transport/auth/usrpwd/user": account.name,
-            "transport/auth/usrpwd/password": account.password,
-        }
-    return {"transport/link/tls": tls(identity(account), listens=False)}
+    return {} if account is None else {"transport/link/tls": tls(identity(account), listens=False)}
 
 
 def identity(account: Account) -> Identity:
@@ -105,13 +102,6 @@ def refusal(endpoint: str, account: Account | None) -> str:
             f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
             "`beatrix join FILE` with the file of your seat. Or the program that listens there is not a router."
         )
-    if account.password:
-        return _refused(
-            endpoint,
-            account,
-            "it does not know the account, or the password is wrong: it is the router of another class, it was started "
-            "before the account was made (then restart it), or all accounts were made again",
-        )
     causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(
         filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
@@ -121,12 +111,7 @@ def refusal(endpoint: str, account: Account | None) -> str:
 
 def without_rights(endpoint: str, account: Account) -> str:
     """Return the message about a router that accepts the certificate of an account, but has no rules for it."""
-    return _refused(
-        endpoint,
-        account,
-        "it accepts the certificate but drops all messages: the class has no seat or robot of this name any more, or "
-        "the router was started before the account was made (then restart it)",
-    )
+    return _refused(endpoint, account, "it has been replaced by a newer one, or removed from the class")
 
 
 def _refused(endpoint: str, account: Account, cause: str) -> str:

@@ -15,7 +15,7 @@ PROTOCOLS = ("tcp", "tls")
 
 
 def endpoints(text: str) -> list[str]:
-    """Split a list of endpoints, those of the router and the second router: `tcp/10.0.0.2:7447,tcp/10.0.0.3:7447`."""
+    """Split a list of endpoints of one router, such as `tls/10.0.0.2:7447,tls/192.168.1.20:7447`."""
     return [endpoint.strip() for endpoint in text.split(",")]
 
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import os
+import socket
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import zenoh
 
@@ -15,7 +18,8 @@ from beatrix_zenoh.bus.credentials import Identity, tls
 from beatrix_zenoh.bus.endpoint import endpoints, is_local
 from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
 from beatrix_zenoh.errors import WrongUsage
-from beatrix_zenoh.files import private_file
+
+DESCRIPTORS = Path("/proc/self/fd")
 
 
 @dataclass(frozen=True)
@@ -23,18 +27,10 @@ class RouterAccess:
     """Accounts of a router, and the messages that each may send."""
 
     grants: list[Grant]
-    passwords: Mapping[str, str] = field(default_factory=dict, repr=False)
-    """password of each account; empty: accounts have certificates"""
-    identity: Identity | None = None
-    """certificate and key of this router; None: accounts have passwords, and there is no second router"""
-    link: str = ""
-    """endpoint at which this router accepts the second router; empty: none"""
-    first: str = ""
-    """endpoint of the first router if this is the second; otherwise empty"""
-    account: tuple[str, str] = field(default=("", ""), repr=False)
-    """user name and password with which this router connects to the first router"""
-    routers: list[str] = field(default_factory=list)
-    """common names of certificates of routers"""
+    common_names: Mapping[str, str]
+    """common name of the one valid certificate of each account, by the account's name"""
+    identity: Identity
+    """certificate and key of this router"""
     rates: Mapping[str, float] = field(default_factory=dict)
     """largest rate (Hz) at which a session receives publications of each of these keys"""
 
@@ -71,37 +67,37 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         f"Cannot listen at {listen}: another program, perhaps this router, already listens there. For a second router "
         "choose another address with --listen."
     )
-    if access is None:
-        return opened(settings, lambda: trouble)
-    settings |= _access_settings(access)
-    if access.link:
-        settings["listen/endpoints"] = [*endpoints(listen), access.link]
-    with contextlib.ExitStack() as stack:
-        if access.passwords:  # Zenoh reads the file once, while the router opens
-            lines = (f"{account}:{password}\n" for account, password in access.passwords.items())
-            path = stack.enter_context(private_file("".join(lines)))
-            settings["transport/auth/usrpwd/dictionary_file"] = str(path)
-        return opened(settings, lambda: trouble)
-
-
-def _access_settings(access: RouterAccess) -> dict[str, object]:
-    settings: dict[str, object] = {
-        "access_control": access_control(
-            access.grants, by_certificate=not access.passwords, routers=access.routers
-        ),
-        "downsampling": downsampling(access.rates),
-        "low_pass_filter": low_pass_filter(),
-    }
-    if access.identity is not None:
-        settings["transport/link/tls"] = tls(access.identity, listens=True)
-    if access.first:
+    if access is not None:
         settings |= {
-            "connect/endpoints": [access.first],
-            "connect/timeout_ms": 0,
-            "connect/exit_on_failure": False,
-            "connect/retry": {"period_init_ms": 500, "period_max_ms": 1000, "period_increase_factor": 2},
+            "access_control": access_control(access.grants, access.common_names),
+            "downsampling": downsampling(access.rates),
+            "low_pass_filter": low_pass_filter(),
+            "transport/link/tls": tls(access.identity, listens=True),
         }
-        user, password = access.account
-        if password:
-            settings |= {"transport/auth/usrpwd/user": user, "transport/auth/usrpwd/password": password}
-    return settings
+    session = opened(settings, lambda: trouble)
+    _set_up_listening()
+    return session
+
+
+def _set_up_listening() -> None:
+    """Set options of the listening socket that Zenoh 1.10 does not set (Linux); accepted connections inherit them.
+
+    TCP_USER_TIMEOUT: the kernel ends connections whose data is not acknowledged for LEASE_MS. Zenoh closes a TLS
+    connection only after all data is written. If a computer loses its network while the socket's buffer is full, its
+    liveliness tokens would remain until TCP gives up, after a quarter of an hour, and its motions would continue.
+
+    TCP_DEFER_ACCEPT: connections that send nothing stay in the kernel. After each failed handshake Zenoh accepts no
+    connection for 0.1 s, so a few hundred silent connections would keep out all clients.
+    """
+    for path in DESCRIPTORS.iterdir() if sys.platform == "linux" else ():
+        with contextlib.suppress(OSError):  # a descriptor that is no socket, or already closed
+            copy = os.dup(int(path.name))
+            try:
+                listening = socket.socket(fileno=copy)
+            except OSError:
+                os.close(copy)
+                continue
+            with listening:
+                if listening.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN):
+                    listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, LEASE_MS)
+                    listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_DEFER_ACCEPT, LEASE_MS // 1000)

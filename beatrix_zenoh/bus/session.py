@@ -46,7 +46,10 @@ MOST_KEYS = 256
 class Bus(ProcessBound):
     """One Zenoh session: a client of an explicit router, without discovery and shared memory."""
 
-    def __init__(self, open_session: Callable[[], zenoh.Session], endpoint: str) -> None:
+    def __init__(
+        self, open_session: Callable[[], zenoh.Session], endpoint: str, account: Account | None = None
+    ) -> None:
+        self._account = account
         self._open_session = open_session
         self._declarations = Declarations(open_session)
         self._asked: dict[str, float] = {}
@@ -190,18 +193,31 @@ class Bus(ProcessBound):
             and (time.monotonic() - begin < timeout_s)
         )
 
-    def router_passes(self, token: str) -> bool:
-        """Return whether the router has accepted a token of this session and reports tokens to this session.
+    def refusal(self, token: str = "") -> NoAnswer | None:
+        """Return the error if the router accepts the certificate of the account but drops all messages; else None.
 
-        Zenoh returns a session's own token twice, from the session itself and from the router. In the first
-        milliseconds of a session the router may not return it yet, so this method tries for PASSES_S.
+        `token`: one that this session has declared; by default a new one of the account's seat. Zenoh returns a
+        session's own token twice, from the session itself and from the router. In the first milliseconds of a session
+        the router may not return it yet, so this method tries for PASSES_S.
         """
+        account = self._account
+        if account is None:
+            return None
+        if not token:
+            token = keys.seat(account.name, self.session_id)
+            end = self.declare_token(token)
+            try:
+                return self.refusal(token)
+            finally:
+                end()
         deadline_s = time.monotonic() + PASSES_S
         while len(self.tokens(token)) <= 1:
+            if not self.connected:
+                return None
             if time.monotonic() > deadline_s:
-                return False
+                return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.without_rights(self.endpoint, account))
             time.sleep(POLL_S)
-        return True
+        return None
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
         """Report tokens that appear or disappear, first the existing ones; return a function that ends the reports.
@@ -312,20 +328,17 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             raise credentials.no_router(error, account) from error
 
     def open_session() -> zenoh.Session:
-        check_listening()
+        if account is None:
+            check_listening()  # a router with TLS accepts nobody for 0.1 s after a connection without a handshake
         begin = time.monotonic()
         try:
-            return opened(settings, lambda: credentials.refusal(endpoint, account), Reason.ACCOUNT_REFUSED)
+            return opened(settings, lambda: "", Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
-            check_listening()  # a router that shuts down did not refuse the account: report it as lost
-            if time.monotonic() - begin < OPEN_MS / 1e3 * 0.9:
-                raise
-            plain = account is not None and not account.password
-            other = (
-                " Or it does not use certificates: it serves no class, or a class with passwords."
-                if plain
-                else ""
-            )
-            raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
+            slow = time.monotonic() - begin > OPEN_MS / 1e3 * 0.9
+            check_listening()  # a router that is absent or shuts down did not refuse the account
+            if slow:
+                other = "" if account is None else " Or it does not use certificates: it serves no class."
+                raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
+            raise NoAnswer(error.reason, credentials.refusal(endpoint, account) + error.message) from error
 
-    return Bus(open_session, endpoint)
+    return Bus(open_session, endpoint, account)

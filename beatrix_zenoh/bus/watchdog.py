@@ -24,14 +24,20 @@ class SessionWatchdog:
     about one case in ten. The session is then open, but the router delivers no query to it. `renewed` is called with
     the traffic class, on the watchdog's thread.
 
-    If the router is back after a loss and refuses the account, `refused` is called once on the same thread, because
-    Zenoh tries to connect for ever and reports nothing.
+    If the router is back after a loss and refuses the account, or has no rules for it, `refused` is called once on the
+    same thread, because Zenoh tries to connect for ever, or drops all messages, and reports nothing.
     """
 
     def __init__(
-        self, sessions: Sessions, renewed: Callable[[str], None], refused: Callable[[NoAnswer], None]
+        self,
+        sessions: Sessions,
+        token: str,
+        renewed: Callable[[str], None],
+        refused: Callable[[NoAnswer], None],
     ) -> None:
+        """Start the thread; `token` is one that the control session has declared."""
         self._sessions, self._renewed, self._refused = sessions, renewed, refused
+        self._token, self._without_rights = token, False
         self._refusals = 0
         self._failures: dict[str, int] = {}
         self._closed = threading.Event()
@@ -53,13 +59,22 @@ class SessionWatchdog:
         if self._failures[traffic] < FAILURES:
             return
         self._failures[traffic] = 0
+        control = self._sessions.control
+        if self._without_rights and checked is not control:
+            return
         try:
             checked.renew()
         except NoAnswer:
             return  # the router has just been lost; the old session remains
         except WrongUsage:
             return  # the node closes
-        self._renewed(traffic)
+        error = control.refusal(self._token) if checked is control else None
+        if error is None:
+            self._without_rights = False
+            self._renewed(traffic)
+        elif not self._without_rights:
+            self._without_rights = True
+            self._refused(error)
 
     def _check_account(self, control: Bus) -> None:
         """Report a router that refuses the account twice in a row; one that has just started may refuse it once."""

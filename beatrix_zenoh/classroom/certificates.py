@@ -12,8 +12,8 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from beatrix_zenoh.bus.credentials import Identity
 
-BEGIN = dt.datetime(2020, 1, 1, tzinfo=dt.UTC)
-"""Start of the validity of all certificates: long ago, so that a computer whose clock has no battery accepts them."""
+BEGIN = dt.datetime(1970, 1, 1, tzinfo=dt.UTC)
+"""Start of the validity of all certificates: where clocks without a battery begin, so no clock is too early."""
 AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
 """Validity of the authority's certificate (ten years) and of an account's (a school year and its holidays)."""
 RENEW_DAYS = 60
@@ -54,17 +54,23 @@ class Authority:
         """The authority's own certificate (PEM)."""
         return _text(self._certificate)
 
-    def issue(self, name: str, addresses: tuple[str, ...] = (), *, days: int = ACCOUNT_DAYS) -> Identity:
+    def issue(
+        self,
+        common_name: str,
+        addresses: tuple[str, ...] = (),
+        *,
+        begin: dt.datetime = BEGIN,
+        days: int = ACCOUNT_DAYS,
+    ) -> Identity:
         """Issue a certificate, with a new key, for an account or for a router at these addresses."""
         key = ec.generate_private_key(ec.SECP256R1())
         usages = [ExtendedKeyUsageOID.CLIENT_AUTH, *([ExtendedKeyUsageOID.SERVER_AUTH] if addresses else [])]
-        builder = _builder(_name(name), self._certificate.subject, key, days)
+        builder = _builder(_name(common_name), self._certificate.subject, key, days, begin)
         builder = builder.add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
         builder = builder.add_extension(x509.ExtendedKeyUsage(usages), critical=False)
-        alternatives = [_alternative(address) for address in (*addresses, *LOOPBACK)] if addresses else []
-        builder = builder.add_extension(
-            x509.SubjectAlternativeName(alternatives or [x509.DNSName(name)]), critical=False
-        )
+        if addresses:
+            alternatives = [_alternative(address) for address in (*addresses, *LOOPBACK)]
+            builder = builder.add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
         signed = builder.sign(self._key, hashes.SHA256())
         return Identity(self.certificate, _text(signed), _key_text(key))
 
@@ -78,16 +84,26 @@ class Authority:
         return read.not_valid_after_utc > _in_days(RENEW_DAYS)
 
 
+def common_name(certificate: str) -> str:
+    """Return the common name in a certificate (PEM)."""
+    subject = x509.load_pem_x509_certificate(certificate.encode()).subject
+    return str(subject.get_attributes_for_oid(NameOID.COMMON_NAME)[0].value)
+
+
 def expiry(certificate: str) -> dt.date:
     """Return the last day on which a certificate (PEM) is valid."""
     return x509.load_pem_x509_certificate(certificate.encode()).not_valid_after_utc.date()
 
 
 def _builder(
-    subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePrivateKey, days: int
+    subject: x509.Name,
+    issuer: x509.Name,
+    key: ec.EllipticCurvePrivateKey,
+    days: int,
+    begin: dt.datetime = BEGIN,
 ) -> x509.CertificateBuilder:
     builder = x509.CertificateBuilder(issuer, subject, key.public_key(), x509.random_serial_number())
-    return builder.not_valid_before(BEGIN).not_valid_after(_in_days(days))
+    return builder.not_valid_before(begin).not_valid_after(_in_days(days))
 
 
 def _in_days(days: int) -> dt.datetime:

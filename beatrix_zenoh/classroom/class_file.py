@@ -7,7 +7,6 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
 
 import msgspec
 
@@ -17,16 +16,20 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Role
 from beatrix_zenoh.errors import WrongUsage, quoted
 
-Auth = Literal["password", "certificate"]
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""
 SEATS_MAX = 99
+GONE = {
+    "auth": "every class uses certificates and encryption. Delete the line and the folder of the class, run `beatrix "
+    "classroom init`, and hand out all files again",
+    "standby": "a class has one router. Delete the line, and run `beatrix classroom init`",
+}
+"""What to do about fields of earlier versions."""
 EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
 
 
 class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     port: int = 7447
-    standby: str = ""
     pictures_hz: float = 5.0
 
 
@@ -36,7 +39,6 @@ class _ClassFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     seats: int | list[str]
     robots: list[str] = []
     teacher: str = ""
-    auth: Auth = "password"
     router: _Router = _Router()
 
 
@@ -49,39 +51,15 @@ class Classroom:
     """addresses at which seats and robots reach the router"""
     seats: tuple[str, ...]
     robots: tuple[str, ...]
-    certificates: bool
-    """whether accounts have certificates instead of passwords"""
     teacher: str = ""
     """the teacher's name on the cards"""
     port: int = 7447
-    standby: str = ""
-    """address of the second router; empty: none"""
     pictures_hz: float = 5.0
 
     @property
-    def protocol(self) -> str:
-        """Protocol of the endpoints."""
-        return "tls" if self.certificates else "tcp"
-
-    @property
     def listen(self) -> str:
-        """Endpoints of the router."""
-        return ",".join(f"{self.protocol}/{address}:{self.port}" for address in self.addresses)
-
-    @property
-    def standby_listen(self) -> str:
-        """Endpoint of the second router; empty: none."""
-        return f"{self.protocol}/{self.standby}:{self.port}" if self.standby else ""
-
-    @property
-    def connect(self) -> str:
-        """Endpoints for seats and robots, in the order in which they are tried."""
-        return ",".join(filter(None, (self.listen, self.standby_listen)))
-
-    @property
-    def link(self) -> str:
-        """Endpoint at which the router accepts the second router; empty: there is no second router."""
-        return f"tls/{self.addresses[0]}:{self.port + 1}" if self.standby else ""
+        """Endpoints of the router, in the order in which seats and robots try them."""
+        return ",".join(f"tls/{address}:{self.port}" for address in self.addresses)
 
     @property
     def accounts(self) -> dict[str, Role]:
@@ -94,13 +72,15 @@ class Classroom:
 
 def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     """Check the fields of a table and convert it; raises WrongUsage."""
-    for given, kind, section in ((table, _ClassFile, ""), (table.get("router"), _Router, " of [router]")):
+    router = table.get("router")
+    for field, text in GONE.items():
+        if field in table or (isinstance(router, dict) and field in router):
+            raise wrong(path, f"{field} is not a field any more: {text}")
+    for given, kind, section in ((table, _ClassFile, ""), (router, _Router, " of [router]")):
         if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
             known = ", ".join(kind.__struct_fields__)
             hint = ". Write it below a line [router]" if unknown[0] in _Router.__struct_fields__ else ""
             raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}{hint}")
-    if (auth := table.get("auth", "password")) not in get_args(Auth):
-        raise wrong(path, f'auth is {quoted(str(auth))}: "password" or "certificate" is allowed')
     try:
         return msgspec.convert(table, _ClassFile)
     except msgspec.ValidationError as error:
@@ -122,33 +102,24 @@ def read(path: Path) -> Classroom:
         raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
     if not file.addresses:
         raise wrong(path, 'addresses is empty: give the address of the router, for example ["192.168.1.20"]')
-    if wrong_address := next(filter(_impossible, [*file.addresses, file.router.standby]), None):
-        raise wrong(path, f"{wrong_address} is not an address: give an IP address or the name of a computer")
-    if file.router.standby in file.addresses:
-        raise wrong(
-            path,
-            f"standby {file.router.standby} is also in addresses: the second router runs on a computer of its own",
-        )
+    if wrong_address := next(filter(_impossible, file.addresses), None):
+        # Zenoh 1.10 compares an IPv6 address with its brackets, but certificates contain it without them.
+        raise wrong(path, f"{wrong_address} is not possible: give an IPv4 address or the name of a computer")
     if not 0.1 <= file.router.pictures_hz <= 60:
         raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
     seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else file.seats
     _check_names(path, file, seats)
     made = Classroom(
         name=file.name,
-        addresses=tuple(map(_host, file.addresses)),
+        addresses=tuple(file.addresses),
         seats=tuple(seats),
         robots=tuple(file.robots),
-        certificates=file.auth == "certificate",
         teacher=file.teacher,
         port=file.router.port,
-        standby=_host(file.router.standby),
         pictures_hz=file.router.pictures_hz,
     )
-    for endpoint in zbus.endpoints(f"{made.connect},{made.link or made.listen}"):
+    for endpoint in zbus.endpoints(made.listen):
         zbus.parse_endpoint(endpoint)
-        # Zenoh 1.10 compares an IPv6 address with its brackets, but certificates contain it without them.
-        if endpoint.startswith("tls/["):
-            raise wrong(path, f"{endpoint} cannot have a certificate: give an IPv4 address or a name instead")
     return made
 
 
@@ -172,16 +143,11 @@ def wrong(path: Path, text: str) -> WrongUsage:
 
 
 def _impossible(address: str) -> bool:
-    """Return whether a text has the form of an IP address but is not one, such as 192.168.300.20."""
+    """Return whether a text is an IPv6 address, or has the form of an IPv4 address but is none, as 192.168.300.20."""
     if not re.fullmatch(r"[0-9.]+|.*:.*", address):
         return False
     try:
-        ipaddress.ip_address(address.strip("[]"))
+        ipaddress.IPv4Address(address)
     except ValueError:
         return True
     return False
-
-
-def _host(address: str) -> str:
-    """Return an address in the form for endpoints: an IPv6 address gets brackets."""
-    return f"[{address}]" if ":" in address and not address.startswith("[") else address

@@ -1,25 +1,20 @@
-"""Create and update the files of a class: accounts, routers and cards."""
+"""Create and update the files of a class: accounts, router and cards."""
 
 from __future__ import annotations
 
+import contextlib
 import secrets
 from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
-
 from beatrix_zenoh import account, files
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.account import Account
+from beatrix_zenoh.account import Account, Role
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.classroom.class_file import Classroom
-from beatrix_zenoh.classroom.router_file import ROUTERS, RouterFile, load
+from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
 from beatrix_zenoh.errors import Refused, WrongUsage
 
-LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
-"""Characters of passwords, without those that look alike."""
-GROUPS, GROUP = 4, 4
-"""Number of groups in a password, and characters in each: 79 bits, too many to guess one from a recorded login."""
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
@@ -55,13 +50,12 @@ def init(classroom: Classroom, folder: Path) -> Made:
     try:
         for name in ("", "seats", "robots"):
             (folder / name).mkdir(mode=0o700, parents=True, exist_ok=True)
-        signer = _Signer(folder, classroom) if classroom.certificates or classroom.standby else None
+        signer = _Signer(folder, classroom)
         made = _accounts(classroom, folder, signer)
         for one in made.accounts:
             files.write_private(folder / folder_of(one.role) / f"{one.name}.toml", one.text())
-        passwords = {one.name: one.password for one in made.accounts if one.password}
-        for file in _routers(classroom, folder, signer, passwords):
-            files.write_private(folder / f"{file.role}.toml", file.text())
+        router = signer.router(classroom, folder / "router.toml", made.accounts)
+        files.write_private(folder / "router.toml", router.text())
         files.write_private(folder / "cards.html", cards(classroom, made.accounts))
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
@@ -73,91 +67,74 @@ class _Signer:
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
         try:
-            from beatrix_zenoh.classroom.certificates import Authority, expiry  # noqa: PLC0415  # needs an extra
+            from beatrix_zenoh.classroom import certificates  # noqa: PLC0415  # needs an extra
         except ModuleNotFoundError as error:
             raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
         path = folder / "authority.pem"
         if path.is_file():
             try:
-                self.authority = Authority.read(path.read_text(encoding="utf-8"))
+                self.authority = certificates.Authority.read(path.read_text(encoding="utf-8"))
             except ValueError as error:
                 raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error}.") from error
         else:
-            self.authority = Authority.make(classroom.name)
+            self.authority = certificates.Authority.make(classroom.name)
             files.write_private(path, self.authority.text)
-        self._expiry = expiry
+        self._certificates = certificates
 
-    def certified(self, account: Account, old: Account | None) -> Account:
-        """Return the account with its old certificate, or with a new one if `Authority.signed` rejects it."""
+    def account(self, classroom: Classroom, name: str, role: Role, old: Account | None) -> Account:
+        """Return an account with its old certificate, or with a new one if `Authority.signed` rejects it.
+
+        The common name of a new certificate has a random suffix, so that the router can distinguish it from older ones.
+        """
         if old is not None and self.authority.signed(old.certificate):
-            own = Identity(self.authority.certificate, old.certificate, old.key)
+            certificate, key = old.certificate, old.key
         else:
-            own = self.authority.issue(account.name)
-        return msgspec.structs.replace(
-            account,
-            expires=self._expiry(own.certificate),
-            authority=own.authority,
+            new = self.authority.issue(f"{name}.{secrets.token_hex(4)}")
+            certificate, key = new.certificate, new.key
+        return Account(
+            class_name=classroom.name,
+            name=name,
+            role=role,
+            connect=classroom.listen,
+            expires=self._certificates.expiry(certificate),
+            authority=self.authority.certificate,
+            certificate=certificate,
+            key=key,
+        )
+
+    def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:
+        """Return the router's file, with the certificate of the old one in `path` if that is still right."""
+        old = None
+        with contextlib.suppress(WrongUsage):  # it is missing, or of an earlier version
+            old = load(path)
+        if old is not None and old.listen == classroom.listen and self.authority.signed(old.certificate):
+            own = Identity(old.authority, old.certificate, old.key)
+        else:
+            own = self.authority.issue(ROUTER, classroom.addresses)
+        return RouterFile(
+            class_name=classroom.name,
+            role="router",
+            listen=classroom.listen,
+            seats=classroom.seats,
+            robots=classroom.robots,
+            pictures_hz=classroom.pictures_hz,
+            authority=self.authority.certificate,
             certificate=own.certificate,
             key=own.key,
+            accounts={one.name: self._certificates.common_name(one.certificate) for one in accounts},
         )
 
 
-def _accounts(classroom: Classroom, folder: Path, signer: _Signer | None) -> Made:
+def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
     made: list[Account] = []
     new: list[str] = []
     moved = False
     for name, role in classroom.accounts.items():
         path = folder / folder_of(role) / f"{name}.toml"
         old = account.load(path) if path.is_file() else None
-        bare = Account(classroom.name, name, role, classroom.connect)
-        if classroom.certificates and signer is not None:
-            made.append(signer.certified(bare, old))
-        else:
-            password = old.password if old is not None else ""
-            made.append(msgspec.structs.replace(bare, password=password or _password()))
-        moved = moved or (old is not None and old.connect != classroom.connect)
-        if old is None or (old.password, old.key) != (made[-1].password, made[-1].key):
+        made.append(signer.account(classroom, name, role, old))
+        moved = moved or (old is not None and old.connect != classroom.listen)
+        if old is None or old.key != made[-1].key:
             new.append(name)
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
     return Made(made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved)
-
-
-def _routers(
-    classroom: Classroom, folder: Path, signer: _Signer | None, passwords: dict[str, str]
-) -> list[RouterFile]:
-    places = {"router": (classroom.listen, classroom.addresses)}
-    if classroom.standby:
-        places["standby"] = (classroom.standby_listen, (classroom.standby,))
-        if passwords:
-            passwords = {**passwords, ROUTERS["standby"]: _link_password(folder)}
-    made = []
-    for role, (listen, addresses) in places.items():
-        identity = None if signer is None else signer.authority.issue(ROUTERS[role], addresses)
-        made.append(
-            RouterFile(
-                class_name=classroom.name,
-                role="router" if role == "router" else "standby",
-                listen=listen,
-                seats=classroom.seats,
-                robots=classroom.robots,
-                pictures_hz=classroom.pictures_hz,
-                link=classroom.link,
-                authority=identity.authority if identity else "",
-                certificate=identity.certificate if identity else "",
-                key=identity.key if identity else "",
-                passwords=passwords,
-            )
-        )
-    return made
-
-
-def _link_password(folder: Path) -> str:
-    """Return the password of the second router; an existing password is kept, so that the router's file stays valid."""
-    path = folder / "router.toml"
-    before = load(path).passwords if path.is_file() else {}
-    return before.get(ROUTERS["standby"]) or _password()
-
-
-def _password() -> str:
-    letters = ("".join(secrets.choice(LETTERS) for _ in range(GROUP)) for _ in range(GROUPS))
-    return "-".join(letters)

@@ -1,4 +1,4 @@
-"""The file of the first or the second router of a class, with all data that this router needs."""
+"""The file of the router of a class, with all data that the router needs."""
 
 from __future__ import annotations
 
@@ -15,50 +15,43 @@ from beatrix_zenoh.classroom import rules
 from beatrix_zenoh.classroom.class_file import Classroom, read
 from beatrix_zenoh.errors import WrongUsage
 
-ROUTERS = {"router": "@router", "standby": "@standby"}
-"""Names in the accounts and certificates of the routers, by role; no seat can have them."""
+ROUTER = "@router"
+"""Common name in the certificate of the router; no account can have it."""
 LONGEST = 256 * 1024
 """Largest size of a router file (bytes)."""
 
 
-class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The fields of a router file."""
 
     class_name: str = msgspec.field(name="class")
-    role: Literal["router", "standby"]
+    role: Literal["router"]
     listen: str
     seats: tuple[str, ...]
     robots: tuple[str, ...]
     pictures_hz: float
-    link: str = ""
-    """endpoint at which the first router accepts the second; empty: there is no second router"""
-    authority: str = ""
-    certificate: str = ""
-    key: str = ""
-    passwords: dict[str, str] = {}
+    authority: str
+    certificate: str
+    key: str
+    accounts: dict[str, str]
+    """common name of the newest certificate of each account"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
-        return f"<{self.role} of class {self.class_name}>"
+        return f"<router of class {self.class_name}>"
 
     def text(self) -> str:
         """Return the text of the file."""
-        head = f"# BEATRIX {self.role} of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
+        head = f"# BEATRIX router of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
         return head + files.toml_text(msgspec.to_builtins(self))
 
     def access(self) -> RouterAccess:
         """Return the accounts and access rules for `open_router`."""
-        first = self.link if self.role == "standby" else ""
-        account = ROUTERS[self.role]
         return RouterAccess(
             rules.grants(self.seats, self.robots),
-            passwords=self.passwords,
-            identity=Identity(self.authority, self.certificate, self.key) if self.key else None,
-            link="" if first else self.link,
-            first=first,
-            account=(account, self.passwords.get(account, "")),
-            routers=list(ROUTERS.values()) if self.link else [],
-            rates=rules.picture_rates(self.seats, self.robots, self.pictures_hz),
+            self.accounts,
+            Identity(self.authority, self.certificate, self.key),
+            rules.picture_rates(self.seats, self.robots, self.pictures_hz),
         )
 
 
@@ -82,15 +75,17 @@ def load(path: Path) -> RouterFile:
         try:
             return msgspec.convert(table, RouterFile)
         except msgspec.ValidationError as error:
-            raise _wrong(f"{path} is not a router file: {error}.") from error
+            raise _wrong(
+                f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
+            ) from error
     classroom = read(path)
     made = folder(path, classroom) / "router.toml"
     init = f"`beatrix classroom init {path}`"
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    known = (file.listen, file.link, file.seats, file.robots, file.pictures_hz)
-    if known != (classroom.listen, classroom.link, classroom.seats, classroom.robots, classroom.pictures_hz):
+    known = (file.listen, file.seats, file.robots, file.pictures_hz)
+    if known != (classroom.listen, classroom.seats, classroom.robots, classroom.pictures_hz):
         raise _wrong(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )

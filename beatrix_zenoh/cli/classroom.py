@@ -50,9 +50,6 @@ def classroom(
     say(f"Class {described.name}: {len(described.seats)} seats, {len(described.robots)} robots, in {folder}")
     say(f"  new accounts       {', '.join(made.new) or 'none'}")
     say(f"  (re)start router   beatrix router --class {file if out is None else folder / 'router.toml'}")
-    if described.standby:
-        standby = folder / "standby.toml"
-        say(f"  on {described.standby}    beatrix router --class {standby.name}   (copy {standby} there)")
     say(
         f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
@@ -107,8 +104,11 @@ def join(
 def _check(account: Account) -> None:
     """Print whether the router accepts the account now; if not, this is no error, because it may not be running yet."""
     try:
-        zbus.connect(account.connect, account=account).close()
+        with zbus.connect(account.connect, account=account) as bus:
+            refused: BeatrixError | None = bus.refusal()
     except BeatrixError as error:
-        note(f"The account is stored, but not usable now. {error.message}")
+        refused = error
+    if refused is not None:
+        note(f"The account is stored, but not usable now. {refused.message}")
     else:
         say("The router accepts this account.")

@@ -16,7 +16,6 @@ from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.silence import without_rights
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.settings import Settings
 
@@ -58,11 +57,11 @@ def accepted(client: Client) -> Finding:
     account = client.settings.account
     if account is None:
         return Finding("account", "none: this router is open to every program")
-    refused = without_rights(client)
+    refused = client.bus.refusal(client.token)
     if refused is not None:
         return Finding("account", "has no rights", refused.message)
-    until = "" if account.expires is None else f", valid until {account.expires}"
-    return Finding("account", f"{account.name} of class {account.class_name}, accepted{until}")
+    found = f"{account.name} of class {account.class_name}, accepted, valid until {account.expires}"
+    return Finding("account", found)
 
 
 def robots(client: Client, name: str | None) -> Iterator[Finding]:

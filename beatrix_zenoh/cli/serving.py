@@ -42,11 +42,15 @@ def router(
     may send every request. In a network with other people use --class, after `beatrix classroom init`.
     """
     access = None
+    if of_class is not None and listen is not None:
+        raise typer.BadParameter(
+            "The router of a class listens at the addresses in class.toml: leave out --listen."
+        )
     if of_class is not None:
         from beatrix_zenoh.classroom import router_file
 
         file = router_file.load(of_class)
-        access, listen = file.access(), listen or file.listen
+        access, listen = file.access(), file.listen
     listen = listen or DEFAULT_ENDPOINT
     shutdown = Shutdown()
     shutdown.handle_signals()

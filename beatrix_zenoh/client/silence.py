@@ -128,7 +128,8 @@ class Unanswered:
         return NoAnswer(Reason.NODE_LOST, detail=Detail(field=name, known=[name] if back else []))
 
     def _absent(self, present: Collection[Place]) -> NoAnswer:
-        refused = None if present else without_rights(self.client)
+        token = self.client.token
+        refused = self.client.bus.refusal(token) if token and not present else None
         return refused or absence(self.client, self.place, present)
 
     def _refused(self) -> NoAnswer:
@@ -154,14 +155,6 @@ class Unanswered:
         publishes = publishing(self.client.bus, [self.place])
         detail = Detail(field=title(self.place), value=limit_s, unit="s")
         return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN, detail=detail)
-
-
-def without_rights(client: Client) -> NoAnswer | None:
-    """Return the error if the router has accepted the account but drops its messages; otherwise None."""
-    account, token = client.settings.account, client.token
-    if account is None or not token or client.bus.router_passes(token):
-        return None
-    return NoAnswer(Reason.ACCOUNT_REFUSED, zbus.without_rights(client.bus.endpoint, account))
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:

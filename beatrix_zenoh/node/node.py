@@ -112,7 +112,7 @@ class Node:
 
         Raises:
             Refused: NAME_TAKEN, before any component starts.
-            NoAnswer: NO_ROUTER, the router was lost meanwhile.
+            NoAnswer: NO_ROUTER, the router was lost meanwhile; ACCOUNT_REFUSED, it has no rules for the account.
         """
         claim_name(self.sessions.control, self.context.name, self.context.twin)
         with ExitStack() as undo:

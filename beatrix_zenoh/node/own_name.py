@@ -23,11 +23,14 @@ def claim_name(bus: Bus, name: str, twin: str) -> None:
 
     Raises:
         Refused: NAME_TAKEN; the claim was withdrawn.
+        NoAnswer: ACCOUNT_REFUSED, the router has no rules for the account of this session.
     """
     alive, own = keys.alive(name, twin), keys.claim(name, twin, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, twin)
     withdraw = bus.declare_token(own)
+    if (refused := bus.refusal(own)) is not None:
+        raise refused
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, twin, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:

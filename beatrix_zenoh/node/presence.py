@@ -27,8 +27,9 @@ class Presence(Component):
         self._endpoint = bus.endpoint
         bus.watch_tokens(keys.seat("*", "*"), self._seat)
         bus.watch_router(self._router)
-        bus.declare_token(keys.alive(self._context.name, self._context.twin))
-        self._watchdog = SessionWatchdog(sessions, self._renewed, self._refused)
+        token = keys.alive(self._context.name, self._context.twin)
+        bus.declare_token(token)
+        self._watchdog = SessionWatchdog(sessions, token, self._renewed, self._refused)
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""

@@ -22,7 +22,8 @@ from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
 
-RETRY_S = 0.5
+RETRY_S, REFUSED_S = 0.5, 5.0
+"""Pause before the next attempt to connect; longer after a refusal, because each one occupies the router for 0.1 s."""
 SWITCH_S = 0.0005
 """Switch interval (s) of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 
@@ -118,5 +119,5 @@ def _connect(settings: Settings, shutdown: Shutdown) -> Sessions | None:
             if not reported:
                 print(f"{error.message} The node waits; Ctrl-C ends it.", file=sys.stderr, flush=True)
             reported = True
-            if shutdown.requested(RETRY_S):
+            if shutdown.requested(REFUSED_S if error.reason is Reason.ACCOUNT_REFUSED else RETRY_S):
                 return None

@@ -72,16 +72,16 @@ class Connection:
     @property
     def phase(self) -> LinkPhase:
         """Whether the router answers, and accepts the account."""
-        if self.session is None and self._trouble:
-            return LinkPhase.REFUSED if self._refused else LinkPhase.NO_ROUTER
+        if self._refused:
+            return LinkPhase.REFUSED
         if self.session is None:
-            return LinkPhase.CONNECTING
+            return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
         return LinkPhase.ON_LINE if self._router_present else LinkPhase.NO_ROUTER
 
     @property
     def trouble(self) -> str:
-        """The reason why there is no session or router; empty if both exist."""
-        if self.session is None or self._router_present:
+        """The reason why there is no session, router or access; empty if all exist."""
+        if self._refused or self.session is None or self._router_present:
             return self._trouble
         return (
             f"The router at {self.settings.connect} is lost or does not answer, so the robots stop their motions. The window "
@@ -150,14 +150,17 @@ class Connection:
             self._trouble = error.message
             return
         try:
+            if (refused := client.bus.refusal(client.token)) is not None:
+                raise refused
             client.bus.watch_router(self._on_router)
             monitor, seats = Monitor(client, events=EVENTS), Seats(client)
-        except BeatrixError as error:  # the router was lost meanwhile
+        except BeatrixError as error:  # the router has no rules for this account, or was lost meanwhile
             client.close()
-            self._refused, self._trouble = False, error.message
+            self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message
             return
         with self._lock:
             if not self._closed:
+                self._refused = False
                 session = self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
                 self._trouble = ""
                 self._on_session(session)
@@ -165,7 +168,16 @@ class Connection:
         client.close()
 
     def _on_router(self, present: bool) -> None:  # noqa: FBT001
+        if present and not self._router_present:
+            self._tasks.put(self._check_account)
         self._router_present = present
+
+    def _check_account(self) -> None:
+        """Look whether a router that has returned still has rules for the account."""
+        session = self.session
+        if session is not None:
+            error = session.client.bus.refusal(session.client.token)
+            self._refused, self._trouble = error is not None, "" if error is None else error.message
 
     def _choose(self) -> None:
         """Select a name once, if the user chose none: the only one on line or, for the teacher, one of several.

@@ -1,4 +1,4 @@
-"""Access rules of a class router as a table: which account may do what, with passwords and with certificates."""
+"""Access rules of a class router as a table: which account may do what."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ SIM, HW = "sim", "hw"
 FORGED = b"forged"
 
 
-@pytest.fixture(scope="module", params=["password", "certificate"])
-def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A router with the robots of the class, and those of two seats."""
-    with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         for robot, twin in (("bea1", HW), ("bea1", SIM), ("bea2", HW), ("ana", SIM), ("ben", SIM)):
             session = made.session(robot, "robot")
             for key in (

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from class_router import CLI, ClassRouter, replies, settled
+from class_router import CLI, ClassRouter, certified, settled
 from shell import beatrix
 from stage import Process, free_endpoint
 
@@ -27,14 +27,8 @@ from beatrix_zenoh.settings import Settings, resolve
 
 
 @pytest.fixture(scope="module")
-def passwords(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def certificates(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class"), "certificate") as made:
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         yield made
 
 
@@ -45,61 +39,29 @@ def refused(endpoint: str, account: Account | None) -> str:
     return error.value.message
 
 
-@pytest.mark.parametrize("change", [{"password": "abcd-abcd"}, {"name": "zoe"}], ids=["password", "name"])
-def test_a_wrong_password_and_an_unknown_account_are_refused(
-    passwords: ClassRouter, change: dict[str, str]
-) -> None:
-    account = msgspec.structs.replace(passwords.account("ana"), **change)
-    message = refused(account.connect, account)
-    assert "does not know the account, or the password is wrong" in message
-    assert f"beatrix join {account.name}.toml" in message
-    assert account.password not in message
+def test_a_program_without_account_is_refused(router: ClassRouter) -> None:
+    assert "beatrix join FILE" in refused(router.account("ana").connect, None)
 
 
-def test_a_program_without_account_is_refused(passwords: ClassRouter, certificates: ClassRouter) -> None:
-    for router in (passwords, certificates):
-        assert "beatrix join FILE" in refused(router.account("ana").connect, None)
-
-
-def with_certificate(account: Account, issuer: Authority, days: int, trusted: Authority) -> Account:
-    """Return the account with a certificate of `issuer`, valid for `days`; it checks the router against `trusted`."""
-    identity = issuer.issue(account.name, days=days)
-    return msgspec.structs.replace(
-        account,
-        certificate=identity.certificate,
-        key=identity.key,
-        authority=trusted.certificate,
-        expires=None,
-    )
-
-
-def test_each_kind_of_wrong_certificate_has_its_own_error_message(certificates: ClassRouter) -> None:
-    account = certificates.account("ana")
-    ours = Authority.read((certificates.folder / "authority.pem").read_text())
-    foreign = Authority.make("8b")
+def test_each_kind_of_wrong_certificate_has_its_own_error_message(router: ClassRouter) -> None:
+    account, ours, foreign = router.account("ana"), router.authority(), Authority.make("8b")
     cases = {
-        "does not know this certificate": with_certificate(account, foreign, 40, ours),
-        "certificate has expired": with_certificate(account, ours, -1, ours),
-        "not of this class": with_certificate(account, foreign, 40, foreign),
+        "does not know this certificate": certified(account, foreign),
+        "certificate has expired": certified(account, ours, days=-1),
+        "not of this class": certified(account, foreign, foreign.certificate),
     }
     for sentence, wrong in cases.items():
         assert sentence in refused(account.connect, wrong)
 
 
-def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certificates: ClassRouter) -> None:
-    ours = Authority.read((certificates.folder / "authority.pem").read_text())
-    account = with_certificate(
-        msgspec.structs.replace(certificates.account("ana"), name="zoe"), ours, 40, ours
-    )
-    robot = certificates.session("bea1")
+def test_an_account_that_was_replaced_has_no_rights(router: ClassRouter) -> None:
+    account = router.former("ana")
+    robot = router.session("bea1")
     end = robot.declare_token(keys.alive("bea1", "hw"))
     settled(robot)
-    assert certificates.session("ana").robots() == [("bea1", "hw")]
-    with zbus.connect(account.connect, account=account) as session:
-        assert session.robots() == []
-        assert replies(session, keys.stop("*", "*", "zoe")) == []
-    with Client(Settings("bea1", account.connect, "zoe", account=account)) as client:
-        with pytest.raises(NoAnswer, match="has no seat or robot of this name any more") as error:
+    assert router.session("ana").robots() == [("bea1", "hw")]
+    with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
+        with pytest.raises(NoAnswer, match="it has been replaced by a newer one, or removed") as error:
             Robot("bea1", "hw", client=client).status()
         assert error.value.reason is Reason.ACCOUNT_REFUSED
         assert [finding.found for finding in robot_checks.network(client.settings)] == [
@@ -109,56 +71,63 @@ def test_a_certificate_of_the_class_for_an_unknown_name_gives_no_rights(certific
     end()
 
 
-def test_an_account_whose_token_the_router_reports_late_has_rights(passwords: ClassRouter) -> None:
-    with passwords.open("ana") as session:
+def test_an_account_whose_token_the_router_reports_late_has_rights(router: ClassRouter) -> None:
+    with router.open("ana") as session:
         token = keys.seat("ana", session.session_id)
         late = threading.Timer(0.1, session.declare_token, [token])
         late.start()
-        assert session.router_passes(token)
+        assert session.refusal(token) is None
         late.join()
 
 
-def test_the_error_for_a_router_without_certificates_names_the_cause(
-    passwords: ClassRouter, certificates: ClassRouter
-) -> None:
-    account = certificates.account("ana")
-    endpoint = passwords.account("ana").connect.replace("tcp/", "tls/")
-    assert "does not use certificates" in refused(endpoint, account)
+def test_the_error_for_a_router_of_no_class_says_so(router: ClassRouter) -> None:
+    open_router = Process(*CLI, "router", "--listen", free_endpoint())
+    try:
+        endpoint = open_router.expect("ready").split()[1].replace("tcp/", "tls/")
+        assert "it serves no class" in refused(endpoint, router.account("ana"))
+    finally:
+        open_router.end()
 
 
-def test_an_expired_account_is_refused_before_anything_is_sent(certificates: ClassRouter) -> None:
-    account = msgspec.structs.replace(certificates.account("ana"), expires=dt.date(2021, 3, 4))
+def test_a_router_of_a_class_listens_at_no_other_address(router: ClassRouter) -> None:
+    done = beatrix("router", "--class", str(router.class_file), "--listen", "tcp/0.0.0.0:7447")
+    assert done.returncode == 2
+    assert "addresses" in done.stderr
+
+
+def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRouter) -> None:
+    account = msgspec.structs.replace(router.account("ana"), expires=dt.date(2021, 3, 4))
     with pytest.raises(WrongUsage, match="expired on 2021-03-04"):
         zbus.connect(account.connect, account=account)
 
 
-def test_the_error_without_a_router_names_the_class(tmp_path: Path, passwords: ClassRouter) -> None:
-    account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
+def test_the_error_without_a_router_names_the_class(tmp_path: Path, router: ClassRouter) -> None:
+    account = msgspec.structs.replace(router.account("ana"), connect="tls/127.0.0.1:1")
     message = refused(account.connect, account)
-    assert message.startswith("No router of class 8b at tcp/127.0.0.1:1")
+    assert message.startswith("No router of class 8b at tls/127.0.0.1:1")
 
 
-def test_files_with_secrets_are_for_their_owner_only(certificates: ClassRouter) -> None:
-    files = [path for path in certificates.folder.rglob("*") if path.is_file()]
+def test_files_with_secrets_are_for_their_owner_only(router: ClassRouter) -> None:
+    files = [path for path in router.folder.rglob("*") if path.is_file()]
     assert {"router.toml", "authority.pem", "cards.html", "ana.toml"} <= {path.name for path in files}
     for path in files:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600, path
 
 
 @pytest.fixture
-def joined(passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Account:
+def joined(router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Account:
     """Join a class as the seat ana, in a folder of its own; return the account."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    done = beatrix("join", str(passwords.path("ana")))
+    done = beatrix("join", str(router.path("ana")))
     assert done.returncode == 0, done.stderr
     assert "Joined class 8b as ana" in done.stdout
     assert "The router accepts this account." in done.stdout
-    return passwords.account("ana")
+    return router.account("ana")
 
 
 def test_after_join_all_programs_use_the_router_and_the_name_of_the_account(
-    passwords: ClassRouter, joined: Account, tmp_path: Path
+    router: ClassRouter, joined: Account, tmp_path: Path
 ) -> None:
     stored = tmp_path / "beatrix" / "account.toml"
     assert stat.S_IMODE(stored.stat().st_mode) == 0o600
@@ -176,7 +145,7 @@ def test_after_join_all_programs_use_the_router_and_the_name_of_the_account(
 
 
 def test_secrets_are_in_no_output_and_no_process_list(
-    passwords: ClassRouter, joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    router: ClassRouter, joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RUST_LOG", "debug")
     node = Process(*CLI, "hw", "--port", "virtual:", "--log-file", str(tmp_path / "log"), folder=tmp_path)
@@ -184,14 +153,14 @@ def test_secrets_are_in_no_output_and_no_process_list(
         node.expect("ready")
         listed = "".join(
             Path(f"/proc/{pid}/{file}").read_text(errors="replace")
-            for pid in (node.pid, passwords.process.pid)
+            for pid in (node.pid, router.process.pid)
             for file in ("cmdline", "environ")
         )
     finally:
         node.end()
     written = (tmp_path / "log").read_text() if (tmp_path / "log").exists() else ""
-    everything = listed + "\n".join(node.lines) + "\n".join(passwords.process.lines) + written + repr(joined)
-    assert joined.password not in everything
+    everything = listed + "\n".join(node.lines) + "\n".join(router.process.lines) + written + repr(joined)
+    assert joined.key.splitlines()[1] not in everything
 
 
 def test_names_of_other_accounts_are_rejected_without_a_request(joined: Account) -> None:
@@ -228,27 +197,38 @@ def test_an_empty_variable_hides_the_account_and_leaving_the_class_deletes_it(
 
 
 def test_an_account_may_be_named_by_a_file_or_the_environment(
-    passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "beatrix.toml").write_text(f'account = "{passwords.path("bea1")}"\n')
+    (tmp_path / "beatrix.toml").write_text(f'account = "{router.path("bea1")}"\n')
     assert (resolve().robot, resolve().who, resolve().connect) == (
         "bea1",
         "bea1",
-        passwords.classroom.connect,
+        router.classroom.listen,
     )
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(passwords.path("teacher")))
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
     assert resolve().who == "teacher"
     assert resolve(robot="bea2", who="ana").who == "ana"
 
 
 def test_join_reads_an_account_from_standard_input(
-    passwords: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    assert beatrix("join", "-", answers=passwords.path("ben").read_text()).returncode == 0
-    assert resolve().account == passwords.account("ben")
+    assert beatrix("join", "-", answers=router.path("ben").read_text()).returncode == 0
+    assert resolve().account == router.account("ben")
     assert beatrix("join", "-", answers="nonsense").returncode == 2
+
+
+FILE = """class = "8b"
+name = "ana"
+role = "student"
+connect = "tls/h:1"
+expires = "2030-01-01"
+authority = ""
+certificate = ""
+key = ""
+"""
 
 
 @pytest.mark.parametrize(
@@ -256,14 +236,15 @@ def test_join_reads_an_account_from_standard_input(
     [
         ("ana, please", "it is not written in TOML"),
         ('[project]\nname = "x"\n', "no account has a field 'project'"),
-        ('name = "ana"\n', "it lacks class and role and connect"),
         (
-            'class = "8b"\nname = "ana"\nrole = "boss"\nconnect = "tcp/h:1"\n',
-            "the value of role is not allowed",
+            'name = "ana"\n',
+            "it lacks class and role and connect and expires and authority and certificate and key",
         ),
+        (FILE.replace("student", "boss"), "the value of role is not allowed"),
+        (FILE.replace("tls/", "tcp/"), "its router must have endpoints that begin with tls/"),
         (
-            'class = "8b"\nname = "ana"\nrole = "student"\nconnect = "tcp/h:1"\n',
-            "it contains neither a password",
+            FILE.split("authority", maxsplit=1)[0] + 'password = "abcd"\n',
+            "it has a password, as in earlier versions",
         ),
     ],
 )
@@ -277,12 +258,12 @@ def test_the_error_for_a_wrong_file_names_cause_and_right_file(tmp_path: Path, t
     assert "Object" not in done.stderr
 
 
-def test_the_refusal_states_why_a_file_is_no_account_file(passwords: ClassRouter, tmp_path: Path) -> None:
+def test_the_refusal_states_why_a_file_is_no_account_file(router: ClassRouter, tmp_path: Path) -> None:
     picture = tmp_path / "picture.png"
     picture.write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
     causes = {
-        passwords.class_file: "it is the class file",
-        passwords.folder / "router.toml": "it is the account of the class's router",
+        router.class_file: "it is the class file",
+        router.folder / "router.toml": "it is the account of the class's router",
         tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
     }
     for path, cause in causes.items():
@@ -296,8 +277,8 @@ def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) 
     assert resolve(connect=joined.connect).account == joined
 
 
-def test_up_with_an_account_of_a_class_starts_no_router(passwords: ClassRouter, tmp_path: Path) -> None:
-    account = msgspec.structs.replace(passwords.account("ana"), connect="tcp/127.0.0.1:1")
+def test_up_with_an_account_of_a_class_starts_no_router(router: ClassRouter, tmp_path: Path) -> None:
+    account = msgspec.structs.replace(router.account("ana"), connect="tls/127.0.0.1:1")
     (tmp_path / "ana.toml").write_text(account.text())
     assert "not usable now" in beatrix("join", str(tmp_path / "ana.toml")).stderr
     try:

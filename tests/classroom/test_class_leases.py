@@ -32,7 +32,7 @@ SEATS = 30
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A class with one of its robots on line."""
-    with ClassRouter(tmp_path_factory.mktemp("class"), "password", seats=str(SEATS)) as made:
+    with ClassRouter(tmp_path_factory.mktemp("class"), seats=str(SEATS)) as made:
         account = made.account("bea1")
         node = Node(
             Sessions(lambda: patiently(lambda: zbus.connect(account.connect, account=account))),
@@ -87,7 +87,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
     account = router.account("seat01")
     with Cable("127.0.0.1", router.classroom.port) as cable:
         path = tmp_path / "seat01.toml"
-        path.write_text(msgspec.structs.replace(account, connect=f"tcp/127.0.0.1:{cable.port}").text())
+        path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
         use_account(tmp_path, path)
         holder = Seat(Process(PROGRAM, folder=tmp_path, listens=True, traced=False))
         faults: dict[str, Callable[[], None]] = {

@@ -17,10 +17,10 @@ from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
 
 
-@pytest.fixture(scope="module", params=["password", "certificate"])
-def router(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A class in which the robot bea1 and the seat ana's own robot are on line."""
-    with ClassRouter(tmp_path_factory.mktemp("class"), request.param) as made:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         folders = {name: tmp_path_factory.mktemp(name) for name in ("bea1", "ana")}
         nodes = [start_node(folder, made.path(name)) for name, folder in folders.items()]
         yield made

@@ -15,7 +15,7 @@ PICTURES = 50
 
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as made:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         yield made
 
 

@@ -50,7 +50,7 @@ class Lesson:
 
 @pytest.fixture(scope="module")
 def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
-    with ClassRouter(tmp_path_factory.mktemp("class"), "password") as router:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as router:
         made = Lesson(router, tmp_path_factory.mktemp("lesson"))
         node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
         yield made
@@ -68,12 +68,13 @@ class Case:
 
 @contextlib.contextmanager
 def no_router(lesson: Lesson) -> Iterator[Case]:
-    yield Case(msgspec.structs.replace(lesson.router.account("ana"), connect=free_endpoint()))
+    nowhere = free_endpoint().replace("tcp", "tls")
+    yield Case(msgspec.structs.replace(lesson.router.account("ana"), connect=nowhere))
 
 
 @contextlib.contextmanager
 def wrong_account(lesson: Lesson) -> Iterator[Case]:
-    yield Case(msgspec.structs.replace(lesson.router.account("ana"), password="abcd-abcd"))
+    yield Case(lesson.router.former("ana"))
 
 
 @contextlib.contextmanager
@@ -292,7 +293,7 @@ def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.Mo
 def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
     with frozen(lesson) as case:
         found = doctor(lesson, case, monkeypatch)
-    assert found["account"][0]["found"] == "ana of class 8b, accepted"
+    assert found["account"][0]["found"].startswith("ana of class 8b, accepted, valid until")
     assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
     todo = found["bea2 (hw)"][0]["todo"]
     assert "restart it" in todo or "is not on line" in todo, (
@@ -313,7 +314,7 @@ def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) 
 
 
 def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path, "password") as router:
+    with ClassRouter(tmp_path) as router:
         account = router.account("ana")
         with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
             router.process.end(signal.SIGKILL)
@@ -326,14 +327,14 @@ def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path)
 
 
 def test_a_node_whose_account_was_replaced_reports_that_the_router_refuses_it(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path, "password") as router:
+    with ClassRouter(tmp_path) as router:
         node = start_node(tmp_path, router.path("bea1"))
         try:
             router.process.end(signal.SIGKILL)
             node.expect("The router at")  # the node reports that the router is lost
             router.make_anew()
             router.start_again()
-            line = node.expect(f"The router at {router.classroom.connect} refuses account bea1 of class 8b")
+            line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
             assert "Ask for a new bea1.toml" in line
             assert "Then start the node again" in line
         finally:

@@ -1,0 +1,77 @@
+"""Cards that were replaced or removed: the router refuses the old file of a seat, of a robot and of the teacher."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from class_router import Answering, ClassRouter, replies, settled, start_node
+from shell import beatrix
+from stage import until
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.cli.output import exit_code
+
+ROLES = {"ana": "the seat", "bea1": "the robot", "teacher": "the teacher"}
+STOP = keys.stop("bea2", "hw", "{}")
+
+
+def has_rights(account: Account) -> bool:
+    """Return whether a STOP of the account reaches the robot bea2."""
+    with zbus.connect(account.connect, account=account) as session:
+        return bool(replies(session, STOP.format(account.name))) and session.refusal() is None
+
+
+@pytest.mark.parametrize("name", ROLES)
+def test_the_router_refuses_a_card_that_was_replaced_and_accepts_the_new_one(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ClassRouter(tmp_path) as router:
+        file = tmp_path / "old.toml"
+        shutil.copy(router.path(name), file)
+        robot = router.session("bea2")
+        Answering(robot, STOP.format("*"))
+        settled(robot)
+        assert has_rights(router.account(name))
+        old = router.replace(name)
+        router.process.end()
+        router.start_again()
+        until(lambda: has_rights(router.account(name)), "the robot is connected again")
+        assert not has_rights(old)
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        assert "it has been replaced by a newer one" in beatrix("join", str(file)).stderr
+        done = beatrix("hw", "--port", "virtual:", "--name", "bea1")
+        assert (done.returncode, "Ask for a new" in done.stderr) == (
+            exit_code(Reason.ACCOUNT_REFUSED),
+            True,
+        ) or (name == "ana")
+
+
+def test_the_router_refuses_a_seat_that_was_removed(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        robot = router.session("bea2")
+        Answering(robot, STOP.format("*"))
+        removed = router.account("ben")
+        router.rewrite('["ana", "ben"]', '["ana"]')
+        router.process.end()
+        router.start_again()
+        until(lambda: has_rights(router.account("ana")), "the robot is connected again")
+        assert not has_rights(removed)
+
+
+def test_a_running_node_reports_that_its_card_was_replaced(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        node = start_node(tmp_path, router.path("bea1"))
+        try:
+            shutil.copy(router.path("bea1"), tmp_path / "kept.toml")
+            router.replace("bea1")
+            router.process.end()
+            router.start_again()
+            line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
+            assert "it has been replaced by a newer one, or removed from the class" in line
+        finally:
+            assert node.end() == 0
