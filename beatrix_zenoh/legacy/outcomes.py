@@ -178,9 +178,8 @@ def misread(text: bytes) -> str:
     if "" in words[:count]:
         wrong.append("two spaces in a row enclose an empty word, which counts as 0")
     if (missing := count - len(words)) > 0:
-        wrong.append(
-            f"{missing} of {count} numbers {'is' if missing == 1 else 'are'} missing and counted as 0"
-        )
+        which = "the number" if count == 1 else f"{missing} of {count} numbers"
+        wrong.append(f"{which} {'is' if missing == 1 else 'are'} missing and counted as 0")
     return "; ".join(wrong) + "." if wrong else ""
 
 

@@ -249,6 +249,7 @@ def test_motions_that_exceed_the_queue_are_refused_in_order(place: Place) -> Non
         assert abs(program.x) == 40
 
 
+@pytest.mark.bodies("hw")
 def test_a_line_with_words_that_are_no_numbers_is_carried_out_with_a_warning(place: Place) -> None:
     with place.program() as program:
         program.begin()

@@ -75,7 +75,7 @@ def test_the_cause_of_a_refusal_is_found_in_the_line_itself(text: bytes, unknown
         (b"@MOVRX 20,5", "`20,5` is read as 20."),
         (b"@MOVRX 1e3", "`1e3` is read as 1."),
         (b"@MOVRX  7 200", "two spaces in a row enclose an empty word, which counts as 0."),
-        (b"@MOVRX ", "1 of 1 numbers is missing and counted as 0."),
+        (b"@MOVRX ", "the number is missing and counted as 0."),
         (b"@MOVTORPOS nan 5", "`nan` is no number and counts as 0."),
         (
             b"@MOVAALL 1  None",
