@@ -6,10 +6,11 @@ import getpass
 import re
 import socket
 
+from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 
-PATTERN = re.compile(r"[a-z0-9-]{1,32}")
+PATTERN = keys.NAME
 TWINS = ("sim", "hw")
 EYES = ("left", "right")
 OUTSIDE = "outside"

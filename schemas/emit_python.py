@@ -14,7 +14,9 @@ SCALARS = {
     "uint16": 'Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]',
     "uint32": 'Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]',
     "float32": "Float32",
-    "string": "str",
+    "name": "Name",
+    "label": "Label",
+    "string": "Text",
 }
 FLOAT32 = '''
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -23,6 +25,10 @@ Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 '''
 ENUMS = ("Reason", "Source")
 """Enumerations that have defaults in messages."""
+TEXT = """
+{alias} = Annotated[str, Meta(extra={{"wire": "{kind}", "longest": {longest}}})]
+\"""{doc} At most {longest} characters.\"""
+"""
 SHOWN = ("Reason", "Fault")
 """Enumerations whose texts programs show to users."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
@@ -81,6 +87,8 @@ def messages(contract: Contract) -> str:
     out += "from enum import IntEnum, StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
     out += FLOAT32
+    for kind, row in contract.messages["text"].items():
+        out += TEXT.format(alias=SCALARS[kind], kind=kind, **row)
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
         if name in SHOWN:
@@ -131,12 +139,18 @@ class Parts(NamedTuple):
 
 PARSE = '''
 
+NAME: Final = re.compile(r"[a-z0-9-]{1,LONGEST}")
+"""Names of robots and seats."""
 _CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}
+_VALID: Final = {"robot": NAME, "who": NAME, "twin": re.compile("hw|sim")}
 
 
 @lru_cache(maxsize=1024)
 def parse(key: str) -> Parts | None:
-    """Return the row of a key and the names in it, which may be `*`; None if the key matches no row."""
+    """Return the row of a key and the names in it, which may be `*`.
+
+    None if the key matches no row, or contains an invalid name of a robot, twin or seat.
+    """
     chunks = key.split("/")
     for name, pattern in _CHUNKS.items():
         if (parts := _parts(name, pattern, chunks)) is not None:
@@ -150,6 +164,9 @@ def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
     found: dict[str, str] = {}
     for wanted, chunk in zip(pattern, chunks, strict=True):
         if wanted[0] == "{":
+            valid = _VALID.get(wanted[1:-1])
+            if valid is not None and chunk != "*" and not valid.fullmatch(chunk):
+                return None
             found[wanted[1:-1]] = chunk
         elif wanted != chunk:
             return None
@@ -167,7 +184,7 @@ def parameters(contract: Contract) -> list[str]:
 
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
-    out += "from functools import lru_cache\nfrom typing import Final, NamedTuple\n\n\n" + KEY_ROW
+    out += "import re\nfrom functools import lru_cache\nfrom typing import Final, NamedTuple\n\n\n" + KEY_ROW
     out += "".join(f'    {name}: str = ""\n' for name in parameters(contract)) + "\n\n"
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
@@ -189,7 +206,7 @@ def keys(contract: Contract) -> str:
         names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]
         arguments = ", ".join(f"{argument}: str" for argument in names)
         out += f'\n\ndef {name}({arguments}) -> str:\n    """Return the key `{pattern}`.\n\n    {row["doc"]}\n    """\n    return f"{pattern}"\n'
-    out += PARSE
+    out += PARSE.replace("LONGEST", str(contract.messages["text"]["name"]["longest"]))
     out += "\n\nPOSITIONS_HZ: Final = " + str(contract.keys["positions"]["rate_hz"]) + "\n"
     out += "STATUS_HZ: Final = " + str(contract.keys["status"]["rate_hz"]) + "\n"
     return out

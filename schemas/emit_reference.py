@@ -19,7 +19,10 @@ def table(head: list[str], lines: list[list[object]]) -> str:
 
 def messages(contract: Contract) -> str:
     out = NOTE.format(source="messages.toml") + "# Messages\n\n"
-    out += f"Contract `{contract.bus_hash:08x}`. SI units. A message is a msgpack map or a JSON object; its keys are the names of the fields below. Floats in msgpack have single precision; requests may also have double precision.\n"
+    out += f"Contract `{contract.bus_hash:08x}`. SI units. A message is a msgpack map or a JSON object; its keys are the names of the fields below. Floats in msgpack have single precision; requests may also have double precision.\n\n"
+    out += "Text is one printable line. Readers cut longer text, and replace other characters.\n\n"
+    texts = contract.messages["text"].items()
+    out += table(["type", "longest", "meaning"], [[name, row["longest"], row["doc"]] for name, row in texts])
     for name, message in contract.messages["message"].items():
         request = " Unknown fields are refused." if message.get("request") else ""
         out += f"\n## {name}\n\n{message['doc']}{request}\n\n"

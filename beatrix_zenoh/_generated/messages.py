@@ -10,12 +10,21 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "219e3035"
+CONTRACT: Final = "54decff5"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
 Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
+
+Name = Annotated[str, Meta(extra={"wire": "name", "longest": 32})]
+"""Name of a robot, twin or seat: a-z, 0-9 and -. At most 32 characters."""
+
+Label = Annotated[str, Meta(extra={"wire": "label", "longest": 100})]
+"""Version, device, key or other technical text. At most 100 characters."""
+
+Text = Annotated[str, Meta(extra={"wire": "string", "longest": 1000})]
+"""Sentence for people. At most 1000 characters."""
 
 
 class Reason(StrEnum):
@@ -394,9 +403,9 @@ class Detail(Struct, frozen=True, kw_only=True):
     """lowest allowed value"""
     high: Float32 | None = None
     """highest allowed value"""
-    unit: str = ""
+    unit: Label = ""
     """unit of value, low and high: rad, rad/s, s, or empty for counts"""
-    arms: list[str] = []
+    arms: list[Label] = []
     """names of the arms concerned"""
     at_goal: bool | None = None
     """true: the goal exceeds the limit; false: the path to it does"""
@@ -404,15 +413,15 @@ class Detail(Struct, frozen=True, kw_only=True):
     """time from the start of the motion at which it would leave the limits [s]"""
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
-    field: str = ""
+    field: Text = ""
     """the wrong field or word of the request; speed_limit: the teacher set the limit; if there is no answer: the robot"""
-    known: list[str] = []
+    known: list[Text] = []
     """values that are allowed instead, or the robots on line"""
-    holder: str = ""
+    holder: Name = ""
     """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not on line, the account that may not start it"""
     wait_s: Float32 | None = None
     """time after which the same request may succeed [s]"""
-    needs: list[str] = []
+    needs: list[Label] = []
     """commands to send first, in this order"""
     alternative: Alternative | None = None
     """a request that would be accepted"""
@@ -427,7 +436,7 @@ class MotionReply(Struct, frozen=True, kw_only=True):
     """accepted or done"""
     reason: Reason
     """OK, or the reason of the refusal or interruption"""
-    message: str
+    message: Text
     """the reason as a sentence, with the values that would be accepted"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """number of this motion, 0 if refused"""
@@ -446,7 +455,7 @@ class CommandReply(Struct, frozen=True, kw_only=True):
     """true: done"""
     reason: Reason
     """OK, or the reason of the refusal"""
-    message: str
+    message: Text
     """the reason as a sentence"""
     position: Vector3
     """set point of the arms; after STOP: arm angles at rest [rad]"""
@@ -461,13 +470,13 @@ class LeaseReply(Struct, frozen=True, kw_only=True):
     """true: the action was carried out; for wait: the seat has the lease or is in the queue"""
     reason: Reason
     """OK, or the reason of the refusal"""
-    message: str
+    message: Text
     """the reason as a sentence"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """number of the lease if it is the caller's, otherwise 0"""
-    holder: str
+    holder: Name
     """seat that holds the robot; empty: free"""
-    waiting: list[str]
+    waiting: list[Name]
     """seats in the queue, the next first"""
     detail: Detail | None = None
     """the refusal as data"""
@@ -480,7 +489,7 @@ class PreviewReply(Struct, frozen=True, kw_only=True):
     """true: the motion would be accepted"""
     reason: Reason
     """OK, or the reason of the refusal"""
-    message: str
+    message: Text
     """the reason as a sentence"""
     duration: Float32
     """time until the arms rest [s]"""
@@ -526,13 +535,13 @@ class BoardStatus(Struct, frozen=True, kw_only=True):
 
     connected: bool
     """the board answers"""
-    port: str
+    port: Label
     """serial device, or `virtual:`"""
-    name: str
+    name: Label
     """robot name stored on the board"""
-    firmware: str
+    firmware: Label
     """version of the firmware"""
-    contract: str
+    contract: Label
     """hash of its serial contract"""
     boot: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """number of starts of the board"""
@@ -560,7 +569,7 @@ class PlantStatus(Struct, frozen=True, kw_only=True):
 class CameraStatus(Struct, frozen=True, kw_only=True):
     """One camera of the robot."""
 
-    eye: str
+    eye: Label
     """`left` or `right`; of simulations also `outside`"""
     connected: bool
     """the camera is connected, or the pictures can be rendered"""
@@ -572,9 +581,9 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
     """width of the newest picture; 0: none yet [px]"""
     height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """height of the newest picture; 0: none yet [px]"""
-    source: str
+    source: Label
     """source of the pictures: `v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa`, `rays`"""
-    trouble: str = ""
+    trouble: Text = ""
     """a sentence: why there are no pictures, and what to do; empty: no fault"""
 
 
@@ -585,9 +594,9 @@ class Status(Struct, frozen=True, kw_only=True):
     """monotonic clock of the source [ns]"""
     t_wall_ns: int
     """wall clock of the source, since 1970 [ns]"""
-    robot: str
+    robot: Name
     """name of the robot"""
-    twin: str
+    twin: Name
     """`hw` or `sim`"""
     enabled: bool
     """motors on"""
@@ -599,15 +608,15 @@ class Status(Struct, frozen=True, kw_only=True):
     """number of the running or last motion, 0: none yet"""
     fault: Fault
     """NONE, or the fault"""
-    warnings: list[str]
+    warnings: list[Text]
     """sentences for the user"""
     calibrations: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
     """number of times that home was set since the node started; a plan made before the last calibration is invalid"""
-    holder: str
+    holder: Name
     """seat that holds the robot; empty: free"""
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
     """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
-    waiting: list[str] = []
+    waiting: list[Name] = []
     """seats that wait for the robot, the next first"""
     frozen: bool = False
     """the teacher has frozen the robot"""
@@ -628,7 +637,7 @@ class TargetReply(Struct, frozen=True, kw_only=True):
     """true: the person was moved, or the query was empty"""
     reason: Reason
     """OK, or the reason of the refusal"""
-    message: str
+    message: Text
     """the reason as a sentence, with the values that would be accepted"""
     x: Float32
     """the person's eyes, forward of the neck's centre [m]"""
@@ -653,7 +662,7 @@ class FrameHeader(Struct, frozen=True, kw_only=True):
     """width of the picture [px]"""
     height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """height of the picture [px]"""
-    source: str = ""
+    source: Label = ""
     """as in CameraStatus"""
 
 
@@ -668,17 +677,17 @@ class Event(Struct, frozen=True, kw_only=True):
     """wall clock of the source, since 1970 [ns]"""
     kind: EventKind
     """subject of the event"""
-    action: str = ""
+    action: Label = ""
     """motion, pose, the name of a command, or a log level"""
-    seat: str = ""
+    seat: Name = ""
     """seat that sent the request; empty: none"""
-    session: str = ""
+    session: Label = ""
     """Zenoh session that sent the request; empty: unknown"""
     phase: Phase | None = None
     """of a motion: accepted (also if it was refused) or done"""
     reason: Reason = Reason.OK
     """OK, or the reason of the refusal or interruption"""
-    message: str = ""
+    message: Text = ""
     """the event as a sentence"""
     motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
     """number of the motion; 0: none"""
@@ -717,15 +726,15 @@ class Clock(Struct, frozen=True, kw_only=True):
 class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
     """One key of this robot."""
 
-    key: str
+    key: Label
     """key expression"""
-    kind: str
+    kind: Label
     """query, publication, put, token, publication and query, or query and put"""
-    payload: str
+    payload: Label
     """message of the query, publication or put; empty: no payload"""
-    reply: str
+    reply: Label
     """message of the reply; empty: no reply"""
-    doc_: str
+    doc_: Text
     """purpose of the key"""
 
 
@@ -766,50 +775,50 @@ class GeometryInfo(Struct, frozen=True, kw_only=True):
 class Info(Struct, frozen=True, kw_only=True):
     """All data that a program without the library needs to drive this robot."""
 
-    robot: str
+    robot: Name
     """name of the robot"""
-    twin: str
+    twin: Name
     """`hw` or `sim`"""
-    version: str
+    version: Label
     """version of the beatrix-zenoh package"""
-    contract: str
+    contract: Label
     """hash of the Zenoh messages and keys"""
-    firmware: str
+    firmware: Label
     """version of the firmware; empty: no board"""
     steps_per_turn: Float32
     """microsteps per turn of an arm"""
-    arms: list[str]
+    arms: list[Label]
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
     geometry: GeometryInfo | None = None
     """geometry in use"""
-    fingerprint: str | None = None
+    fingerprint: Label | None = None
     """hash of all values of the robot: equal if simulation and hardware were started with the same robot file"""
-    commands: list[str]
+    commands: list[Text]
     """`number NAME: what it does`"""
-    reasons: list[str]
+    reasons: list[Text]
     """`NAME: meaning`"""
     keys: list[KeyInfo]
     """all keys"""
-    examples: list[str]
+    examples: list[Text]
     """commands for Zenoh's example programs"""
 
 
 class ProgramInfo(Struct, frozen=True, kw_only=True):
     """A program at the router, in its own words: its keys, those of all its sessions together."""
 
-    program: str
+    program: Label
     """name of the program, such as `beatrix gui` or `lesson.py`"""
-    twin: str = ""
+    twin: Name = ""
     """`hw` or `sim` of a node; empty: a client"""
-    serves: list[str] = []
+    serves: list[Label] = []
     """keys of its queryables"""
-    publishes: list[str] = []
+    publishes: list[Label] = []
     """keys of its publications"""
-    subscribes: list[str] = []
+    subscribes: list[Label] = []
     """keys of its subscriptions"""
-    asks: list[str] = []
+    asks: list[Label] = []
     """keys of its queries and puts of the last 60 s"""
 
 

@@ -33,7 +33,7 @@ def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
         queries=(own, *READS, *stops, *drives),
         serves=(own, keys.program(name, ANY)),
         subscribes=EVERYTHING[:1],
-        tokens=tuple(_own_token(key, name) for key in TOKENS),
+        tokens=tuple(token for key in TOKENS for token in _own_tokens(key, name)),
         watches=EVERYTHING,
     )
 
@@ -54,11 +54,12 @@ def _commands(robot: str, seat: str) -> str:
     return keys.command(robot, ANY, seat).rpartition("/")[0] + "/**"
 
 
-def _own_token(key: str, name: str) -> str:
-    """Return the key expression of the tokens of this seat if the key has a seat, else of this robot."""
+def _own_tokens(key: str, name: str) -> list[str]:
+    """Return the key expressions of the tokens of this seat if the key has a seat, else of both robots of this name."""
     own = "who" if "{who}" in key else "robot"
     fields = dict.fromkeys(("robot", "twin", "who", "session", "token"), ANY)
-    return key.format_map({**fields, own: name})
+    twins = names.TWINS if "{twin}" in key else (ANY,)
+    return [key.format_map({**fields, "twin": twin, own: name}) for twin in twins]
 
 
 def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:

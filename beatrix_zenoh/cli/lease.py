@@ -9,16 +9,17 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import LeaseAction, Reason, Status
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseReply, Reason, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
 from beatrix_zenoh.cli.output import exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.govern import govern
+from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import title
-from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 CHECK_S = 0.5
@@ -145,22 +146,30 @@ def _govern(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
                 f"No robot{named} is on line at {client.bus.endpoint}.{others}",
             )
-        rows, failed, code = [], [], 0
-        for (robot, twin), result in govern(client, places, action, speed).items():
-            reason, text = result.reason, result.message
-            code = code or (0 if reason is Reason.OK else exit_code(reason))
-            rows.append(
-                {"robot": robot, "on": twin, "result": reason is Reason.OK, "reason": reason, "message": text}
-            )
-            failed += [] if reason is Reason.OK else [title((robot, twin))]
+        results = {}
+        for place, result in govern(client, places, action, speed):
+            results[place] = result
             if not as_json:
-                (say if reason is Reason.OK else note)(f"{robot} ({twin}): {text}")
+                (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
+    failed = [place for place in places if results[place].reason is not Reason.OK]
+    code = exit_code(results[failed[0]].reason) if failed else 0
     if as_json:
-        print_json({"result": not code, "robots": rows})
-    elif failed and len(failed) < len(rows):
+        print_json({"result": not failed, "robots": [_row(place, results[place]) for place in places]})
+    elif failed and len(failed) < len(places):
         note(
-            f"Done for {len(rows) - len(failed)} of {len(rows)} robots, not for {', '.join(failed)}. "
+            f"Done for {len(places) - len(failed)} of {len(places)} robots, not for {', '.join(map(title, failed))}. "
             "`beatrix top` shows which robots are frozen. Type the command again when all robots answer."
         )
     if code:
         raise typer.Exit(code)
+
+
+def _row(place: Place, result: LeaseReply | BeatrixError) -> dict[str, object]:
+    """Return the result of one robot for JSON output."""
+    return {
+        "robot": place[0],
+        "on": place[1],
+        "result": result.reason is Reason.OK,
+        "reason": result.reason,
+        "message": result.message,
+    }

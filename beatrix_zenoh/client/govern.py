@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason
@@ -12,7 +12,9 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 
 ANSWER_S = 2.0
-"""Time limit (s) of all replies together."""
+"""Time limit (s) of the reply of each robot."""
+AT_ONCE = 128
+"""Largest number of robots that are waited for at the same time; a class has at most two for each account."""
 NO_REPLY = (
     f"The robot did not answer within {ANSWER_S:g} s, so its state is not known: its node hangs or is not connected. "
     "Send the request again when the robot answers."
@@ -20,20 +22,26 @@ NO_REPLY = (
 
 
 def govern(
-    client: Client, places: Iterable[Place], action: LeaseAction, speed: float = 0.0
-) -> dict[Place, LeaseReply | BeatrixError]:
-    """Send a lease query to all these robots, and return the reply or error of each; `speed` (rad/s) is for LIMIT."""
+    client: Client, places: Sequence[Place], action: LeaseAction, speed: float = 0.0
+) -> Iterator[tuple[Place, LeaseReply | BeatrixError]]:
+    """Send a lease query to all these robots at once, and yield the reply or error of each as it arrives.
+
+    `speed` (rad/s) is for LIMIT. The robots of the class are the first, before those of connected seats.
+    """
     query = LeaseQuery(action=action, speed=speed)
-    who = client.settings.who
-    requests = {place: Request(client, place, keys.lease(*place, who), query, ANSWER_S) for place in places}
-    deadline_s = time.monotonic() + ANSWER_S
-    return {place: _result(request, deadline_s) for place, request in requests.items()}
+    seats = {parts.who for parts in map(keys.parse, client.bus.tokens(keys.seat("*", "*"))) if parts}
+    ordered = sorted(places, key=lambda place: (place[0] in seats, place[1] != "hw", place))
+    with ThreadPoolExecutor(AT_ONCE, "beatrix-govern") as threads:
+        asked = {threads.submit(_ask, client, place, query): place for place in ordered}
+        for answered in as_completed(asked):
+            yield asked[answered], answered.result()
 
 
-def _result(request: Request, deadline_s: float) -> LeaseReply | BeatrixError:
-    """Return the reply that arrives before `deadline_s` (monotonic clock, s), or the error."""
+def _ask(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | BeatrixError:
+    """Return the reply of a robot that arrives within ANSWER_S, or the error."""
+    request = Request(client, place, keys.lease(*place, client.settings.who), query, ANSWER_S)
     try:
-        reply = request.reply(LeaseReply, max(0.0, deadline_s - time.monotonic()))
+        reply = request.reply(LeaseReply, ANSWER_S)
     except TimeoutError:
         return NoAnswer(Reason.TIMED_OUT, NO_REPLY)
     except BeatrixError as error:

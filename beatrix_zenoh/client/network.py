@@ -21,8 +21,6 @@ from beatrix_zenoh.client.session import Client
 
 ANSWER_S: Final = 2.0
 """How long (s) to wait for the descriptions; programs that hang are then listed without keys."""
-MOST_KEYS: Final = 500
-"""Largest number of keys of each kind that are read from one description."""
 
 Owner = tuple[str, str]
 """Robot and twin of a node; seat and session of a client."""
@@ -76,7 +74,7 @@ def _add(program: Program, info: ProgramInfo | None) -> None:
     if info is not None:
         program.described = True
         for name in ("serves", "publishes", "subscribes", "asks"):
-            getattr(program, name).update(getattr(info, name)[:MOST_KEYS])
+            getattr(program, name).update(getattr(info, name))
 
 
 def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:

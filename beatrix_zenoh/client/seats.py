@@ -5,6 +5,9 @@ from __future__ import annotations
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh.client.session import Client
 
+SESSIONS = 1000
+"""Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""
+
 
 class Seats:
     """The connected seats, live until the client is closed; any thread may read them."""
@@ -17,7 +20,8 @@ class Seats:
         """Record on Zenoh's thread that a session of a seat has begun or ended."""
         parts = keys.parse(key)
         if parts is not None and alive:
-            self._sessions[parts.session] = parts.who
+            if len(self._sessions) < SESSIONS:
+                self._sessions[parts.session] = parts.who
         elif parts is not None:
             self._sessions.pop(parts.session, None)
 

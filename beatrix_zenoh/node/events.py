@@ -12,6 +12,7 @@ from typing import Final
 
 import msgspec
 
+from beatrix_zenoh import printable
 from beatrix_zenoh._generated.messages import (
     Detail,
     Event,
@@ -32,8 +33,6 @@ KEPT: Final = 200
 BURST: Final = 10
 """Equal events per second that are published one by one; further ones are counted and published as one."""
 WINDOW_S: Final = 1.0
-SEAT_LENGTH: Final = 32
-"""Largest number of characters of a seat in an event; requests of longer seats are refused."""
 _SEQS: Final = 2**32
 
 _PRINTED: Final = (EventKind.BOARD, EventKind.ROUTER, EventKind.CAMERA, EventKind.WARNING)
@@ -86,11 +85,11 @@ class EventLog:
             t_wall_ns=time.time_ns(),
             kind=kind,
             action=action,
-            seat=printable(caller.seat),
+            seat=printable.name(caller.seat),
             session=caller.session,
             phase=phase,
             reason=reason,
-            message=message,
+            message=printable.line(message),
             motion=motion,
             duration=duration_s,
             detail=detail,
@@ -143,11 +142,6 @@ class EventLog:
         self._latest.append(numbered)
         self._unpublished.append(numbered)
         return numbered
-
-
-def printable(seat: str) -> str:
-    """Return at most SEAT_LENGTH characters of a seat, with `?` for unprintable ones, for terminals and log files."""
-    return "".join(letter if letter.isprintable() else "?" for letter in seat[:SEAT_LENGTH])
 
 
 def write(events: list[Event]) -> None:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from logging.handlers import QueueHandler
 from pathlib import Path
 
-from beatrix_zenoh import threads
+from beatrix_zenoh import printable, threads
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.node.log_events import LOGGERS
@@ -37,7 +37,7 @@ class Writer:
             if self._file is not None:
                 self._file.handle(record)
             if record.levelno >= logging.WARNING:
-                print_raw(record.getMessage())
+                print_raw(printable.line(record.getMessage()))
 
     def close(self) -> None:
         """Write the waiting records, for CLOSE_S at most; if the queue is full, return at once."""
@@ -56,6 +56,14 @@ class Enqueue(QueueHandler):
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - the name is logging's
         """Ignore that the queue is full."""
+
+
+class OneLine(logging.Formatter):
+    """Formats a record as one line, because its message may quote a request; a traceback follows on further lines."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - the name is logging's
+        """Return the line of a record."""
+        return printable.line(super().formatMessage(record))
 
 
 class LogFile(logging.FileHandler):
@@ -111,5 +119,5 @@ def _file(path: Path) -> logging.Handler:
         raise WrongUsage(
             Reason.BAD_VALUE, f"--log-file {path}: {error.strerror}. Name a file that can be written."
         ) from error
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     return handler

@@ -52,6 +52,6 @@ class Governing(Worker):
 
     def _send(self, action: Govern, session: Session) -> None:
         places = action.places or tuple(sorted(session.monitor.present()))
-        results = govern(session.client, places, action.action, action.speed)
+        results = dict(govern(session.client, places, action.action, action.speed))
         failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
         self._report(of_several(action.row, len(results), failed))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import signal
+import time
 
 from shell import NAME, Shell
 from stage import Stage, until
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.client.govern import govern
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
@@ -83,3 +86,26 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert frozen == {"bea1": True, "bea2": False}
         shell.good("freeze", "--who", "teacher")
         assert line not in shell.good("top", "--once")
+
+
+def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
+    with Stage() as stage:
+        teacher = stage.client("teacher")
+        stage.node("bea1")
+        waiting: list[Incoming] = []
+        silent = [("aaa", "hw"), ("aab", "hw"), ("ana", "hw"), ("zoe", "sim")]
+        for name, twin in silent:
+            mute = stage.client(name).bus
+            mute.declare_token(keys.alive(name, twin))
+            if name != "zoe":  # its node has lost its queryables
+                mute.serve(keys.lease(name, twin, "*"), waiting.append)
+        begin = time.monotonic()
+        results = govern(teacher, teacher.robots(), LeaseAction.FREEZE)
+        place, reply = next(results)
+        answered_s = time.monotonic() - begin
+        assert (place, reply.reason) == (("bea1", "hw"), Reason.OK)
+        assert {place: result.reason for place, result in results}.keys() == set(silent)
+        assert answered_s < (time.monotonic() - begin) / 2
+        done = Shell(stage.endpoint).run("freeze", "--who", "teacher")
+        assert done.returncode == 4
+        assert "Done for 1 of 5 robots" in done.stderr
