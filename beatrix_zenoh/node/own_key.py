@@ -15,16 +15,14 @@ CACHED_KEYS = 256
 def seat_of(key: str, served: str) -> str:
     """Return the seat in a key: the chunk at the place of `*` in the served key; empty for a wildcard.
 
-    The key may have wildcards before the seat: `beatrix/**/stop/ana`.
+    The key may have wildcards before and after the seat: `beatrix/**/stop/ana`, `beatrix/*/hw/cmd/ana/*`.
     """
     chunks, pattern = key.split("/"), served.split("/")
     if "*" not in pattern:
         return ""
     place = pattern.index("*") - len(pattern)
     named = len(chunks) > -place and chunks[place - 1] == pattern[place - 1]
-    if not named or chunks[place:][1:] != pattern[place:][1:]:
-        return ""
-    return "" if "*" in chunks[place] else chunks[place]
+    return chunks[place] if named and "*" not in chunks[place] else ""
 
 
 @lru_cache(maxsize=CACHED_KEYS)
