@@ -39,6 +39,9 @@ ACTIVE_SLICE_S, ACTIVE_S = 10 / BAUD, 0.005
 """Longest delay (s), the time of one byte, while a reply is expected; and how long (s) after an input it applies."""
 CATCH_UP: Final = 20 * CYCLES_PER_MS
 """Largest number of cycles in one step after a delay of this process; commands are read between steps."""
+STALL_S: Final = 0.3
+"""Longest delay to catch up with. A longer one is skipped, as on a virtual board: the node was delayed as well, so the
+board would miss a heartbeat that no real board misses."""
 DAMAGED_SHARE: Final = 0.01
 """Share of damaged bytes while there is noise."""
 PR_SET_TIMERSLACK: Final = 29
@@ -167,14 +170,21 @@ class Live:
 
     def _run_to_now(self, *, has_input: bool) -> None:
         """Run the board up to now; pass its bytes to programs, and those of programs to the board."""
+        if (behind_s := self._behind_s()) > STALL_S:
+            self._lags.append(behind_s)
+            self._began += behind_s
         due = round((time.monotonic() - self._began) * 1000 * CYCLES_PER_MS)
         self._avr.run_until(min(due, self._avr.cycle + CATCH_UP))
-        self._lags.append(time.monotonic() - self._began - self._avr.cycle / (1000 * CYCLES_PER_MS))
+        self._lags.append(self._behind_s())
         if data := self._avr.receive():
             self._cable.give(data)
         if has_input:
             self._avr.send(self._cable.take())
             self._last_input_s = time.monotonic()
+
+    def _behind_s(self) -> float:
+        """Return how far (s) the board is behind real time."""
+        return time.monotonic() - self._began - self._avr.cycle / (1000 * CYCLES_PER_MS)
 
     def _listen(self, data: bytes) -> None:
         if not data:

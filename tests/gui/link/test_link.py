@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
+from excuses import in_time
 from linked import Linked, look
 from stage import Process, Stage, free_endpoint, start_router, until
 
@@ -19,6 +20,7 @@ from gui.state.actions import Connect, Ready, Select, Send, SendCommand, StopBot
 from gui.state.world import LinkPhase
 
 
+@pytest.mark.measures_time
 def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
     for row, twin in enumerate(("sim", "hw")):
         linked.do(Send(row, look(10), (twin,)))
@@ -26,11 +28,11 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert not accepted.done
         end = linked.end_of(row, twin)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        assert end.duration_s == pytest.approx(accepted.duration_s, abs=0.3)
         reading = linked.world.twin(twin).reading
         assert reading is not None
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
         until(partial(recorded, linked, twin), "the event")
+        in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
 
 
 def recorded(linked: Linked, twin: str) -> bool:
@@ -82,6 +84,7 @@ def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
     assert world.sim.reading.commanded.short < 60
 
 
+@pytest.mark.measures_time
 def test_stop_is_sent_at_once_while_the_window_is_busy(
     linked: Linked, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,7 +104,7 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
         while time.monotonic() < began_s + 0.03 or len(sent_s) < 2:
             linked.link.world()
         took_s.append(sent_s[0] - began_s)
-    assert statistics.median(took_s) < 0.01, "STOP waits for no timer of the window"
+    in_time(statistics.median(took_s), 0.01, "STOP, which waits for no timer of the window")
     for row in range(15):
         assert linked.end_of(row, "hw").accepted
 
@@ -215,6 +218,7 @@ def own() -> Iterator[tuple[Stage, Process, Process]]:
         yield stage, stage.simulation("bea", "--ready"), stage.hardware("bea")
 
 
+@pytest.mark.measures_time
 def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
     own: tuple[Stage, Process, Process],
 ) -> None:
@@ -233,7 +237,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         assert linked.end_of(4, "sim", 1.0).accepted
         assert linked.end_of(3, "sim", 0.5).reason is Reason.STOPPED
         assert not linked.of(4, "hw")
-        assert time.monotonic() - began_s < 3.0
+        in_time(time.monotonic() - began_s, 3.0, "STOP of the simulation")
         assert linked.end_of(4, "hw").reason in (Reason.NODE_FROZEN, Reason.NODE_LOST)
         linked.until(lambda world: world.latency_s["hw"] is None, "no round trip")
         assert linked.world.latency_s["sim"] is not None
