@@ -33,9 +33,9 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs at the router: their keys, who watches whom, and who has asked whom in the last minute.
+    """Show the programs at the router, and which of them watch and ask which robots.
 
-    Programs describe themselves. A Zenoh program that does not use this library is not listed.
+    Requests count for one minute. Programs describe themselves. A Zenoh program that does not use this library is not listed.
     """
     with Client(resolve(None, connect, who)) as client:
         programs, endpoint = network.read(client), client.bus.endpoint

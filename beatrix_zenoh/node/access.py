@@ -165,11 +165,6 @@ class Access:
         self.lease.motion.release(now_s)
 
     @_locked
-    def holder(self, now_s: float) -> str:
-        """Return the seat that holds the robot; empty if it is free."""
-        return self.lease.holder(now_s)
-
-    @_locked
     def freeze(self, *, on: bool) -> None:
         """Freeze the robot, so that only the teacher can move it, or end the freeze."""
         self.frozen = on

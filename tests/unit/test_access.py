@@ -74,9 +74,9 @@ def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None
 
 def test_the_lease_ends_exactly_linger_s_after_the_motion(access: Access) -> None:
     finish_motion(access, ANA, 10)
-    assert access.holder(10 + LINGER_S - 0.001) == "ana"
+    assert access.lease.holder(10 + LINGER_S - 0.001) == "ana"
     assert refusal(access, BEN, 10 + LINGER_S - 0.001) is Reason.NOT_HOLDER
-    assert access.holder(10 + LINGER_S) == ""
+    assert access.lease.holder(10 + LINGER_S) == ""
     assert refusal(access, BEN, 10 + LINGER_S) is Reason.OK
 
 
@@ -88,12 +88,12 @@ def test_the_teacher_becomes_the_holder(access: Access) -> None:
 def test_undo_take_restores_the_previous_lease(access: Access) -> None:
     begin_motion(access, ANA, 0)
     access.undo_take()
-    assert access.holder(1) == ""
+    assert access.lease.holder(1) == ""
     finish_motion(access, ANA, 2)
     begin_motion(access, ANA, 3.5)
     access.undo_take()
-    assert access.holder(2 + LINGER_S - 0.1) == "ana"
-    assert access.holder(2 + LINGER_S) == "", "the end of the lease has not changed"
+    assert access.lease.holder(2 + LINGER_S - 0.1) == "ana"
+    assert access.lease.holder(2 + LINGER_S) == "", "the end of the lease has not changed"
 
 
 def test_a_released_robot_is_free_immediately(access: Access) -> None:

@@ -105,7 +105,7 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(caller=CALLERS, wait=st.booleans())
     def take_lease(self, caller: Caller, wait: bool) -> None:
-        holder = self.access.holder(self.now_s)
+        holder = self.access.lease.holder(self.now_s)
         try:
             number = take(self.access, caller, self.now_s, wait=wait)
         except Refused:
