@@ -33,7 +33,7 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs at the router, and which of them watch and ask which robots.
+    """Show the programs at the router, and who watches and asks whom.
 
     Requests count for one minute. Programs describe themselves. A Zenoh program that does not use this library is not listed.
     """
