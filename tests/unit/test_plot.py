@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
@@ -17,9 +18,21 @@ from beatrix_zenoh.recording.series import Recording
 def test_two_recordings_are_drawn(tmp_path: Path) -> None:
     t = np.arange(0.0, 4.0, 0.02)
     first = Recording(t, np.sin(t)[:, None] * np.arange(1, 7))
-    figure = twin_figure(compare(first, Recording(t, first.angles + 0.1)), "two robots")
+    found = compare(first, Recording(t, first.angles + 0.1))
+    figure = twin_figure(found, "two robots")
     arms, head, apart = figure.axes
-    assert [len(panel.get_lines()) for panel in (arms, head, apart)] == [6, 6, 6]
+    for panel, part in ((arms, slice(0, 3)), (head, slice(3, 6))):
+        hw, sim = panel.get_lines()[:3], panel.get_lines()[3:]
+        assert np.array([line.get_ydata() for line in sim]) == pytest.approx(found.first[:, part].T)
+        assert np.array([line.get_ydata() for line in hw]) == pytest.approx(found.first[:, part].T + 0.1)
+        assert min(line.get_linewidth() for line in hw) > 2 * max(line.get_linewidth() for line in sim)
+    assert np.array([line.get_ydata() for line in apart.get_lines()]) == pytest.approx(0.1, abs=1e-4)
+    assert len(apart.get_lines()) == 6
+    assert [panel.get_ylabel() for panel in figure.axes] == [
+        "arms (°)",
+        "head (°)",
+        "hardware - simulation (°)",
+    ]
     figure.savefig(tmp_path / "twin.png", dpi=50)
     with Image.open(tmp_path / "twin.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10
