@@ -166,8 +166,9 @@ class ClassRouter:
         return self._sessions[label]
 
     def open(self, name: str, label: str = "") -> Bus:
-        """Open a new session of an account; the caller closes it."""
-        account = self.account(name)
+        """Open a new session of an account, or of `old ` and an account that was replaced; the caller closes it."""
+        kind, _, old = name.partition(" ")
+        account = self.former(old) if kind == "old" else self.account(name)
         return patiently(lambda: zbus.connect(account.connect, label=label, account=account))
 
     def close(self) -> None:

@@ -54,7 +54,7 @@ class Bus(ProcessBound):
         self._declarations = Declarations(open_session)
         self._asked: dict[str, float] = {}
         self.served = ""
-        """A key that this session serves; empty: none."""
+        """A key that this session serves and its own account may query; empty: none."""
         self.endpoint = endpoint
         self.session_id = self._declarations.use(lambda session: str(session.zid()))
 
@@ -127,7 +127,7 @@ class Bus(ProcessBound):
         def declare(session: zenoh.Session) -> Declared:
             return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
 
-        self.served = self.served or key
+        self.served = self.served or _own_seat(key)
         self._declarations.add(QUERYABLE, key, declare)
 
     def publication(
@@ -296,6 +296,12 @@ def _places(tokens: list[str]) -> list[tuple[str, str]]:
     """Return name and twin from the key of each token."""
     found = [keys.parse(token) for token in tokens]
     return [(parts.robot, parts.twin) for parts in found if parts is not None]
+
+
+def _own_seat(key: str) -> str:
+    """Return a key with the robot's name as the seat: the one seat under which a robot's account may query itself."""
+    parts = keys.parse(key)
+    return key if parts is None else key.replace("*", parts.robot)
 
 
 def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:

@@ -23,15 +23,19 @@ def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
 
 
 def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
-    """Return the grant to read everything, stop every robot, serve and drive the robot `name`, and query `drives`."""
-    own, stop = f"{ROOT}/{name}/**", keys.stop(ANY, ANY, name)
+    """Return the grant to read everything, stop every robot, serve and drive the robot `name`, and query `drives`.
+
+    The account drives its own robot, too, under its own seat only: otherwise it could act there as the teacher.
+    """
+    stop = keys.stop(ANY, ANY, name)
     # STOP of all robots, under this name. No other key ends like this one, so `**` permits nothing else.
     stops = (stop, stop.replace(f"{ANY}/{ANY}", "**"))
+    state = keys.positions(name, ANY).rpartition("/")[0] + "/**"
     return Grant(
         name,
-        puts=(own, *stops),
-        queries=(own, *READS, *stops, *drives),
-        serves=(own, keys.program(name, ANY)),
+        puts=(state, keys.arm_target(name, ANY, ANY), keys.target(name), *stops),
+        queries=(_commands(name, name), keys.target(name), *READS, *stops, *drives),
+        serves=(f"{ROOT}/{name}/**", keys.program(name, ANY)),
         subscribes=EVERYTHING[:1],
         tokens=tuple(token for key in TOKENS for token in _own_tokens(key, name)),
         watches=EVERYTHING,

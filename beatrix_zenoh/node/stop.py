@@ -69,7 +69,8 @@ class StopHandler(Component):
     def start(self, sessions: Sessions) -> None:
         name, twin = self._context.name, self._context.twin
         self._thread = threads.start(self._run, "stop")
-        for key in (keys.stop_unsigned(name, twin), keys.stop(name, twin, "*")):
+        # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
+        for key in (keys.stop(name, twin, "*"), keys.stop_unsigned(name, twin)):
             sessions.serve(key, partial(self._query, key))
             sessions.subscribe(key, partial(self._put, key))
 

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+import datetime as dt
 from collections.abc import Callable, Iterator
 
 import pytest
-from class_router import Answering, ClassRouter, ReceivedKeys, replies, settled
+from class_router import Answering, ClassRouter, ReceivedKeys, certified, replies, settled
 
+from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus.watchdog import reached
+from beatrix_zenoh.classroom.certificates import Authority
+from beatrix_zenoh.errors import NoAnswer
 
 SIM, HW = "sim", "hw"
 FORGED = b"forged"
@@ -24,6 +31,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
                 keys.motion(robot, twin, "*"),
                 keys.stop_unsigned(robot, twin),
                 keys.stop(robot, twin, "*"),
+                keys.lease(robot, twin, "*"),
                 keys.positions(robot, twin),
                 keys.info(robot, twin),
                 keys.program(robot, "abc"),
@@ -43,14 +51,19 @@ def asks(router: ClassRouter, account: str, key: str) -> bool:
 
 def puts(router: ClassRouter, account: str, key: str) -> bool:
     """Return whether a publication of the account reaches the teacher."""
-    own = account if account != "teacher" else "bea1"
-    marker = keys.status(own, SIM)
+    current = account.removeprefix("old ")
+    marker = keys.status(current if current != "teacher" else "bea1", SIM)
     received = ReceivedKeys(router.session("teacher"), "beatrix/**")
     settled(router.session("teacher"))
-    sender = router.session(account)
-    for one in (key, marker):
-        sender.put(one, b"1", "text/plain", priority="data")
-    found = received.until(marker)
+    found: list[str] = []
+    with router.open(account) as sender:
+        sender.put(key, b"1", "text/plain", priority="data")
+        if account == current:
+            sender.put(marker, b"1", "text/plain", priority="data")
+            found = received.until(marker)
+    if account != current:  # its own session could send no marker
+        router.session(current).put(marker, b"1", "text/plain", priority="data")
+        found = received.until(marker)
     received.close()
     return key in found
 
@@ -73,12 +86,31 @@ def announces(router: ClassRouter, account: str, key: str) -> bool:
     return seen
 
 
+def connects(router: ClassRouter, account: str, _: str) -> bool:
+    """Return whether the account opens a session."""
+    kind, name = account.split()
+    ours, foreign = router.authority(), Authority.make("8b")
+    own = router.account(name)
+    cards = {
+        "new": own,
+        "foreign": certified(own, foreign),
+        "expired": certified(own, ours, days=-1),
+        "future": certified(own, ours, begin=dt.datetime.now(dt.UTC) + dt.timedelta(days=1)),
+    }
+    try:
+        zbus.connect(own.connect, account=cards[kind]).close()
+    except NoAnswer as error:
+        return error.reason is not Reason.ACCOUNT_REFUSED
+    return True
+
+
 def receives(router: ClassRouter, account: str, key: str) -> bool:
     """Return whether the account receives a publication of bea2 on this key."""
     position, marker = keys.positions("bea2", HW), keys.status("bea2", HW)
     session, robot = router.session(account), router.session("bea2")
-    received, marked = ReceivedKeys(session, key), ReceivedKeys(session, marker)
-    settled(session)
+    witness = router.session("teacher") if account.startswith("old ") else session
+    received, marked = ReceivedKeys(session, key), ReceivedKeys(witness, marker)
+    settled(witness)
     for one in (position, marker):
         robot.put(one, b"1", "text/plain", priority="data")
     marked.until(marker)
@@ -109,6 +141,23 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, keys.target("ben"), False),
     ("ana", puts, keys.arm_target("bea1", HW, "short"), False),
     ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
+    # on its own robot, too, an account acts under its own seat only
+    ("ana", asks, keys.lease("ana", SIM, "ana"), True),
+    ("ana", asks, keys.lease("ana", SIM, "teacher"), False),
+    ("ana", asks, keys.lease("ana", SIM, "ben"), False),
+    ("ana", asks, keys.lease("ana", SIM, ANY), False),
+    ("ana", asks, keys.lease("ana", SIM, "teache$*"), False),
+    ("ana", asks, "beatrix/ana/**", False),
+    ("ana", asks, "beatrix/ana/sim/cmd/**", False),
+    ("ana", asks, keys.target("ana"), True),
+    ("ana", asks, keys.stop("ana", SIM, "teacher"), False),
+    ("ana", puts, keys.stop("ana", SIM, "teacher"), False),
+    ("ana", puts, keys.stop_unsigned("ana", SIM), False),
+    ("bea1", asks, keys.lease("bea1", HW, "bea1"), True),
+    ("bea1", asks, keys.lease("bea1", HW, "teacher"), False),
+    ("bea1", asks, keys.motion("bea1", HW, "ana"), False),
+    ("bea1", asks, keys.motion("bea1", HW, ANY), False),
+    ("bea1", puts, keys.stop_unsigned("bea1", HW), False),
     # every account may read all publications
     ("ana", asks, keys.positions("ben", SIM), True),
     ("ana", asks, keys.positions(ANY, ANY), True),
@@ -190,6 +239,30 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", announces, keys.seat("ben", "abc"), False),
     ("ana", announces, keys.seat("teacher", "abc"), False),
     ("bea1", announces, keys.alive("bea2", SIM), False),
+    ("ana", announces, keys.alive("ana", "x17"), False),
+    ("ana", announces, keys.claim("ana", "x17", "abc"), False),
+    # a card that was replaced opens a session that can do nothing, whatever its role
+    *(
+        row
+        for name, own in (("ana", "ana"), ("bea1", "bea1"), ("teacher", "bea1"))
+        for row in (
+            (f"old {name}", asks, keys.lease(own, SIM, name), False),
+            (f"old {name}", asks, keys.positions("ben", SIM), False),
+            (f"old {name}", asks, keys.stop("bea2", HW, name), False),
+            (f"old {name}", puts, keys.stop("bea2", HW, name), False),
+            (f"old {name}", puts, keys.positions(own, SIM), False),
+            (f"old {name}", receives, "beatrix/**", False),
+            (f"old {name}", serves, keys.clock(own, SIM), False),
+            (f"old {name}", announces, keys.claim(own, HW, "old"), False),
+            (f"old {name}", announces, keys.seat(name, "abc"), False),
+        )
+    ),
+    # other certificates open no session
+    *(
+        (f"{kind} {name}", connects, "", kind == "new")
+        for kind in ("new", "foreign", "expired", "future")
+        for name in ("ana", "bea1", "teacher")
+    ),
 ]
 
 
@@ -202,6 +275,16 @@ def test_the_router_allows_exactly_what_the_table_allows(
     router: ClassRouter, account: str, kind: Kind, key: str, allowed: bool
 ) -> None:
     assert kind(router, account, key) is allowed
+
+
+def test_the_watchdog_of_a_robot_reaches_all_sessions_with_the_robots_account(router: ClassRouter) -> None:
+    """Its rules let a robot query itself only under its own seat."""
+    through = router.session("bea2", "control")
+    for key in (keys.stop("bea2", HW, ANY), keys.motion("bea2", HW, ANY), keys.info("bea2", HW)):
+        with contextlib.closing(router.open("bea2")) as checked:
+            checked.serve(key, lambda incoming: incoming.finish())
+            settled(checked)
+            assert reached(checked, through), key
 
 
 def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRouter) -> None:
