@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+PREFIX = "beatrix-"
+
 
 def start(work: Callable[[], None], name: str) -> threading.Thread:
     """Start a daemon thread `beatrix-<name>` that calls `work`, and return it when it runs.
@@ -18,7 +20,12 @@ def start(work: Callable[[], None], name: str) -> threading.Thread:
         begun.set()
         work()
 
-    thread = threading.Thread(target=run, name=f"beatrix-{name}", daemon=True)
+    thread = threading.Thread(target=run, name=f"{PREFIX}{name}", daemon=True)
     thread.start()
     begun.wait()
     return thread
+
+
+def ours() -> bool:
+    """Return whether the calling thread was started here."""
+    return threading.current_thread().name.startswith(PREFIX)

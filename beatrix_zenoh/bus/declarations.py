@@ -11,6 +11,7 @@ from typing import Protocol, TypeVar
 import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.forks import ProcessBound
 from beatrix_zenoh.errors import WrongUsage
 
@@ -50,6 +51,7 @@ class Declarations(ProcessBound):
         self._made: dict[Declaration, Declared] = {}
         self.closed = False
         """Whether this program has closed the session."""
+        OPEN.add(self)
 
     def use(self, do: Callable[[zenoh.Session], T]) -> T:
         """Return the result of `do`, which is called again if the session was replaced meanwhile.
@@ -59,10 +61,11 @@ class Declarations(ProcessBound):
         """
         while True:
             session = self._session
-            if self.closed:
-                raise WrongUsage(Reason.SHUTDOWN, CLOSED)
             try:
-                return do(session)
+                with OPEN.call():
+                    if self.closed:
+                        raise WrongUsage(Reason.SHUTDOWN, CLOSED)
+                    return do(session)
             except zenoh.ZError:
                 if session is self._session and not self.closed:
                     raise
@@ -95,7 +98,7 @@ class Declarations(ProcessBound):
         Queries of the old session that are not answered yet get no reply. Raises the errors of `open_session`, and then
         the old session remains; and those of `use`.
         """
-        with self._renewal:
+        with self._renewal, OPEN.call():
             new = self._open_session()
             with self._lock:
                 old, repeated = self._session, list(self._made)
@@ -136,10 +139,12 @@ class Declarations(ProcessBound):
         with self._lock:
             self.closed = True
             session, made, self._made = self._session, self._made, {}
-        session.close()
+        with contextlib.suppress(zenoh.ZError):  # a router that hangs notices the end by itself
+            session.close()
         made.clear()
+        OPEN.discard(self)
 
 
 def _undeclare(made: Declared) -> None:
-    with contextlib.suppress(zenoh.ZError):  # the session may be closing
+    with contextlib.suppress(zenoh.ZError, WrongUsage), OPEN.call():  # the session may be closing
         made.undeclare()

@@ -8,7 +8,9 @@ from functools import cached_property
 import msgspec
 import zenoh
 
+from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.errors import WrongUsage
 
 
 class Incoming:
@@ -37,12 +39,13 @@ class Incoming:
 
     def reply(self, key: str, payload: bytes, encoding: str) -> None:
         """Send one reply on `key`, the robot's own; raises no error if the client has gone."""
-        with contextlib.suppress(zenoh.ZError):
+        with contextlib.suppress(zenoh.ZError, WrongUsage), OPEN.call():
             self._query.reply(key, payload, encoding=encoding)
 
     def finish(self) -> None:
         """End the replies to this query."""
-        self._query.drop()
+        with contextlib.suppress(WrongUsage), OPEN.call():
+            self._query.drop()
 
 
 class Received(msgspec.Struct, frozen=True, gc=False):

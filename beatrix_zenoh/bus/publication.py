@@ -9,7 +9,9 @@ import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.query import PRIORITIES
+from beatrix_zenoh.errors import WrongUsage
 
 CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 
@@ -47,5 +49,5 @@ class Publication:
 
     def put(self, payload: bytes, attachment: bytes | None = None) -> None:
         """Publish; Zenoh drops the message for a subscriber that cannot keep up."""
-        with contextlib.suppress(zenoh.ZError):  # the session may be closing
+        with contextlib.suppress(zenoh.ZError, WrongUsage), OPEN.call():  # the session may be closing
             self._publisher.put(payload, attachment=attachment)

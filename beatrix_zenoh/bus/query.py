@@ -11,6 +11,8 @@ import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus.at_exit import OPEN
+from beatrix_zenoh.errors import WrongUsage
 
 QUERY_S = 60.0
 """Timeout (s) of a query if the caller gives none."""
@@ -145,4 +147,5 @@ class Query:
 
     def close(self) -> None:
         """Cancel the query and discard further replies."""
-        self._cancel.cancel()
+        with contextlib.suppress(WrongUsage), OPEN.call():
+            self._cancel.cancel()

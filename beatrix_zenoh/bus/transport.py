@@ -11,6 +11,7 @@ import zenoh
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import forks
+from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
 
 LEASE_MS = 2000
@@ -77,7 +78,8 @@ def opened(
         config.insert_json5(key, json.dumps(value))
     forks.opening()
     try:
-        return zenoh.open(config)
+        with OPEN.call():
+            return zenoh.open(config)
     except zenoh.ZError as error:
         cause = str(error).partition(" at /")[0]
         raise NoAnswer(reason, f"{explain()} ({cause})") from error

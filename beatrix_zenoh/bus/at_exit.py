@@ -1,0 +1,103 @@
+"""The end of a program that has left sessions open: they are closed before Python ends.
+
+A daemon thread that returns from Zenoh into a Python that has ended aborts the whole process, because Python ends the
+thread inside Rust (PyO3 issue 6084). So at the exit no thread may be inside Zenoh, nor may Zenoh call back.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import threading
+import time
+import weakref
+from collections.abc import Iterator
+from typing import Final, Protocol
+
+from beatrix_zenoh import threads
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import WrongUsage
+
+CLOSE_S: Final = 2.0
+"""After this time (s) no further session is closed, and no call is waited for; Zenoh needs at most 10 s to close one."""
+CALLBACK_S: Final = 0.05
+"""How long (s) callbacks that were running when their session was closed have time to return to Zenoh."""
+
+
+class Closes(Protocol):
+    """An open session."""
+
+    def close(self) -> None: ...
+
+
+class OpenSessions:
+    """The open sessions of this process, and the number of its threads that are inside Zenoh."""
+
+    def __init__(self) -> None:
+        self._sessions: weakref.WeakSet[Closes] = weakref.WeakSet()
+        self._changed = threading.Condition()
+        self._inside = threading.local()
+        self._calls = 0
+        self._ended = False
+
+    def add(self, session: Closes) -> None:
+        """Close this session at the exit, unless it is closed or deleted earlier."""
+        self._sessions.add(session)
+
+    def discard(self, session: Closes) -> None:
+        """Forget a session that is closed."""
+        self._sessions.discard(session)
+
+    @contextlib.contextmanager
+    def call(self) -> Iterator[None]:
+        """Surround a call of Zenoh. At the exit no call begins: threads of this package wait for the end of the process.
+
+        Calls may be nested, because Zenoh may run a callback in the calling thread.
+
+        Raises:
+            WrongUsage: SHUTDOWN, Python ends; in a thread of another package.
+        """
+        if getattr(self._inside, "zenoh", False):
+            yield
+            return
+        with self._changed:
+            ended = self._ended
+            self._calls += not ended
+        if ended:
+            if threads.ours():
+                threading.Event().wait()
+            raise WrongUsage(Reason.SHUTDOWN, "This program ends: its connections are closed.")
+        self._inside.zenoh = True
+        try:
+            yield
+        finally:
+            self._inside.zenoh = False
+            with self._changed:
+                self._calls -= 1
+                self._changed.notify_all()
+
+    def close(self) -> None:
+        """Close all open sessions and wait until no thread is inside Zenoh; for use at the exit."""
+        deadline_s = time.monotonic() + CLOSE_S
+        with self._changed:
+            self._ended = True
+        opened = list(self._sessions)
+        for session in opened:
+            if time.monotonic() < deadline_s:
+                session.close()
+        with self._changed:
+            self._changed.wait_for(lambda: not self._calls, max(0.0, deadline_s - time.monotonic()))
+        if opened:
+            time.sleep(CALLBACK_S)
+
+    def forget(self) -> None:
+        """Forget all sessions and calls in a forked child, which has only a copy of them."""
+        self.__init__()  # type: ignore[misc]
+
+
+OPEN: Final = OpenSessions()
+"""The only instance: a process has one exit."""
+atexit.register(OPEN.close)
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=OPEN.forget)
