@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from beatrix_zenoh import files, names
+from beatrix_zenoh import codec, files, names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 
@@ -86,6 +86,9 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
                 f"{today}. If this date is right, ask the teacher for a new {self.name}.toml and run `beatrix join` "
                 "with it.",
             )
+
+
+codec.prepare(Account)
 
 
 def joined() -> Path:

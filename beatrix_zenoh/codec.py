@@ -10,6 +10,7 @@ from typing import Final, TypeVar
 import msgpack
 import msgspec
 
+from beatrix_zenoh._generated import messages
 from beatrix_zenoh._generated.messages import FLOAT32_MAX, Detail, Reason
 from beatrix_zenoh.errors import QUOTED, Refused
 
@@ -26,6 +27,22 @@ _FLOAT32: Final = re.compile(r"`float` [<>]= -?3\.4\d+e\+38")
 _FIELD: Final = re.compile(r"(?:unknown|missing required) field `([^`]*)`")
 
 M = TypeVar("M", bound=msgspec.Struct)
+
+
+def prepare(*kinds: type[msgspec.Struct]) -> None:
+    """Let msgspec read the fields of these types, so that later any thread may decode them.
+
+    msgspec 0.22 reads them when it first decodes a type. A second thread that decodes the type meanwhile crashes the
+    process (SIGSEGV), because it uses the unfinished description. Call this where the type is defined or imported:
+    Python lets one thread at a time execute a module.
+    """
+    for kind in kinds:
+        msgspec.msgpack.Decoder(kind)
+
+
+prepare(
+    *(kind for kind in vars(messages).values() if isinstance(kind, type) and issubclass(kind, msgspec.Struct))
+)
 
 
 def fits(number: float) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh import files
+from beatrix_zenoh import codec, files
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, Range, RobotData
 from beatrix_zenoh.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
@@ -17,6 +17,8 @@ from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, Limits, known_tilt
 from beatrix_zenoh.motion.rotation import leaning
+
+codec.prepare(RobotData)
 
 Tables = dict[str, dict[str, object]]
 
