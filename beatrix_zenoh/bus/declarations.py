@@ -134,7 +134,7 @@ class Declarations(ProcessBound):
 
     def close(self) -> None:
         """Close the session with all declarations; may be called twice. Does nothing in a forked child."""
-        if self.inherited:
+        if self._inherited:
             return
         with self._lock:
             self.closed = True

@@ -51,7 +51,7 @@ class ProcessBound:
         return made
 
     @property
-    def inherited(self) -> bool:
+    def _inherited(self) -> bool:
         """Whether this process is a forked child of the one that created the object."""
         return _Opened.pid not in (0, os.getpid())
 

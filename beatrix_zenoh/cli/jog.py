@@ -5,7 +5,6 @@ Questions go to stderr, so that stdout contains only the result.
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping
 from typing import NamedTuple, TypeVar
@@ -78,7 +77,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
             if not todo:
                 info = robot.info()
                 shape = info.geometry
-                known = ROBOT.geometry.arm0_azimuth if shape is None else math.degrees(shape.arm0_azimuth)
+                known = ROBOT.geometry.arm0_azimuth if shape is None else shape.arm0_azimuth
                 todo = describe(ask_azimuth(known), known, as_shipped=info.fingerprint == fingerprint(ROBOT))
     if as_json:
         print_json({"result": not todo, "todo": todo})

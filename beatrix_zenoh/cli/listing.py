@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
-
-import msgspec
 
 from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import Presence
 from beatrix_zenoh.client.session import Client
@@ -194,27 +193,8 @@ def info(
         show_info(info)
 
 
-def limits_deg(info: Info) -> dict[str, float]:
-    """Return the limits in degrees, degrees/s and degrees/s2."""
-    return in_degrees(info.limits, info.limits.__struct_fields__)
-
-
-def geometry_deg(info: Info) -> dict[str, float]:
-    """Return the neck's geometry in degrees; empty if the node has an older version, which does not send it."""
-    shape = info.geometry
-    if shape is None:
-        return {}
-    angles = [name for name in shape.__struct_fields__ if name != "hand"]
-    return {**in_degrees(shape, angles), "hand": shape.hand}
-
-
-def in_degrees(values: msgspec.Struct, names: Iterable[str]) -> dict[str, float]:
-    """Return the fields of these names, converted from radians to degrees."""
-    return {name: round(math.degrees(getattr(values, name)), 3) for name in names}
-
-
-def info_row(info: Info) -> dict[str, object]:
-    """Return an Info for JSON output, with angles in degrees."""
+def info_row(info: RobotInfo) -> dict[str, object]:
+    """Return an info for JSON output, with angles in degrees."""
     return {
         "robot": info.robot,
         "on": info.twin,
@@ -223,8 +203,8 @@ def info_row(info: Info) -> dict[str, object]:
         "firmware": info.firmware,
         "steps_per_turn": info.steps_per_turn,
         "arms": info.arms,
-        "limits_deg": limits_deg(info),
-        "geometry_deg": geometry_deg(info),
+        "limits_deg": info.limits._asdict(),
+        "geometry_deg": info.geometry._asdict() if info.geometry else {},
         "fingerprint": info.fingerprint,
         "commands": info.commands,
         "reasons": info.reasons,
@@ -233,22 +213,22 @@ def info_row(info: Info) -> dict[str, object]:
     }
 
 
-def show_info(info: Info) -> None:
-    """Print an Info as text."""
-    limits = limits_deg(info)
+def show_info(info: RobotInfo) -> None:
+    """Print an info as text."""
+    limits = info.limits
     say(
         f"{info.robot} ({info.twin}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
     )
     say(
-        f"limits: head tilts up to {limits['tilt_max']:g}°, turns up to {limits['yaw_max']:g}° to each side; "
-        f"arms stay {limits['gap_min']:g}° apart"
+        f"limits: head tilts up to {limits.tilt_max:g}°, turns up to {limits.yaw_max:g}° to each side; "
+        f"arms stay {limits.gap_min:g}° apart"
     )
     say(
-        f"speed: {limits['speed_default']:g}°/s by default, at most {limits['speed_max']:g}°/s; "
-        f"{limits['acceleration']:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
+        f"speed: {limits.speed_default:g}°/s by default, at most {limits.speed_max:g}°/s; "
+        f"{limits.acceleration:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
     )
-    if shape := geometry_deg(info):
-        say(f"neck: at home the short arm points {shape['arm0_azimuth']:g}° to the left of straight ahead")
+    if shape := info.geometry:
+        say(f"neck: at home the short arm points {shape.arm0_azimuth:g}° to the left of straight ahead")
     say("\ncommands:\n  " + "\n  ".join(info.commands))
     say("\n" + columns(("key", "kind", "purpose"), [(row.key, row.kind, row.doc_) for row in info.keys]))
     say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))

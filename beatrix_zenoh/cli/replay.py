@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import Info, Reason
+from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.output import note
@@ -17,6 +17,7 @@ from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.queries import FASTEST, SLOWEST, checked_factor
+from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import Refused, WrongUsage
 from beatrix_zenoh.motion.kinematics import Neck
@@ -116,7 +117,7 @@ def recorded_path(file: Path, name: str) -> ArmPath:
     return path_of_recording(f"{file}, {chosen} ({twin})", of_samples(samples, int(samples.time_ns[0])))
 
 
-def plan_path(path: ArmPath, infos: list[Info]) -> Following:
+def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
     """Plan and check the whole path for each robot, print a summary, and return the plan for the first robot.
 
     Raises:

@@ -11,6 +11,7 @@ from typing import Protocol, cast
 from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.dispatcher import Dispatcher
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
 
 MARGIN_S = 3.0
@@ -36,7 +37,7 @@ class Replies(Protocol):
         """Receive no more replies."""
 
 
-class Motion(ProcessBound):
+class Motion(ProcessBound, Suggesting):
     """A motion that a robot has accepted.
 
     Several threads may use it. Zenoh's threads only enqueue the final reply; the thread that waits for it reads it.
@@ -69,15 +70,18 @@ class Motion(ProcessBound):
         text = f"{self.duration:.1f} s" if end is None else end.message
         return f"<motion of {self._robot}: {text}>"
 
+    @value_method
     def done(self) -> bool:
         """Return whether the motion has ended, at its goal or before it."""
         self._read(0.0)
         return self._end is not None
 
+    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
+    @value_method
     def result(self, timeout: float | None = None) -> MotionReply:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
@@ -94,6 +98,7 @@ class Motion(ProcessBound):
             raise error
         return cast("MotionReply", end)
 
+    @value_method
     def exception(self, timeout: float | None = None) -> BeatrixError | None:
         """Wait as `result` does, but return the error that `result` would raise; None if the head arrived.
 

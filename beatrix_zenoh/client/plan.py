@@ -8,7 +8,7 @@ from beatrix_zenoh._generated.messages import Info, MotionQuery, PoseQuery, Prev
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.queries import true_or_false, wait_s
-from beatrix_zenoh.client.readings import Path, arm_angles, head_angles
+from beatrix_zenoh.client.readings import Path, RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, query_plan_position
@@ -152,7 +152,7 @@ class Plan(ProcessBound):
         return plot.path_figure(self.path)
 
 
-def unlike(one: Info, other: Info) -> bool:
+def unlike(one: Info | RobotInfo, other: Info | RobotInfo) -> bool:
     """Return whether two robots have different robot values; False if one is too old to report a fingerprint."""
     return None not in (one.fingerprint, other.fingerprint) and one.fingerprint != other.fingerprint
 

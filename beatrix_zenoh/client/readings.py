@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from beatrix_zenoh._generated.messages import Head, Positions, Vector3
+import msgspec
+
+from beatrix_zenoh._generated.messages import Head, Info, KeyInfo, Positions, Vector3
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.errors import BeatrixError
 
 
@@ -33,7 +36,7 @@ class HeadAngles(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Reading:
+class Reading(Suggesting):
     """Positions (deg) and velocity (deg/s) of a robot; `t` is the time (s) by the source's monotonic clock."""
 
     t: float
@@ -53,6 +56,57 @@ class Path:
     t: list[float]
     arms: list[ArmAngles]
     head: list[HeadAngles]
+
+
+class RobotLimits(NamedTuple):
+    """Limits of every motion of a robot (deg, deg/s, deg/s2)."""
+
+    tilt_max: float
+    """largest tilt of the head"""
+    gap_min: float
+    """smallest gap between neighbouring arms"""
+    yaw_max: float
+    """largest yaw of the head in either direction"""
+    speed_default: float
+    """default speed of an arm"""
+    speed_max: float
+    """largest speed of an arm"""
+    acceleration: float
+    """acceleration of an arm"""
+
+
+class RobotGeometry(NamedTuple):
+    """Geometry of the neck (deg), as in docs/reference/robot.md."""
+
+    arm_angle: float
+    rod_twist: float
+    mount_angle: float
+    arm0_azimuth: float
+    arm_spacing: float
+    hand: int
+    """+1: rods run counter-clockwise from arm to mount, -1: clockwise"""
+
+
+class RobotInfo(msgspec.Struct, frozen=True):
+    """The message Info, with limits and geometry in degrees."""
+
+    robot: str
+    twin: str
+    version: str
+    contract: str
+    firmware: str
+    steps_per_turn: float
+    """microsteps per turn of an arm"""
+    arms: list[str]
+    limits: RobotLimits
+    geometry: RobotGeometry | None
+    """None: the node has an older version, which does not send it"""
+    fingerprint: str | None
+    """hash of all values of the robot"""
+    commands: list[str]
+    reasons: list[str]
+    keys: list[KeyInfo]
+    examples: list[str]
 
 
 class Suggestion(NamedTuple):
@@ -85,6 +139,27 @@ def arm_angles(vector: Vector3) -> ArmAngles:
 def head_angles(head: Head) -> HeadAngles:
     """Convert the orientation of the head from rad to degrees."""
     return HeadAngles(*(math.degrees(value) for value in (head.yaw, head.pitch, head.roll)))
+
+
+def robot_info(info: Info) -> RobotInfo:
+    """Convert the limits and the geometry in an info to degrees."""
+    limits, geometry = msgspec.structs.asdict(info.limits), None
+    if info.geometry is not None:
+        angles = msgspec.structs.asdict(info.geometry)
+        hand = angles.pop("hand")
+        geometry = RobotGeometry(**{name: _degrees(angle) for name, angle in angles.items()}, hand=hand)
+    return RobotInfo(
+        **{
+            **msgspec.structs.asdict(info),
+            "limits": RobotLimits(**{name: _degrees(value) for name, value in limits.items()}),
+            "geometry": geometry,
+        }
+    )
+
+
+def _degrees(angle: float) -> float:
+    """Convert a float32 angle (rad) to degrees, rounded to remove the error of float32."""
+    return round(math.degrees(angle), 4)
 
 
 def reading(positions: Positions) -> Reading:

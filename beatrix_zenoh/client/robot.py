@@ -36,6 +36,7 @@ from beatrix_zenoh.client.queries import (
 from beatrix_zenoh.client.queries import wait_s as wait_seconds
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
@@ -131,6 +132,7 @@ class Robot(RobotBase):
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
         return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
 
+    @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.
 
@@ -143,6 +145,7 @@ class Robot(RobotBase):
 
     # -- scene of the simulation ----------------------------------------------------------------
 
+    @value_method
     def target(self) -> TargetReply:
         """Return the position of the simulated person in front of the robot, in the coordinates of `move_target`."""
         return self._ask_target(None)
@@ -240,7 +243,8 @@ class Robot(RobotBase):
         """Return an upper bound of a motion's time (s), because Zenoh keeps memory for a query until its timeout."""
         if query.speed is None:
             if self._default_speed is None:
-                self._default_speed = max(self.info().limits.speed_default, SLOWEST_DEFAULT)
+                given = math.radians(self.info().limits.speed_default)
+                self._default_speed = max(given, SLOWEST_DEFAULT)
             slowest = min(self._default_speed, SLOWEST_LIMIT)  # the teacher may limit the speed at any time
         elif isinstance(query.speed, float):
             slowest = query.speed

@@ -11,16 +11,17 @@ from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import camera, streams
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.queries import seconds
-from beatrix_zenoh.client.readings import Reading, reading
+from beatrix_zenoh.client.readings import Reading, RobotInfo, reading, robot_info
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.streams import SILENCE_S
 from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.settings import resolve
 
 
-class RobotBase(ProcessBound):
+class RobotBase(ProcessBound, Suggesting):
     """The readable part of a robot; `Robot` adds commands and motions."""
 
     def __init__(
@@ -54,21 +55,25 @@ class RobotBase(ProcessBound):
         """Name and twin of the robot."""
         return self.name, self.twin
 
+    @value_method
     def positions(self) -> Reading:
         """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
         key = keys.positions(self.name, self.twin)
         return reading(self.client.ask(*self.place, key, None, Positions, self.timeout_s))
 
+    @value_method
     def status(self) -> Status:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
         key = keys.status(self.name, self.twin)
         return self.client.ask(*self.place, key, None, Status, self.timeout_s)
 
-    def info(self) -> Info:
-        """Query versions, limits and keys of the robot; raises the errors of `positions`."""
+    @value_method
+    def info(self) -> RobotInfo:
+        """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
         key = keys.info(self.name, self.twin)
-        return self.client.ask(*self.place, key, None, Info, self.timeout_s)
+        return robot_info(self.client.ask(*self.place, key, None, Info, self.timeout_s))
 
+    @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
         """Subscribe to positions in degrees, 50 per second.
 
@@ -77,18 +82,22 @@ class RobotBase(ProcessBound):
         key = keys.positions(self.name, self.twin)
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
 
+    @value_method
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
         """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
         return streams.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
 
+    @value_method
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
         """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
         return streams.status(self.client, self.name, self.twin, timeout_s=timeout_s)
 
+    @value_method
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:
         """Subscribe to events; see `stream` for arguments and errors."""
         return streams.events(self.client, self.name, self.twin, timeout_s=timeout_s)
 
+    @value_method
     def camera(self, eye: str, timeout_s: float | None = camera.START_S) -> Subscription[CameraImage]:
         """Subscribe to the pictures of the `left` or `right` eye; the camera works only while a client subscribes.
 
@@ -97,6 +106,7 @@ class RobotBase(ProcessBound):
         """
         return camera.images(self.client, self.name, self.twin, eye, timeout_s=timeout_s)
 
+    @value_method
     def past_events(self) -> list[Event]:
         """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
         key = keys.events(self.name, self.twin)

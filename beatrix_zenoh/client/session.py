@@ -159,7 +159,7 @@ class Client(ProcessBound):
 
     def close(self) -> None:
         """Close the session; robots stop its running motions. May be called twice. Does nothing in a forked child."""
-        if self.inherited:
+        if self._inherited:
             return
         with self._lock:
             self._closed = True

@@ -14,6 +14,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.wakeup import Wakeup
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.names import view_title
@@ -83,6 +84,7 @@ class Inbox:
         self.newest = sample
         self._wakeup.set()
 
+    @value_method
     def next(self, timeout_s: float | None) -> Sample | None:
         """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
         self._wakeup.wait_for(lambda: self._waiting or self.closed, timeout_s)
@@ -100,7 +102,7 @@ class Inbox:
         self._wakeup.set()
 
 
-class Subscription(ProcessBound, Generic[T]):
+class Subscription(ProcessBound, Suggesting, Generic[T]):
     """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:
@@ -183,6 +185,7 @@ class Subscription(ProcessBound, Generic[T]):
             if arrival is not None:
                 return arrival
 
+    @value_method
     def take(self, timeout_s: float = 0.0) -> list[T]:
         """Return all unread publications, oldest first; wait up to `timeout_s` (s) for the first."""
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]

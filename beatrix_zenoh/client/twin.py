@@ -15,6 +15,7 @@ from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_o
 from beatrix_zenoh.client.readings import Reading
 from beatrix_zenoh.client.robot import Robot, stop_together
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
@@ -31,7 +32,7 @@ class TwinReading(NamedTuple):
     hw: Reading
 
 
-class Twin(ProcessBound):
+class Twin(ProcessBound, Suggesting):
     """Simulation and hardware of one name; see `Robot` for the arguments.
 
     `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a
@@ -209,6 +210,7 @@ class Twin(ProcessBound):
 
     # -- state -----------------------------------------------------------------------------------
 
+    @value_method
     def positions(self) -> TwinReading:
         """Return the current positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
         return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))

@@ -20,6 +20,7 @@ from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stop_events import StopEvents
 from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
@@ -40,7 +41,7 @@ class TwinReplies(NamedTuple):
     hw: MotionReply
 
 
-class TwinMotion(ProcessBound):
+class TwinMotion(ProcessBound, Suggesting):
     """A motion of both robots, similar to concurrent.futures.Future; several threads may use it.
 
     The simulation begins at once and the hardware `lead_s` later. During the lead, `cancel`, STOP at either robot,
@@ -91,14 +92,17 @@ class TwinMotion(ProcessBound):
             return 0.0 if self._permit.locked() else self.lead_s
         return 0.0 if self._permit.locked() else max(0.0, self._due_s - time.monotonic())
 
+    @value_method
     def done(self) -> bool:
         """Return whether the motion of both robots has ended, at its goal or before it."""
         return self._future.done()
 
+    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
+    @value_method
     def result(self, timeout: float | None = None) -> TwinReplies:
         """Wait until both robots have arrived and return their final replies.
 
@@ -114,6 +118,7 @@ class TwinMotion(ProcessBound):
         self._wait(timeout)
         return self._future.result(0)
 
+    @value_method
     def exception(self, timeout: float | None = None) -> BaseException | None:
         """Wait as `result` does, but return the error that `result` would raise; None if both have arrived.
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Reason, Status
+from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Reason, Status
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.monitor import Monitor
-from beatrix_zenoh.client.readings import ArmAngles, Reading
+from beatrix_zenoh.client.readings import ArmAngles, Reading, RobotInfo
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.session import Client
@@ -48,7 +48,7 @@ class TwinState(ProcessBound):
         self._client, self._name = client, name
         self._lock = threading.Lock()
         self._monitor: Monitor | None = None
-        self._infos: dict[str, Info] = {}
+        self._infos: dict[str, RobotInfo] = {}
 
     def status(self, robot: Robot) -> Status:
         """Return the status of a robot; raises NoAnswer as `Robot.status` does."""
@@ -69,7 +69,7 @@ class TwinState(ProcessBound):
             return query_plan_position(robot)
         return PlanPosition(reading.commanded, state.status.calibrations, reading.t)
 
-    def info(self, robot: Robot) -> Info:
+    def info(self, robot: Robot) -> RobotInfo:
         """Return the info of a robot, queried at the first call; raises NoAnswer as `Robot.info` does."""
         if robot.twin not in self._infos:
             self._infos[robot.twin] = robot.info()

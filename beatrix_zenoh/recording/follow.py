@@ -17,10 +17,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from beatrix_zenoh._generated.messages import Info, MotionQuery, Reason
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh._generated.messages import MotionQuery, Reason
+from beatrix_zenoh._generated.robot import ROBOT, Geometry, RobotData
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.queries import motion_query
+from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import Limits
@@ -87,29 +88,17 @@ class Following:
         return np.asarray((1 - part) * self.planned[before] + part * self.planned[after], dtype=np.float64)
 
 
-def robot_of(info: Info) -> RobotData:
+def robot_of(info: RobotInfo) -> RobotData:
     """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
-    limits, shape = info.limits, info.geometry
-    names = ("tilt_max", "gap_min", "yaw_max", "speed_default", "speed_max", "acceleration")
-    changed = {name: degrees(getattr(limits, name)) for name in names}
-    geometry = ROBOT.geometry
-    if shape is not None:
-        angles = ("arm_angle", "rod_twist", "mount_angle", "arm0_azimuth", "arm_spacing")
-        geometry = replace(
-            geometry, **{name: degrees(getattr(shape, name)) for name in angles}, hand=shape.hand
-        )
-    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **changed))
+    shape = info.geometry
+    geometry = ROBOT.geometry if shape is None else Geometry(**shape._asdict())
+    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **info.limits._asdict()))
 
 
-def robots_of(infos: Sequence[Info]) -> list[RobotData]:
+def robots_of(infos: Sequence[RobotInfo]) -> list[RobotData]:
     """Return the robot data to check a motion against: those of the first robot, and of the second if they differ."""
     checked = infos if len(infos) > 1 and unlike(*infos) else infos[:1]
     return [robot_of(info) for info in checked]
-
-
-def degrees(angle: float) -> float:
-    """Convert a float32 angle (rad) to degrees, rounded to remove the error of float32."""
-    return round(math.degrees(angle), 4)
 
 
 def follow(path: ArmPath, robot: RobotData) -> Following:

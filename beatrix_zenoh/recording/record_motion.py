@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, TextIO
 
-from beatrix_zenoh._generated.messages import Info, Positions, Reason
+from beatrix_zenoh._generated.messages import Positions, Reason
 from beatrix_zenoh.client.motion_file import Place, line_of, lines_of
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, arm_angles
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, RobotInfo, arm_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.errors import WrongUsage, naming
 from beatrix_zenoh.motion.kinematics import Neck
@@ -101,7 +101,7 @@ def record_motion(
     return count
 
 
-def comments(robot: Robot, info: Info) -> Sequence[str]:
+def comments(robot: Robot, info: RobotInfo) -> Sequence[str]:
     """Return the comment lines of the file."""
     return (
         f"Set points of {robot}, version {info.version}; times in s, angles in degrees.",
@@ -137,7 +137,7 @@ def arm_angles_of(positions: Positions) -> ArmAngles:
     return arm_angles(positions.commanded)
 
 
-def head_of(info: Info) -> Callable[[Positions], HeadAngles]:
+def head_of(info: RobotInfo) -> Callable[[Positions], HeadAngles]:
     """Return a function that computes the head orientation (deg) from the set points of the arms."""
     neck = Neck(robot_of(info).geometry)
 

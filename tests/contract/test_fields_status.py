@@ -182,8 +182,8 @@ def test_info_has_name_and_versions(body: Body, robot: Robot) -> None:
     assert info.steps_per_turn == pytest.approx(Gear().steps_per_turn)
 
 
-def test_info_has_limits_and_geometry_in_radians(robot: Robot) -> None:
-    info, limits, shape = robot.info(), ROBOT.limits, ROBOT.geometry
+def test_info_has_limits_and_geometry_in_radians_on_the_wire(robot: Robot) -> None:
+    info, limits, shape = robot.client.infos()[robot.place], ROBOT.limits, ROBOT.geometry
     expected = LimitInfo(
         tilt_max=math.radians(limits.tilt_max),
         gap_min=math.radians(limits.gap_min),
@@ -203,6 +203,13 @@ def test_info_has_limits_and_geometry_in_radians(robot: Robot) -> None:
         hand=shape.hand,
     )
     assert msgspec.structs.astuple(info.geometry) == pytest.approx(msgspec.structs.astuple(neck))
+
+
+def test_info_of_the_library_has_limits_and_geometry_in_degrees(robot: Robot) -> None:
+    info = robot.info()
+    assert info.geometry is not None
+    assert info.limits._asdict() == {name: getattr(ROBOT.limits, name) for name in info.limits._fields}
+    assert info.geometry._asdict() == {name: getattr(ROBOT.geometry, name) for name in info.geometry._fields}
 
 
 def test_info_lists_commands_reasons_keys_and_examples(body: Body, robot: Robot) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import signal
 import sys
 from collections.abc import Iterator
@@ -46,7 +45,7 @@ def test_a_robot_file_changes_the_limits_in_info(stage: Stage, lab: Path, module
     )
     process.expect("ready")
     robot = stage.robot("bea", module.removesuffix("_node"))
-    assert robot.info().limits.tilt_max == pytest.approx(math.radians(20))
+    assert robot.info().limits.tilt_max == 20
 
 
 def test_doctor_and_preview_report_twins_with_different_values(
@@ -77,7 +76,7 @@ def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:
         process.expect("The output of all processes is in")
         for twin in ("sim", "hw"):
             with Robot("bea", twin, connect=endpoint, who="ana") as robot:
-                assert robot.info().limits.tilt_max == pytest.approx(math.radians(20))
+                assert robot.info().limits.tilt_max == 20
     finally:
         process.end(signal.SIGINT)
 
