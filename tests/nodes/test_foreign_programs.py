@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import queue
+import subprocess
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import msgspec
 import pytest
@@ -140,11 +142,22 @@ def test_a_robot_of_another_version_is_listed_and_hides_no_other(stage: Stage, r
         assert rows["odd"]["version"] == "9.0"
         assert done.stderr.count("beatrix/odd/hw/state/status") == 1
         assert "which is unknown in this version" in shell.good("ls")
-        done = shell.run("top", "--once", "--json")
-        rows = {row["robot"]: row for row in json.loads(done.stdout)["robots"]}
-        assert (rows["bea"]["state"], rows["bea"]["hz"] > 30) == ("ready", True)
-        assert (rows["odd"]["state"], rows["odd"]["head_deg"]) == ("fault OVERHEATED", None)
-        assert done.stderr.count("beatrix/odd/hw/state/positions: ignored") == 1
+        found: list[subprocess.CompletedProcess[str]] = []
+
+        def shown() -> bool:  # a program that stood still shows robots as lost until the next positions
+            found[:] = [shell.run("top", "--once", "--json")]
+            row = row_of(found[0], "bea")
+            return bool(row["state"] == "ready" and row["hz"] > 30)
+
+        until(shown, "the robot of this version is shown")
+        odd = row_of(found[0], "odd")
+        assert (odd["state"], odd["head_deg"]) == ("fault OVERHEATED", None)
+        assert found[0].stderr.count("beatrix/odd/hw/state/positions: ignored") == 1
+
+
+def row_of(done: subprocess.CompletedProcess[str], robot: str) -> dict[str, Any]:
+    """Return the row of a robot in the output of `beatrix top --json`."""
+    return next(row for row in json.loads(done.stdout)["robots"] if row["robot"] == robot)
 
 
 def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Robot) -> None:
