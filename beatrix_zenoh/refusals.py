@@ -24,9 +24,9 @@ def not_calibrated() -> Refused:
     return Refused(Reason.NOT_CALIBRATED, detail=Detail(needs=["CALIBRATE"]))
 
 
-def emergency_latched() -> Refused:
-    """Return an EMERGENCY refusal: EMERGENCY_STOP is latched until RESET."""
-    return Refused(Reason.EMERGENCY, detail=Detail(needs=["RESET", "ENABLE", "CALIBRATE"]))
+def emergency_latched(teacher: str = "") -> Refused:
+    """Return an EMERGENCY refusal: EMERGENCY_STOP is latched until RESET, which only the seat `teacher` (if any) sends."""
+    return Refused(Reason.EMERGENCY, detail=Detail(holder=teacher, needs=["RESET", "ENABLE", "CALIBRATE"]))
 
 
 def driven_by(holder: str, wait_s: float | None = None) -> Refused:
@@ -47,6 +47,16 @@ def lease_ended(number: int, holder: str) -> Refused:
 def frozen() -> Refused:
     """Return a FROZEN refusal: the teacher has frozen the robot."""
     return Refused(Reason.FROZEN)
+
+
+def muted(seat: str, *, stop: bool = False) -> Refused:
+    """Return a MUTED refusal: the teacher has muted the seat; `stop`: of a STOP while no motion of the seat runs."""
+    return Refused(Reason.MUTED, detail=Detail(holder=seat, field="stop" if stop else ""))
+
+
+def teacher_resets() -> Refused:
+    """Return a TEACHER_ONLY refusal of RESET: the teacher has pressed EMERGENCY_STOP."""
+    return Refused(Reason.TEACHER_ONLY, detail=Detail(needs=["RESET"]))
 
 
 def teacher_only(seat: str) -> Refused:

@@ -1,4 +1,4 @@
-"""Callers for tests of the access rules, and a function that returns the reason of a refusal."""
+"""Callers and their requests for tests of the access rules, and a function that returns the reason of a refusal."""
 
 from __future__ import annotations
 
@@ -35,3 +35,24 @@ def refusal(
     except Refused as refused:
         return refused.reason
     return Reason.OK
+
+
+def begin_motion(access: Access, caller: Caller, now_s: float) -> Access:
+    """Begin a motion of the caller."""
+    access.authorize(Action.MOVE, caller, now_s)
+    access.take(caller)
+    return access
+
+
+def finish_motion(access: Access, caller: Caller, now_s: float) -> Access:
+    """Begin and end a motion of the caller."""
+    begin_motion(access, caller, now_s).rested(now_s)
+    return access
+
+
+def stop(access: Access, presser: Caller, now_s: float) -> Access:
+    """Press STOP, let the board acknowledge it, and end the motion."""
+    access.stop_pressed(presser, now_s)
+    access.stop_sent(now_s)
+    access.rested(now_s)
+    return access

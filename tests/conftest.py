@@ -141,12 +141,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             node.own_markers[:] = [mark for mark in node.own_markers if mark.name != "no_cover"]
 
 
+def own_user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Hide the folder of the developer: accounts are read there, and nodes keep the teacher's decisions there."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+        yield
+
+
+user_folder_of_run = pytest.fixture(scope="session", autouse=True)(own_user_folder)
+user_folder_of_file = pytest.fixture(scope="module", autouse=True)(own_user_folder)
+"""A robot that the tests of one file leave frozen is not frozen in another file."""
+
+
 @pytest.fixture(autouse=True)
-def no_settings_from_outside(
-    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def no_settings_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hide the settings of the developer, so that no test reaches their robot or class."""
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.getbasetemp() / "config"))
     for name in os.environ:
         if name.startswith(("BEATRIX_", "ZENOH_")):
             monkeypatch.delenv(name)

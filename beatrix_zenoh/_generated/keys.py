@@ -87,7 +87,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "interactive_high",
         "drop",
-        "Take a robot or give it back; the teacher also freezes it or limits its speed.",
+        "Take a robot or give it back; the teacher also freezes it, limits its speed and mutes seats.",
     ),
     "stop": KeyRow(
         "beatrix/{robot}/{twin}/stop/{who}",
@@ -335,7 +335,7 @@ def command(robot: str, twin: str, who: str) -> str:
 def lease(robot: str, twin: str, who: str) -> str:
     """Return the key `beatrix/{robot}/{twin}/cmd/{who}/lease`.
 
-    Take a robot or give it back; the teacher also freezes it or limits its speed.
+    Take a robot or give it back; the teacher also freezes it, limits its speed and mutes seats.
     """
     return f"beatrix/{robot}/{twin}/cmd/{who}/lease"
 

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "54decff5"
+CONTRACT: Final = "056e99f3"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -50,6 +50,8 @@ class Reason(StrEnum):
     """Another seat holds the robot."""
     FROZEN = "FROZEN"
     """The teacher has frozen the robot: only the teacher moves it."""
+    MUTED = "MUTED"
+    """The teacher has muted this seat: it watches only."""
     TEACHER_ONLY = "TEACHER_ONLY"
     """Only the seat `teacher` may send this request."""
     NOT_AT_REST = "NOT_AT_REST"
@@ -109,6 +111,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.SPEED_LIMIT: "The speed is zero, negative or above the limit.",
     Reason.NOT_HOLDER: "Another seat holds the robot.",
     Reason.FROZEN: "The teacher has frozen the robot: only the teacher moves it.",
+    Reason.MUTED: "The teacher has muted this seat: it watches only.",
     Reason.TEACHER_ONLY: "Only the seat `teacher` may send this request.",
     Reason.NOT_AT_REST: "The arms are moving.",
     Reason.HOME_KNOWN: "Home is known, and the arms are far from it.",
@@ -197,13 +200,17 @@ class LeaseAction(StrEnum):
     WAIT = "wait"
     """As take; while another seat holds the robot, wait in the queue."""
     GIVE_BACK = "give_back"
-    """End the lease, or leave the queue."""
+    """End the lease, or leave the queue. From the teacher: end the turn of the seat that holds or moves the robot, so that the next seat in the queue gets it."""
     FREEZE = "freeze"
     """Stop the robot; until unfreeze only the teacher moves it. Teacher only."""
     UNFREEZE = "unfreeze"
     """End freeze. Teacher only."""
     LIMIT = "limit"
     """Limit the speed of all arms, or with speed 0 end the limit. Teacher only."""
+    MUTE = "mute"
+    """Let a seat watch only: its motion, its lease and its place in the queue end, and its requests are refused. Teacher only."""
+    UNMUTE = "unmute"
+    """End mute for a seat. Teacher only."""
 
 
 class Source(StrEnum):
@@ -362,12 +369,14 @@ class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Take the robot for longer than a motion, give it back, or, as the teacher, freeze it or limit its speed."""
+    """Take the robot for longer than a motion, give it back, or, as the teacher, freeze it, limit its speed or mute a seat."""
 
     action: LeaseAction
     """the action"""
     speed: Float32 = 0.0
     """used by limit: top speed of every arm; 0: end the limit [rad/s]"""
+    seat: Text = ""
+    """used by mute and unmute: the seat"""
 
 
 class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -622,6 +631,10 @@ class Status(Struct, frozen=True, kw_only=True):
     """the teacher has frozen the robot"""
     speed_limit: Float32 = 0.0
     """limit that the teacher has set for every arm; 0: none [rad/s]"""
+    muted: list[Text] = []
+    """seats that the teacher has muted"""
+    teacher_latch: bool = False
+    """the teacher has pressed EMERGENCY_STOP: only the teacher may send RESET"""
     board: BoardStatus
     """the board"""
     plant: PlantStatus | None = None

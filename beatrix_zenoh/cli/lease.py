@@ -1,4 +1,4 @@
-"""Verbs that control which seat may move a robot: lease for every seat; freeze, unfreeze and limit for the teacher."""
+"""Verbs that control which seat may move a robot: lease for every seat; freeze, limit and mute for the teacher."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import LeaseAction, LeaseReply, Reason, Status
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
 from beatrix_zenoh.cli.output import exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
@@ -97,12 +97,12 @@ def _holder_now(status: Status, seat: str) -> str:
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """Stop every robot and let only the teacher move it. Requires the seat `teacher`."""
-    _govern(LeaseAction.FREEZE, 0.0, name, connect, who, as_json=as_json)
+    _govern(LeaseQuery(action=LeaseAction.FREEZE), name, connect, who, as_json=as_json)
 
 
 def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     """Let every seat move the robots again. Requires the seat `teacher`."""
-    _govern(LeaseAction.UNFREEZE, 0.0, name, connect, who, as_json=as_json)
+    _govern(LeaseQuery(action=LeaseAction.UNFREEZE), name, connect, who, as_json=as_json)
 
 
 def limit(
@@ -114,7 +114,27 @@ def limit(
 ) -> None:
     """Limit the speed of every robot, or end the limit. Requires the seat `teacher`."""
     most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
-    _govern(LeaseAction.LIMIT, most, name, connect, who, as_json=as_json)
+    _govern(LeaseQuery(action=LeaseAction.LIMIT, speed=most), name, connect, who, as_json=as_json)
+
+
+Seat = Annotated[str, typer.Argument(metavar="SEAT", help="The seat, as `beatrix top` shows it.")]
+
+
+def mute(
+    seat: Seat, name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False
+) -> None:
+    """Let a seat only watch. Requires the seat `teacher`.
+
+    Its motion, lease and place in the queue end, and its STOP stops no other seat.
+    """
+    _govern(LeaseQuery(action=LeaseAction.MUTE, seat=seat), name, connect, who, as_json=as_json)
+
+
+def unmute(
+    seat: Seat, name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False
+) -> None:
+    """Let a muted seat act again. Requires the seat `teacher`."""
+    _govern(LeaseQuery(action=LeaseAction.UNMUTE, seat=seat), name, connect, who, as_json=as_json)
 
 
 def _number(text: str) -> float:
@@ -127,15 +147,14 @@ def _number(text: str) -> float:
 
 
 def _govern(
-    action: LeaseAction,
-    speed: float,
+    query: LeaseQuery,
     wanted: list[str] | None,
     connect: str | None,
     who: str | None,
     *,
     as_json: bool,
 ) -> None:
-    """Send a lease query (`speed`: rad/s) to the robots `wanted`, or to all; exit with the first failure's code."""
+    """Send a lease query to the robots `wanted`, or to all; exit with the first failure's code."""
     with Client(resolve(None, connect, who)) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
@@ -147,7 +166,7 @@ def _govern(
                 f"No robot{named} is on line at {client.bus.endpoint}.{others}",
             )
         results = {}
-        for place, result in govern(client, places, action, speed):
+        for place, result in govern(client, places, query):
             results[place] = result
             if not as_json:
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
@@ -158,7 +177,7 @@ def _govern(
     elif failed and len(failed) < len(places):
         note(
             f"Done for {len(places) - len(failed)} of {len(places)} robots, not for {', '.join(map(title, failed))}. "
-            "`beatrix top` shows which robots are frozen. Type the command again when all robots answer."
+            "`beatrix top` shows the state of each robot. Type the command again when all robots answer."
         )
     if code:
         raise typer.Exit(code)

@@ -118,7 +118,14 @@ def problems(status: Status | None) -> list[str]:
 
 def lease_notes(status: Status) -> list[str]:
     """Return sentences about freeze, lease, waiting seats and speed limit."""
-    notes = ["The teacher has frozen it."] if status.frozen else []
+    notes = []
+    if status.teacher_latch:
+        notes.append("The teacher has pressed EMERGENCY_STOP; only the teacher resets it: beatrix reset")
+    if status.frozen:
+        notes.append("The teacher has frozen it; only the teacher ends this: beatrix unfreeze")
+    if status.muted:
+        seats = ", ".join(status.muted)
+        notes.append(f"The teacher has muted {seats}; only the teacher ends this: beatrix unmute SEAT")
     if status.lease:
         notes.append(f"{status.holder} has taken it.")
     if status.waiting:
@@ -131,7 +138,7 @@ def lease_notes(status: Status) -> list[str]:
 def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
     """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
 
-    A robot that was not on line when the teacher froze the others is not frozen when it returns.
+    A robot that was not on line when the teacher froze the others was not frozen with them.
     """
     free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
     if not free or len(free) == len(frozen):
@@ -176,6 +183,8 @@ def lease_row(status: Status) -> dict[str, object]:
         "lease": status.lease,
         "waiting": status.waiting,
         "frozen": status.frozen,
+        "muted": status.muted,
+        "teacher_latch": status.teacher_latch,
         "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
     }
 

@@ -39,6 +39,8 @@ VERBS = {
     "freeze": "lease",
     "unfreeze": "lease",
     "limit": "lease",
+    "mute": "lease",
+    "unmute": "lease",
     "record": "record",
     "view": "view",
     "doctor": "doctor",

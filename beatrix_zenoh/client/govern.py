@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason
+from beatrix_zenoh._generated.messages import LeaseQuery, LeaseReply, Reason
 from beatrix_zenoh.client.request import Place, Request
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
@@ -22,13 +22,12 @@ NO_REPLY = (
 
 
 def govern(
-    client: Client, places: Sequence[Place], action: LeaseAction, speed: float = 0.0
+    client: Client, places: Sequence[Place], query: LeaseQuery
 ) -> Iterator[tuple[Place, LeaseReply | BeatrixError]]:
     """Send a lease query to all these robots at once, and yield the reply or error of each as it arrives.
 
-    `speed` (rad/s) is for LIMIT. The robots of the class are the first, before those of connected seats.
+    The robots of the class are the first, before those of connected seats.
     """
-    query = LeaseQuery(action=action, speed=speed)
     seats = {parts.who for parts in map(keys.parse, client.bus.tokens(keys.seat("*", "*"))) if parts}
     ordered = sorted(places, key=lambda place: (place[0] in seats, place[1] != "hw", place))
     with ThreadPoolExecutor(AT_ONCE, "beatrix-govern") as threads:

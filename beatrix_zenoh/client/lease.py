@@ -99,6 +99,16 @@ def limit_speed(robot: Robot, speed: float | None) -> LeaseReply:
     return ask(robot, LeaseAction.LIMIT, 0.0 if speed is None else limit_of(speed))
 
 
+def mute(robot: Robot, seat: str) -> LeaseReply:
+    """Let a seat only watch a robot: its motion and its lease end, and its requests are refused; raises as `freeze`."""
+    return ask(robot, LeaseAction.MUTE, seat=seat)
+
+
+def unmute(robot: Robot, seat: str) -> LeaseReply:
+    """End the mute of a seat; raises the errors of `freeze`."""
+    return ask(robot, LeaseAction.UNMUTE, seat=seat)
+
+
 def limit_of(speed: float) -> float:
     """Return a speed limit in rad/s from one in deg/s; raises WrongUsage (BAD_VALUE) unless it is above 0."""
     if number("speed", speed, "deg/s") <= 0:
@@ -110,10 +120,10 @@ def limit_of(speed: float) -> float:
     return math.radians(speed)
 
 
-def ask(robot: Robot, action: LeaseAction, speed: float = 0.0) -> LeaseReply:
-    """Send a lease query (speed in rad/s); raises Refused or NoAnswer."""
+def ask(robot: Robot, action: LeaseAction, speed: float = 0.0, seat: str = "") -> LeaseReply:
+    """Send a lease query; `speed` (rad/s) is for LIMIT, `seat` for MUTE and UNMUTE. Raises Refused or NoAnswer."""
     key = keys.lease(robot.name, robot.twin, robot.client.settings.who)
-    query = LeaseQuery(action=action, speed=speed)
+    query = LeaseQuery(action=action, speed=speed, seat=seat)
     reply = robot.client.ask(*robot.place, key, query, LeaseReply, robot.timeout_s)
     if not reply.result:
         raise Refused(reply.reason, reply.message, reply.detail)

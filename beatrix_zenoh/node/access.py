@@ -2,30 +2,33 @@
 
 `Access.authorize` decides about every request to act on the robot, from clients and old programs, in this order:
 
-1. STOP, EMERGENCY_STOP and RESET are allowed for every client.
-2. Requests of a session that has ended are refused. Only the teacher may freeze the robot and limit its speed.
-3. Under the emergency latch motions, ENABLE and CALIBRATE are refused.
-4. While the robot is frozen, motions, ENABLE, DISABLE and CALIBRATE of all seats except the teacher are refused.
-5. A request with the number of an ended lease is refused. While a seat holds the robot, requests of all other seats
+1. STOP and EMERGENCY_STOP are allowed for every client; those of a muted seat end only its own motion.
+2. Requests of a session that has ended are refused. Only the teacher may freeze the robot, limit its speed and mute
+   seats. All requests of a muted seat are refused.
+3. Under the emergency latch motions, ENABLE and CALIBRATE are refused. If the teacher has set it, only the teacher may
+   RESET.
+4. While the robot is frozen, motions, ENABLE, DISABLE, CALIBRATE and RESET of all seats except the teacher are refused.
+5. RESET is allowed.
+6. A request with the number of an ended lease is refused. While a seat holds the robot, requests of all other seats
    except the teacher are refused.
-6. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
+7. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum, auto
 from functools import wraps
 from typing import Concatenate, ParamSpec, TypeVar
 
 from beatrix_zenoh import refusals
 from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.node.known_sessions import KnownSessions
 from beatrix_zenoh.node.lease import NO_CALLER, Caller, Lease
 from beatrix_zenoh.node.pauses import Pauses
 
-ENDED_SESSIONS = 256
-"""Number of ended sessions that `Access` remembers, because their last requests may still arrive."""
 TEXT_SESSION = "text-port"
 """Used as the session of programs of 2023, which have no Zenoh session."""
 
@@ -43,16 +46,40 @@ class Action(Enum):
     RESET = auto()
     LEASE = auto()
     GOVERN = auto()
-    """Freeze the robot, or limit its speed."""
+    """Freeze the robot, limit its speed, or mute a seat."""
     STOP = auto()
     EMERGENCY_STOP = auto()
 
 
-ALWAYS = (Action.STOP, Action.EMERGENCY_STOP, Action.RESET)
+ALWAYS = (Action.STOP, Action.EMERGENCY_STOP)
 MOVING = (Action.MOVE, Action.ENABLE, Action.CALIBRATE)
 """Actions that are refused under the emergency latch."""
-FROZEN = (*MOVING, Action.DISABLE)
+FROZEN = (*MOVING, Action.DISABLE, Action.RESET)
 """Actions that are refused while the robot is frozen; DISABLE too, because without motor power the head may sink."""
+
+
+@dataclass
+class Teacher:
+    """What the teacher has decided about the robot."""
+
+    frozen: bool = False
+    """whether only the teacher may move the robot"""
+    muted: frozenset[str] = frozenset()
+    """seats that only watch"""
+    latch: bool = False
+    """whether the teacher has pressed EMERGENCY_STOP, so that only the teacher may clear the latch"""
+
+    def check(self, action: Action, seat: str, *, latched: bool) -> None:
+        """Check mute, latch and freeze; raises Refused (MUTED, TEACHER_ONLY, EMERGENCY or FROZEN)."""
+        others = seat != TEACHER
+        if seat in self.muted:
+            raise refusals.muted(seat)
+        if action is Action.RESET and self.latch and others:
+            raise refusals.teacher_resets()
+        if action in MOVING and latched:
+            raise refusals.emergency_latched(TEACHER if self.latch and others else "")
+        if action in FROZEN and self.frozen and others:
+            raise refusals.frozen()
 
 
 def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate[Access, P], R]:
@@ -75,13 +102,8 @@ class Access:
         self._stopped_by = NO_CALLER
         self._stop_sent = self._resting = True
         self._latched_s: float | None = None
-        self.frozen = False
-        """Whether the teacher has frozen the robot."""
-        self._began: dict[Caller, float] = {}
-        """Times at which sessions with a token were first heard; an ended one is forgotten with its end."""
-        self._heard: dict[Caller, float] = {}
-        """Times of the first requests of the newest sessions without a token."""
-        self._ended: dict[Caller, None] = {}
+        self.teacher = Teacher()
+        self._sessions = KnownSessions()
 
     @_locked
     def authorize(
@@ -93,22 +115,21 @@ class Access:
         during a pause restarts the pause, even if the request is refused for another reason.
 
         Raises:
-            Refused: CLIENT_LOST, TEACHER_ONLY, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
+            Refused: CLIENT_LOST, TEACHER_ONLY, MUTED, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
         """
         if action in ALWAYS:
             return
-        began_s = self._heard_since(caller, now_s)
+        began_s = self._sessions.heard(caller, now_s)
         pause = self._pauses.restart(caller, now_s, began_s) if action is Action.MOVE else None
-        if caller in self._ended:
+        if self._sessions.has_ended(caller):
             raise refusals.session_ended()
         if action is Action.GOVERN:
             if caller.seat != TEACHER:
                 raise refusals.teacher_only(caller.seat)
             return
-        if action in MOVING and self._latched_s is not None:
-            raise refusals.emergency_latched()
-        if action in FROZEN and self.frozen and caller.seat != TEACHER:
-            raise refusals.frozen()
+        self.teacher.check(action, caller.seat, latched=self.latched)
+        if action is Action.RESET:
+            return
         self.lease.check(caller, lease, now_s)
         if action is not Action.MOVE:
             return
@@ -120,33 +141,16 @@ class Access:
         if pause is not None:
             raise pause
 
-    def _heard_since(self, caller: Caller, now_s: float) -> float | None:
-        """Return the time of the first token or request of a session; None if the session is unknown.
-
-        A session may send its first request before its token arrives, or have no token.
-        """
-        if not caller.session:
-            return None
-        began_s = self._began.get(caller)
-        if began_s is None:
-            began_s = self._heard.setdefault(caller, now_s)
-            if len(self._heard) > ENDED_SESSIONS:
-                del self._heard[next(iter(self._heard))]
-        return began_s
-
     @_locked
     def take(self, caller: Caller) -> None:
         """Make the authorised caller the holder, just before its motion is sent to the board.
 
         Raises:
-            Refused: EMERGENCY, STOPPED or FROZEN, if the robot was latched, stopped or frozen after `authorize`.
+            Refused: MUTED, EMERGENCY, FROZEN or STOPPED, if this was so after `authorize`.
         """
-        if self._latched_s is not None:
-            raise refusals.emergency_latched()
+        self.teacher.check(Action.MOVE, caller.seat, latched=self.latched)
         if not self._resting and caller.session != TEXT_SESSION:
             raise refusals.coming_to_rest()
-        if self.frozen and caller.seat != TEACHER:
-            raise refusals.frozen()
         self.lease.motion.begin(caller)
 
     @_locked
@@ -167,7 +171,7 @@ class Access:
     @_locked
     def freeze(self, *, on: bool) -> None:
         """Freeze the robot, so that only the teacher can move it, or end the freeze."""
-        self.frozen = on
+        self.teacher.frozen = on
 
     @_locked
     def stop_pressed(self, presser: Caller, now_s: float, *, emergency: bool = False) -> None:
@@ -175,12 +179,18 @@ class Access:
 
         Motions are refused until `stop_sent` was called and the arms rest; EMERGENCY_STOP also sets the latch.
         The seat whose motion is running, or ended less than QUIET_S ago, must pause.
+
+        Raises:
+            Refused: MUTED, the teacher has muted the seat, and no motion of it is running.
         """
+        if presser.seat in self.teacher.muted and not self.lease.motion.moves(presser.seat):
+            raise refusals.muted(presser.seat, stop=True)
         self._stopped_by = presser
         self._stop_sent = self._resting = False
         self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s)
         if emergency:
             self._latched_s = now_s
+            self.teacher.latch |= presser.seat == TEACHER
 
     @_locked
     def stop_sent(self, now_s: float) -> None:
@@ -199,10 +209,14 @@ class Access:
         return self._latched_s is not None
 
     @_locked
-    def latch(self, now_s: float) -> None:
-        """Set the latch: the board reports EMERGENCY_STOP, perhaps of an earlier node, or has not carried out RESET."""
+    def latch(self, now_s: float, *, teacher: bool = False) -> None:
+        """Set the latch: the board reports EMERGENCY_STOP, perhaps of an earlier node, or has not carried out RESET.
+
+        `teacher`: it is the teacher's.
+        """
         if self._latched_s is None:
             self._latched_s = now_s
+        self.teacher.latch |= teacher
 
     @_locked
     def reset(self, received_s: float) -> None:
@@ -213,7 +227,7 @@ class Access:
         """
         if self._latched_s is not None and received_s < self._latched_s:
             raise refusals.emergency_latched()
-        self._latched_s = None
+        self._latched_s, self.teacher.latch = None, False
 
     @_locked
     def session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> bool:
@@ -225,14 +239,9 @@ class Access:
         its own seat only, so no client can end the session of another seat.
         """
         if alive or not caller.session:
-            self._ended.pop(caller, None)
-            self._began.setdefault(caller, self._heard.pop(caller, now_s))
+            self._sessions.began(caller, now_s)
             return False
-        self._ended[caller] = None
-        if len(self._ended) > ENDED_SESSIONS:
-            oldest = next(iter(self._ended))
-            del self._ended[oldest]
-            self._began.pop(oldest, None)
+        self._sessions.ended(caller)
         self.lease.session_ended(caller)
         return self.lease.motion.runs(caller)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -33,8 +34,9 @@ HOME: Final = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
 class CommandHandler(Component):
     """Answers command queries; the controller's thread carries out all but STOP and EMERGENCY_STOP."""
 
-    def __init__(self, context: Context, stop: StopHandler) -> None:
-        self._context, self._stop = context, stop
+    def __init__(self, context: Context, stop: StopHandler, keep: Callable[[], None]) -> None:
+        """`keep` keeps the decisions of the teacher, of which a RESET may end one."""
+        self._context, self._stop, self._keep = context, stop, keep
         self._board = context.board_watch.board
         self._key = keys.command(context.name, context.twin, "*")
         self.calibrations = 0
@@ -103,18 +105,21 @@ class CommandHandler(Component):
             text = lifecycle.calibrate(self._board, self._context.hardware, self._context.controller.arms())
             self.calibrations += 1
             return text
+        access.authorize(Action.RESET, handle.caller, now_s)
         return self._reset(received_s)
 
     def _reset(self, received_s: float) -> str:
         access = self._context.access
-        latched = access.latched
+        latched, teacher = access.latched, access.teacher.latch
         access.reset(received_s)
         try:
-            return lifecycle.reset(self._board)
+            text = lifecycle.reset(self._board)
         except BeatrixError:
             if latched:
-                access.latch(time.monotonic())
+                access.latch(time.monotonic(), teacher=teacher)
             raise
+        self._keep()
+        return text
 
     def _home(self, handle: RequestHandle) -> None:
         def ended(_number: int, reason: Reason, text: str, _took_s: float) -> None:

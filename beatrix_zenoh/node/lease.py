@@ -154,8 +154,12 @@ class Lease:
 
     def give_back(self, seat: str) -> bool:
         """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
+        return self.end(self._taker.seat if seat == TEACHER and self._taker.seat else seat)
+
+    def end(self, seat: str) -> bool:
+        """End the lease of a seat and its place in the queue; return whether either existed."""
         waited = self._waiting.pop(seat, None) is not None
-        held = bool(self._taker.seat) and seat in (self._taker.seat, TEACHER)
+        held = bool(seat) and seat == self._taker.seat
         if held:
             self._taker = NO_CALLER
         return held or waited

@@ -1,16 +1,17 @@
-"""Lease queries: a seat takes the robot and gives it back; the teacher freezes it and limits its speed."""
+"""Lease queries: a seat takes the robot and gives it back; the teacher freezes it, limits its speed, mutes seats."""
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from beatrix_zenoh import names
+from beatrix_zenoh import names, refusals
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Detail, EventKind, LeaseAction, LeaseQuery, LeaseReply, Reason
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.component import Component, Context, StatusFields
 from beatrix_zenoh.node.lease import Caller
@@ -19,11 +20,19 @@ from beatrix_zenoh.node.replies import StopCause
 from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
 from beatrix_zenoh.node.request_queue import Task
 
-GOVERNS: Final = (LeaseAction.FREEZE, LeaseAction.UNFREEZE, LeaseAction.LIMIT)
+GOVERNS: Final = (
+    LeaseAction.FREEZE,
+    LeaseAction.UNFREEZE,
+    LeaseAction.LIMIT,
+    LeaseAction.MUTE,
+    LeaseAction.UNMUTE,
+)
+MUTED_MAX: Final = 256
+"""Largest number of muted seats."""
 
 
 class Standing(NamedTuple):
-    """The holder of the robot, the waiting seats, and whether the robot is frozen."""
+    """The holder of the robot and the waiting seats."""
 
     holder: str
     """seat; empty: the robot is free"""
@@ -31,14 +40,13 @@ class Standing(NamedTuple):
     """number of the lease that the holder has taken; 0: the robot is free, or a seat holds it only by its motion"""
     waiting: tuple[str, ...]
     """seats, the next first"""
-    frozen: bool
 
 
 def standing(access: Access, now_s: float) -> Standing:
-    """Return the holder of the robot, the waiting seats, and whether the robot is frozen."""
+    """Return the holder of the robot and the waiting seats."""
     with access.lock:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
-        return Standing(holder, number, tuple(access.lease.waiting()), access.frozen)
+        return Standing(holder, number, tuple(access.lease.waiting()))
 
 
 def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) -> int:
@@ -64,11 +72,35 @@ def give_back(access: Access, caller: Caller) -> bool:
         return access.lease.give_back(caller.seat)
 
 
+def mute(access: Access, seat: str, now_s: float) -> None:
+    """Mute a seat; end its lease and its place in the queue."""
+    with access.lock:
+        access.teacher.muted |= {seat}
+        access.lease.end(seat)
+        if access.lease.motion.holder(now_s) == seat:
+            access.lease.motion.release(now_s)
+
+
+def unmute(access: Access, seat: str) -> None:
+    """End the mute of a seat."""
+    with access.lock:
+        access.teacher.muted -= {seat}
+
+
+def end_turn(access: Access, now_s: float) -> str:
+    """End the lease of the holder, also that by its motion; return the seat that holds the robot now."""
+    with access.lock:
+        access.lease.end(access.lease.holder(now_s))
+        access.lease.motion.release(now_s)
+        return access.lease.holder(now_s)
+
+
 class LeaseHandler(Component):
     """Answers lease queries; each is carried out on the controller's thread."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
+    def __init__(self, context: Context, keep: Callable[[], None]) -> None:
+        """`keep` keeps the decisions of the teacher after each of them."""
+        self._context, self._keep = context, keep
         self._key = keys.lease(context.name, context.twin, "*")
 
     def start(self, sessions: Sessions) -> None:
@@ -79,8 +111,6 @@ class LeaseHandler(Component):
         status.values["holder"] = now.holder
         status.values["lease"] = now.lease
         status.values["waiting"] = list(now.waiting)
-        status.values["frozen"] = now.frozen
-        status.values["speed_limit"] = self._context.planner.speed_limit
 
     # -- on Zenoh's thread ----------------------------------------------------------------------------
 
@@ -110,14 +140,11 @@ class LeaseHandler(Component):
     def _run(self, query: LeaseQuery, handle: RequestHandle) -> None:
         try:
             if query.action in GOVERNS:
-                text = self._govern(query, handle.caller)
+                self._context.access.authorize(Action.GOVERN, handle.caller, time.monotonic())
+                text = self._govern(query)
+                self._keep()
             elif query.action is LeaseAction.GIVE_BACK:
-                held = give_back(self._context.access, handle.caller)
-                text = (
-                    "The lease or the place in the queue has ended."
-                    if held
-                    else "This seat neither holds the robot nor waits for it."
-                )
+                text = self._give_back(handle.caller)
             else:
                 text = self._take(handle.caller, wait=query.action is LeaseAction.WAIT)
         except BeatrixError as error:
@@ -140,10 +167,24 @@ class LeaseHandler(Component):
             controller.stop(StopCause.TAKEN)
         return f"{caller.seat} holds the robot until it is given back."
 
-    def _govern(self, query: LeaseQuery, caller: Caller) -> str:
+    def _give_back(self, caller: Caller) -> str:
+        """End the lease of the caller; from the teacher, the turn of the seat that holds or moves the robot."""
+        access, now_s = self._context.access, time.monotonic()
+        holder = standing(access, now_s).holder
+        if caller.seat == names.TEACHER and holder not in ("", names.TEACHER):
+            following = end_turn(access, now_s)
+            if self._context.controller.running is None or self._drives(holder):
+                self._stop(StopCause.SKIPPED)
+            return f"The turn of {holder} has ended; {following or 'no seat'} holds the robot now."
+        if give_back(access, caller):
+            return "The lease or the place in the queue has ended."
+        return "This seat neither holds the robot nor waits for it."
+
+    def _govern(self, query: LeaseQuery) -> str:
         """Carry out a request that only the teacher may send; return the new state as a sentence."""
         access, controller, planner = self._context.access, self._context.controller, self._context.planner
-        access.authorize(Action.GOVERN, caller, time.monotonic())
+        if query.action in (LeaseAction.MUTE, LeaseAction.UNMUTE):
+            return self._mute(query.seat, on=query.action is LeaseAction.MUTE)
         if query.action is LeaseAction.LIMIT:
             planner.limit_speed(query.speed)
             if not planner.speed_limit:
@@ -159,6 +200,25 @@ class LeaseHandler(Component):
         if controller.driven and not self._drives(names.TEACHER):
             controller.stop(StopCause.FROZEN)
         return "The robot is frozen: only the teacher may move it."
+
+    def _mute(self, seat: str, *, on: bool) -> str:
+        """Mute or unmute a seat; return the new state as a sentence; raises Refused or WrongUsage (BAD_VALUE)."""
+        access = self._context.access
+        if names.check_seat(seat) == names.TEACHER:
+            raise WrongUsage(Reason.BAD_VALUE, "The teacher cannot be muted. Give the seat of a student.")
+        if not on:
+            unmute(access, seat)
+            return f"{seat} is not muted and may move the robot."
+        if seat not in access.teacher.muted and len(access.teacher.muted) >= MUTED_MAX:
+            raise refusals.queue_full(MUTED_MAX)
+        mute(access, seat, time.monotonic())
+        if self._drives(seat):
+            self._stop(StopCause.MUTED)
+        return f"{seat} is muted: it only watches, and its STOP stops no other seat."
+
+    def _stop(self, cause: StopCause) -> None:
+        if self._context.controller.driven:
+            self._context.controller.stop(cause)
 
     def _drives(self, seat: str) -> bool:
         running = self._context.controller.running

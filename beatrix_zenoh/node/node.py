@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import ExitStack
+from pathlib import Path
 
 from beatrix_zenoh import names, threads
 from beatrix_zenoh._generated import keys
@@ -17,6 +18,7 @@ from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.commands import CommandHandler
 from beatrix_zenoh.node.component import Component, Context, StatusFields
 from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.decisions import TeacherDecisions
 from beatrix_zenoh.node.diagnostics import Diagnostics
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.hardware import HardwareInterface
@@ -34,19 +36,21 @@ from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.node.stop import StopHandler
 
 
-def components(context: Context, terminal: Terminal | None) -> list[Component]:
+def components(context: Context, terminal: Terminal | None, kept: Path | None) -> list[Component]:
     """Return the components of a node in the order in which they start."""
-    stop = StopHandler(context)
-    commands = CommandHandler(context, stop)
+    decisions, stop = TeacherDecisions(context, kept), StopHandler(context)
+    stop.on_stop(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
+    commands = CommandHandler(context, stop, decisions.keep)
     return [
         LogEvents(context.events),
+        decisions,
         context.board_watch,
         Publisher(context),
         StateQueries(context),
         stop,
         ControllerThread(context),
         commands,
-        LeaseHandler(context),
+        LeaseHandler(context, decisions.keep),
         MotionHandler(context),
         ArmTopics(context),
         *context.hardware.components(context),
@@ -95,11 +99,15 @@ class Node:
         hardware: HardwareInterface,
         robot: RobotData = ROBOT,
         terminal: Terminal | None = None,
+        kept: Path | None = None,
     ) -> None:
-        """Construct the components; `start` starts the threads."""
+        """Construct the components; `start` starts the threads.
+
+        `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it.
+        """
         self.sessions, self.hardware = sessions, hardware
         self.context = build_context(sessions, names.check_name(name), hardware, robot)
-        self._components = components(self.context, terminal)
+        self._components = components(self.context, terminal, kept)
         self.context.snapshot.components = self._components
 
     @property

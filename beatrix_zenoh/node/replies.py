@@ -27,6 +27,8 @@ class StopCause(Enum):
     STOP = Reason.STOPPED, OUTCOME_TEXT[Outcome.STOPPED]
     TAKEN = Reason.STOPPED, "by the teacher, who has taken the robot"
     FROZEN = Reason.STOPPED, "by the teacher, who has frozen the robot"
+    MUTED = Reason.STOPPED, "by the teacher, who has muted this seat"
+    SKIPPED = Reason.STOPPED, "by the teacher, who has ended this turn"
     TOO_FAST = Reason.STOPPED, "by the teacher, whose new speed limit is lower"
     SHUTDOWN = Reason.SHUTDOWN, "by its node, which is closing"
     CLIENT_LOST = Reason.CLIENT_LOST, "by its node, because the client that requested it is gone"

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import files
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.bus import Sessions
@@ -24,6 +25,8 @@ from beatrix_zenoh.shutdown import FAULT, Shutdown
 
 RETRY_S, REFUSED_S = 0.5, 5.0
 """Pause before the next attempt to connect; longer after a refusal, because each one occupies the router for 0.1 s."""
+KEPT = "robots"
+"""Folder, inside that of the user, with the teacher's decisions about each robot."""
 SWITCH_S = 0.0005
 """Switch interval (s) of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 
@@ -99,7 +102,7 @@ def _open(
         terminal = None if legacy is None else Terminal(legacy)
         if terminal is not None:
             undo.callback(terminal.close)
-        node = Node(sessions, settings.robot, hardware, robot, terminal)
+        node = Node(sessions, settings.robot, hardware, robot, terminal, files.user_folder() / KEPT)
         node.start()
         undo.pop_all()
         return node

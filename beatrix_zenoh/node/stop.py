@@ -21,7 +21,7 @@ from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, 
 from beatrix_zenoh._generated.serial import FrameType, State
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming, Received, Sessions
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.component import Component, Context
@@ -110,10 +110,15 @@ class StopHandler(Component):
     def press(self, command: Command, handle: RequestHandle) -> None:
         """Handle a requested STOP or EMERGENCY_STOP.
 
-        Once closed, decline it and send nothing, because the controller stops the arms.
+        Once closed, decline it and send nothing, because the controller stops the arms. Decline that of a muted seat
+        that moves nothing.
         """
         emergency = command is Command.EMERGENCY_STOP
-        self._context.access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)
+        try:
+            self._context.access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)
+        except Refused as error:
+            handle.end(replies.command_refusal(error, self._context.controller.arms()))
+            return
         with self._changed:
             closed = self._closed
             if not closed:

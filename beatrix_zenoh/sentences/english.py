@@ -112,6 +112,23 @@ ENGLISH: Final = Language(
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",
+        (
+            Reason.MUTED,
+            None,
+            "",
+        ): "The teacher has muted this seat: it watches only. Ask the teacher to unmute it.",
+        (Reason.MUTED, None, "seat"): (
+            "The teacher has muted {holder}: this seat watches only. Ask the teacher, who unmutes it with `beatrix "
+            "unmute {holder}`."
+        ),
+        (Reason.MUTED, None, "stop"): (
+            "The teacher has muted {holder}, and nothing of yours moves, so nothing was stopped. Ask the teacher, who "
+            "unmutes this seat with `beatrix unmute {holder}`."
+        ),
+        (Reason.TEACHER_ONLY, None, "reset"): (
+            "The teacher has pressed EMERGENCY_STOP, so only the teacher may reset this robot. Ask the teacher, who "
+            "types `beatrix reset`."
+        ),
         (Reason.TEACHER_ONLY, None, ""): "Only the teacher may send this request.",
         (
             Reason.TEACHER_ONLY,
@@ -178,6 +195,9 @@ ENGLISH: Final = Language(
         (Reason.UNKNOWN_COMMAND, None, "number"): "There is no command {value}. Choose one of: {known}.",
         (Reason.UNKNOWN_COMMAND, None, "word"): "There is no command '{field}'. Choose one of: {known}.",
         (Reason.EMERGENCY, None, ""): "EMERGENCY_STOP is latched. Look at the robot, then send RESET.",
+        (Reason.EMERGENCY, None, "teacher"): (
+            "The teacher has pressed EMERGENCY_STOP, and the motors are off. Wait until the teacher resets the robot."
+        ),
         (Reason.EMERGENCY, None, "upright"): (
             "EMERGENCY_STOP is latched and the motors are off. Look at the robot and set the head upright, then "
             "{needs}; `beatrix reset` sends RESET."

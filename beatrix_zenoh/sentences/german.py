@@ -153,6 +153,26 @@ GERMAN: Final = Language(
             None,
             "",
         ): "Die Lehrkraft hat diesen Roboter angehalten. Warte, bis sie ihn freigibt.",
+        (
+            Reason.MUTED,
+            None,
+            "",
+        ): "Die Lehrkraft hat diesen Platz stummgeschaltet: Er sieht nur zu. Bitte sie, ihn wieder zuzulassen.",
+        (Reason.MUTED, None, "seat"): (
+            "Die Lehrkraft hat {holder} stummgeschaltet: Dieser Platz sieht nur zu. Bitte sie, ihn mit `beatrix unmute "
+            "{holder}` wieder zuzulassen."
+        ),
+        (Reason.MUTED, None, "stop"): (
+            "Die Lehrkraft hat {holder} stummgeschaltet, und nichts von dir bewegt sich, also wurde nichts angehalten. "
+            "Bitte sie, diesen Platz mit `beatrix unmute {holder}` wieder zuzulassen."
+        ),
+        (Reason.TEACHER_ONLY, None, "reset"): (
+            "Die Lehrkraft hat EMERGENCY_STOP gedrückt, deshalb darf nur sie diesen Roboter zurücksetzen. Bitte sie, "
+            "`beatrix reset` aufzurufen."
+        ),
+        (Reason.EMERGENCY, None, "teacher"): (
+            "Die Lehrkraft hat EMERGENCY_STOP gedrückt, und die Motoren sind aus. Warte, bis sie den Roboter zurücksetzt."
+        ),
         (Reason.TEACHER_ONLY, None, ""): "Nur die Lehrkraft darf diese Anfrage senden.",
         (
             Reason.TEACHER_ONLY,

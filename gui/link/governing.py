@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from beatrix_zenoh._generated.messages import LeaseQuery
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.govern import govern
 from beatrix_zenoh.errors import BeatrixError
@@ -52,6 +53,7 @@ class Governing(Worker):
 
     def _send(self, action: Govern, session: Session) -> None:
         places = action.places or tuple(sorted(session.monitor.present()))
-        results = dict(govern(session.client, places, action.action, action.speed))
+        query = LeaseQuery(action=action.action, speed=action.speed, seat=action.seat)
+        results = dict(govern(session.client, places, query))
         failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
         self._report(of_several(action.row, len(results), failed))

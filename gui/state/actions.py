@@ -77,6 +77,8 @@ class Govern(Action):
     """name and twin of each robot; empty: all robots on line"""
     speed: float = 0.0
     """speed limit (rad/s), for LIMIT only; 0: no limit"""
+    seat: str = ""
+    """for MUTE and UNMUTE only"""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from shell import NAME, Shell
 from stage import Stage, until
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
+from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, Reason
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.client.govern import govern
 
@@ -40,6 +40,25 @@ def test_a_seat_that_waits_gets_the_robot(free: Shell) -> None:
     assert (waiting.returncode, "your lease has ended; it is free now" in output) == (1, True)
 
 
+def test_the_teacher_mutes_a_seat_on_all_robots_and_ends_a_turn(free: Shell) -> None:
+    boss = ("--who", "teacher")
+    refused = free.run("mute", "ben")
+    assert (refused.returncode, "ana is not the teacher's seat" in refused.stderr) == (1, True)
+    assert free.good("mute", "ana", *boss).count("ana is muted: it only watches") == 2
+    for command in (("top", "--once"), ("ls",)):
+        assert "The teacher has muted ana; only the teacher ends this: beatrix unmute SEAT" in free.good(
+            *command
+        )
+    for words in ("look --yaw 5", "enable", "lease take", "stop"):
+        refused = free.run(*words.split(), "--on", "sim")
+        assert (refused.returncode, "beatrix unmute ana" in refused.stderr) == (1, True)
+    free.good("unmute", "ana", *boss)
+    with free.robot("hw") as robot:
+        motion = robot.look(yaw=60, speed=20, wait=False)
+        assert "The turn of ana has ended" in free.good("lease", "give-back", "--on", "hw", *boss)
+        assert motion.exception(5.0) is not None
+
+
 def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> None:
     refused = free.run("freeze")
     assert (refused.returncode, "ana is not the teacher's seat" in refused.stderr) == (1, True)
@@ -49,7 +68,9 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
         (NAME, "hw", True),
     }
     assert {row["state"] for row in free.json("ls")["robots"]} == {"frozen"}
-    assert "The teacher has frozen it." in free.good("top", "--once")
+    assert "The teacher has frozen it; only the teacher ends this: beatrix unfreeze" in free.good(
+        "top", "--once"
+    )
     refused = free.run("look", "--yaw", "5", "--on", "sim")
     assert (refused.returncode, "frozen" in refused.stderr) == (1, True)
     free.good("unfreeze", "--who", "teacher")
@@ -100,7 +121,7 @@ def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
             if name != "zoe":  # its node has lost its queryables
                 mute.serve(keys.lease(name, twin, "*"), waiting.append)
         begin = time.monotonic()
-        results = govern(teacher, teacher.robots(), LeaseAction.FREEZE)
+        results = govern(teacher, teacher.robots(), LeaseQuery(action=LeaseAction.FREEZE))
         place, reply = next(results)
         answered_s = time.monotonic() - begin
         assert (place, reply.reason) == (("bea1", "hw"), Reason.OK)

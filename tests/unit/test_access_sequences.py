@@ -12,7 +12,7 @@ from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.lease import QUIET_S, Caller
-from beatrix_zenoh.node.lease_queries import give_back, standing, take
+from beatrix_zenoh.node.lease_queries import give_back, mute, standing, take, unmute
 from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
 
 # Counting coverage triples the time of these tests; test_access.py covers the same code.
@@ -56,9 +56,10 @@ class Sequences(RuleBasedStateMachine):
         if allowed:
             assert not paused, "a stopped stream continues"
             assert not self.latched, "a motion under the latch"
+            assert caller.seat not in self.access.teacher.muted, "a muted seat moves"
             if self.moving is not None and self.moving.seat != caller.seat:
                 assert TEACHER in (caller.seat, self.moving.seat), "two seats hold the robot"
-            assert caller.seat == TEACHER or not self.access.frozen, "a frozen robot moves"
+            assert caller.seat == TEACHER or not self.access.teacher.frozen, "a frozen robot moves"
             self.moving = caller
             self.stopped_streams.pop(caller, None)
         elif requested_s is not None:
@@ -92,7 +93,14 @@ class Sequences(RuleBasedStateMachine):
     @rule(caller=CALLERS, emergency=st.booleans())
     def stop(self, caller: Caller, emergency: bool) -> None:
         driving = self.moving
-        self.access.stop_pressed(caller, self.now_s, emergency=emergency)
+        try:
+            self.access.stop_pressed(caller, self.now_s, emergency=emergency)
+        except Refused:
+            assert caller.seat in self.access.teacher.muted
+            return
+        assert caller.seat not in self.access.teacher.muted, (
+            "the STOP of a muted seat, of which nothing moves"
+        )
         self.access.stop_sent(self.now_s)
         self.access.rested(self.now_s)
         if driving is not None and (not caller.session or caller.session != driving.session):
@@ -120,6 +128,17 @@ class Sequences(RuleBasedStateMachine):
     @rule(caller=CALLERS)
     def give_back_lease(self, caller: Caller) -> None:
         give_back(self.access, caller)
+
+    @rule(seat=st.sampled_from(["ana", "ben"]), on=st.booleans())
+    def mute(self, seat: str, on: bool) -> None:
+        if not on:
+            unmute(self.access, seat)
+            return
+        mute(self.access, seat, self.now_s)
+        assert self.access.lease.holder(self.now_s) != seat
+        assert seat not in standing(self.access, self.now_s).waiting
+        if self.moving is not None and self.moving.seat == seat:
+            self.moving = None  # the node stops the motion
 
     @rule(on=st.booleans())
     def freeze(self, on: bool) -> None:

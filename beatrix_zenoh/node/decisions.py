@@ -1,0 +1,120 @@
+"""What the teacher has decided about a robot, kept in a file, so that a restart of the node does not undo it."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh import files
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.node.component import Component, Context, StatusFields
+
+LONGEST: Final = 64 * 1024
+"""Largest size of the file (bytes)."""
+
+
+class Decisions(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The decisions of the teacher; the file has only those that differ from these defaults."""
+
+    frozen: bool = False
+    muted: list[str] = []
+    speed_limit_deg_s: float = 0.0
+    """0: none"""
+    teacher_latch: bool = False
+    """whether the teacher has pressed EMERGENCY_STOP"""
+
+
+def read(path: Path) -> Decisions:
+    """Return the decisions in a file; if there is none, the defaults.
+
+    Raises:
+        OSError: the file cannot be read.
+        WrongUsage: BAD_VALUE, its content is not valid.
+    """
+    if not path.exists():
+        return Decisions()
+    try:
+        return msgspec.convert(files.toml(path, LONGEST), Decisions)
+    except msgspec.ValidationError as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} is not valid: {error}.") from error
+
+
+def write(path: Path, decisions: Decisions) -> None:
+    """Write the decisions, or remove the file if all are the defaults; raises OSError."""
+    defaults = msgspec.structs.asdict(Decisions())
+    table = {
+        name: value for name, value in msgspec.structs.asdict(decisions).items() if value != defaults[name]
+    }
+    if not table:
+        path.unlink(missing_ok=True)
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    files.write_private(path, files.toml_text(table))
+
+
+class TeacherDecisions(Component):
+    """Restores the decisions of the teacher at the start of a node, and keeps later ones in a file of `folder`.
+
+    Without a folder nothing is kept. A file that cannot be read freezes the robot: it exists only if the teacher has
+    decided something, and freezing is the decision that the teacher can lift without harm.
+    """
+
+    def __init__(self, context: Context, folder: Path | None) -> None:
+        self._context = context
+        self._path = None if folder is None else folder / f"{context.name}.{context.twin}.toml"
+        self._kept = Decisions()
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        if self._path is None:
+            return
+        access, diagnostics = self._context.access, self._context.diagnostics
+        try:
+            kept = read(self._path)
+            self._context.planner.limit_speed(math.radians(kept.speed_limit_deg_s))
+        except (OSError, WrongUsage, Refused) as error:
+            kept = Decisions(frozen=True)
+            reason = error.message if isinstance(error, BeatrixError) else f"{error}."
+            diagnostics.warn(
+                f"The teacher's decisions about this robot, in {self._path}, cannot be read, so the robot is frozen until "
+                f"the teacher types `beatrix unfreeze`. {reason}",
+                Reason.FROZEN,
+            )
+        with access.lock:
+            access.teacher.frozen, access.teacher.muted = kept.frozen, frozenset(kept.muted)
+            if kept.teacher_latch:
+                access.latch(time.monotonic(), teacher=True)
+        self._kept = kept
+
+    def contribute(self, status: StatusFields) -> None:
+        access = self._context.access
+        with access.lock:
+            status.values["frozen"] = access.teacher.frozen
+            status.values["muted"] = sorted(access.teacher.muted)
+            status.values["teacher_latch"] = access.teacher.latch
+        status.values["speed_limit"] = self._context.planner.speed_limit
+
+    def keep(self) -> None:
+        """Write the present decisions if they have changed; called on the controller's thread."""
+        access = self._context.access
+        with access.lock:
+            now = Decisions(
+                frozen=access.teacher.frozen,
+                muted=sorted(access.teacher.muted),
+                speed_limit_deg_s=round(math.degrees(self._context.planner.speed_limit), 3),
+                teacher_latch=access.teacher.latch,
+            )
+        if self._path is None or now == self._kept:
+            return
+        try:
+            write(self._path, now)
+        except OSError as error:
+            self._context.diagnostics.warn(
+                f"The teacher's decision is in force, but a restart of this robot's program ends it: {error}."
+            )
+        self._kept = now

@@ -1,0 +1,208 @@
+"""What the teacher has decided outlives a restart of the robot's node; mute and the end of a turn on a robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from stage import Stage, ready, until
+
+from beatrix_zenoh import Interrupted, Refused, files
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh._generated.messages import EventKind, Fault, LeaseAction, Reason
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.names import OLD_PROGRAMS
+from beatrix_zenoh.node import Node
+from hw_node.body import VirtualHardware
+
+
+class Place:
+    """A robot whose node can be restarted, and robots of several seats."""
+
+    def __init__(self, stage: Stage, folder: Path) -> None:
+        self.stage, self.folder = stage, folder
+        self.node = self._start()
+        self.boss, self.ana, self.ben = (stage.robot("bea", "hw", who) for who in ("teacher", "ana", "ben"))
+
+    @property
+    def file(self) -> Path:
+        return self.folder / "robots" / "bea.hw.toml"
+
+    def _start(self) -> Node:
+        sessions = Sessions(lambda: zbus.connect(self.stage.endpoint))
+        return Node(sessions, "bea", VirtualHardware("bea"), kept=self.folder / "robots").start()
+
+    def restart(self) -> None:
+        """Close the node and start another one with a new board."""
+        self.node.close()
+        self.node = self._start()
+
+    def refused(self, request: Callable[[], object]) -> Reason:
+        """Return the reason of a refused request."""
+        with pytest.raises(BeatrixError) as refused:
+            request()
+        return refused.value.reason
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> Iterator[Place]:
+    with Stage() as stage:
+        made = Place(stage, tmp_path)
+        try:
+            yield made
+        finally:
+            made.node.close()
+
+
+def test_freeze_limit_and_mute_outlive_a_restart_until_the_teacher_lifts_them(kept: Place) -> None:
+    assert not kept.file.exists()
+    lease.freeze(kept.boss)
+    lease.limit_speed(kept.boss, 20)
+    lease.mute(kept.boss, "ben")
+    kept.restart()
+    status = kept.ana.status()
+    assert (status.frozen, status.muted) == (True, ["ben"])
+    assert status.speed_limit == pytest.approx(math.radians(20))
+    assert kept.refused(kept.ana.enable) is Reason.FROZEN
+    assert kept.refused(kept.ben.enable) is Reason.MUTED
+    lease.unfreeze(kept.boss)
+    lease.limit_speed(kept.boss, None)
+    assert kept.file.read_text() == 'muted = ["ben"]\n'
+    lease.unmute(kept.boss, "ben")
+    assert not kept.file.exists()
+    kept.restart()
+    kept.ana.enable()
+
+
+def test_a_node_process_keeps_the_decisions_in_the_folder_of_its_user() -> None:
+    with Stage() as stage:
+        first = stage.hardware("kept")
+        lease.freeze(stage.robot("kept", "hw", "teacher"))
+        first.end()
+        assert (files.user_folder() / "robots" / "kept.hw.toml").read_text() == "frozen = true\n"
+        stage.hardware("kept")
+        robot = stage.robot("kept", "hw", "teacher")
+        assert robot.status().frozen
+        lease.unfreeze(robot)
+
+
+def test_an_emergency_stop_of_the_teacher_is_the_teachers_to_reset_also_after_a_restart(kept: Place) -> None:
+    ready(kept.ana)
+    kept.boss.emergency_stop()
+    for restarted in (False, True):
+        if restarted:
+            kept.restart()  # the new board is not latched
+        status = kept.ana.status()
+        assert (status.fault, status.teacher_latch) == (Fault.EMERGENCY, True)
+        assert kept.refused(kept.ana.reset) is Reason.TEACHER_ONLY
+        assert kept.refused(kept.ana.enable) is Reason.EMERGENCY
+    kept.boss.reset()
+    assert not kept.file.exists()
+    kept.ana.enable()
+
+
+def test_every_seat_resets_an_emergency_stop_of_a_student_unless_the_robot_is_frozen(kept: Place) -> None:
+    kept.ana.emergency_stop()
+    lease.freeze(kept.boss)
+    assert kept.refused(kept.ben.reset) is Reason.FROZEN
+    lease.unfreeze(kept.boss)
+    kept.ben.reset()
+
+
+@pytest.mark.parametrize(
+    "content", ["frozen = maybe", "frozen = 3\n", "", "speed_limit_deg_s = -1\n", "x = 1\n"]
+)
+def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(
+    tmp_path: Path, content: str
+) -> None:
+    with Stage() as stage:
+        kept = Place(stage, tmp_path)
+        lease.freeze(kept.boss)
+        kept.file.write_text(content)
+        kept.restart()
+        try:
+            status = kept.ana.status()
+            assert status.frozen is bool(content), "an empty file contains no decision"
+            if content:
+                assert any(
+                    "beatrix unfreeze" in warning and str(kept.file) in warning for warning in status.warnings
+                )
+            lease.unfreeze(kept.boss)
+            assert not kept.file.exists() or not content
+            kept.ana.enable()
+        finally:
+            kept.node.close()
+
+
+def test_a_decision_that_cannot_be_kept_is_in_force_with_a_warning(kept: Place) -> None:
+    (kept.folder / "robots").write_text("a file in place of the folder")
+    lease.freeze(kept.boss)
+    status = kept.ana.status()
+    assert status.frozen
+    assert any("a restart of this robot's program ends it" in warning for warning in status.warnings)
+
+
+def test_mute_stops_the_motion_of_the_seat_and_the_next_one_gets_the_robot(kept: Place) -> None:
+    ready(kept.ana)
+    held = kept.ana.lease()
+    motion = kept.ana.look(yaw=60, speed=20, wait=False)
+    until(lambda: kept.ana.positions().commanded.short > 1, "moving")
+    lease.ask(kept.ben, LeaseAction.WAIT)
+    lease.mute(kept.boss, "ana")
+    with pytest.raises(Interrupted, match="has muted this seat"):
+        motion.wait()
+    assert kept.ben.status().holder == "ben"
+    for request in (
+        lambda: kept.ana.look(yaw=1),
+        kept.ana.enable,
+        kept.ana.disable,
+        kept.ana.calibrate,
+        kept.ana.home,
+        kept.ana.reset,
+        kept.ana.lease,
+        lambda: kept.ana.lease(1.0),
+    ):
+        assert kept.refused(request) is Reason.MUTED
+    assert kept.ana.positions().commanded is not None, "a muted seat still watches"
+    held.close()
+
+
+def test_the_stop_of_a_muted_seat_stops_no_other_seat_and_is_recorded(kept: Place) -> None:
+    ready(kept.ben)
+    lease.mute(kept.boss, "ana")
+    motion = kept.ben.look(yaw=10, speed=20, wait=False)
+    with kept.ben.events(timeout_s=20.0) as events:
+        for stop in (kept.ana.stop, kept.ana.emergency_stop):
+            with pytest.raises(Refused, match="nothing of yours moves"):
+                stop()
+            event = next(event for event in events if event.kind is EventKind.STOP)
+            assert (event.seat, event.reason) == ("ana", Reason.MUTED)
+    motion.wait()
+
+
+@pytest.mark.parametrize("seat", ["teacher", "Ana", "", OLD_PROGRAMS])
+def test_mute_refuses_the_teacher_and_invalid_seats(kept: Place, seat: str) -> None:
+    assert kept.refused(lambda: lease.mute(kept.boss, seat)) is Reason.BAD_VALUE
+    assert kept.boss.status().muted == []
+
+
+def test_only_the_teacher_mutes(kept: Place) -> None:
+    assert kept.refused(lambda: lease.mute(kept.ana, "ben")) is Reason.TEACHER_ONLY
+
+
+@pytest.mark.parametrize("taken", [True, False], ids=["taken", "by its motion"])
+def test_give_back_of_the_teacher_ends_the_turn_of_the_seat_that_moves(kept: Place, taken: bool) -> None:
+    ready(kept.ana)
+    if taken:
+        kept.ana.lease()
+    motion = kept.ana.look(yaw=60, speed=20, wait=False)
+    lease.ask(kept.ben, LeaseAction.WAIT)
+    reply = lease.ask(kept.boss, LeaseAction.GIVE_BACK)
+    assert reply.message == "The turn of ana has ended; ben holds the robot now."
+    with pytest.raises(Interrupted, match="has ended this turn"):
+        motion.wait()
+    assert kept.refused(lambda: kept.ana.look(yaw=1)) is Reason.NOT_HOLDER

@@ -1,0 +1,223 @@
+"""Access rules: STOP, the pause of the stopped seat, and programs that start after STOP."""
+
+from __future__ import annotations
+
+import pytest
+from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, finish_motion, refusal, stop
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.lease import LINGER_S, NO_CALLER, QUIET_S, Caller
+from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S
+
+
+@pytest.fixture
+def access() -> Access:
+    return Access()
+
+
+# -- STOP ----------------------------------------------------------------------------------------
+
+
+def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access) -> None:
+    begin_motion(access, ANA, 0).stop_pressed(BEN, 1)
+    assert refusal(access, BOSS, 1, resting=True) is Reason.STOPPED
+    access.stop_sent(1.1)
+    assert refusal(access, BOSS, 1.2, resting=False) is Reason.STOPPED
+    assert refusal(access, BOSS, 1.3, resting=True) is Reason.OK
+
+
+def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> None:
+    access.authorize(Action.MOVE, ANA, 0)
+    access.stop_pressed(BEN, 0)
+    access.stop_sent(0)
+    with pytest.raises(Refused) as refused:
+        access.take(ANA)
+    assert refused.value.reason is Reason.STOPPED
+
+
+def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    for now_s in (1.5, 2.5, 3.5, 4.5):
+        assert refusal(access, ANA, now_s) is Reason.STOPPED
+    assert refusal(access, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
+    assert refusal(access, ANA, 4.5 + 2 * QUIET_S) is Reason.OK
+
+
+def test_a_program_that_moves_once_a_second_stays_stopped(access: Access) -> None:
+    finish_motion(access, ANA, 0)
+    stop(access, BEN, LINGER_S + 0.5)
+    for second in range(10):
+        assert refusal(access, ANA, LINGER_S + 1 + second) is Reason.STOPPED
+
+
+def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    begin_motion(access, BEN, 3)
+    assert refusal(access, ANA, 3.5) is Reason.NOT_HOLDER
+    access.release(4)
+    assert refusal(access, ANA, 4.5) is Reason.STOPPED
+
+
+def test_the_session_that_pressed_stop_need_not_pause(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), ANA, 1)
+    assert refusal(access, ANA, 1.1) is Reason.OK
+
+
+def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_must_pause(
+    access: Access,
+) -> None:
+    stop(begin_motion(access, ANA, 0), ANA_AGAIN, 1)
+    assert refusal(access, ANA, 1.1) is Reason.STOPPED
+    begin_motion(access, ANA_AGAIN, 1.2)
+    assert refusal(access, ANA, 1.3) is Reason.STOPPED
+
+
+def test_a_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
+    stop(stop(begin_motion(access, ANA, 0), BEN, 1), ANA, 1.1)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+
+
+@pytest.mark.parametrize(
+    ("presser", "reason"),
+    [
+        (Caller("ana", "a1"), Reason.OK),
+        (Caller("", "a1"), Reason.OK),
+        (Caller("ben", "a1"), Reason.STOPPED),
+        (Caller("ana", ""), Reason.STOPPED),
+    ],
+    ids=["own", "own, without a seat", "of ben, with ana's session", "of ana, without a session"],
+)
+def test_a_stop_that_names_another_seat_is_never_that_of_the_stopped_session(
+    access: Access, presser: Caller, reason: Reason
+) -> None:
+    """A client can forge the session of its STOP, but in a class not the seat."""
+    assert refusal(stop(begin_motion(access, ANA, 0), presser, 1), ANA, 1.1) is reason
+
+
+def test_a_forged_session_does_not_end_the_pause_after_the_stop_of_another_seat(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    stop(access, Caller("cem", ANA.session), 1.1)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+
+
+def test_a_session_must_pause_if_another_presses_stop_after_it(access: Access) -> None:
+    stop(stop(begin_motion(access, ANA, 0), ANA, 1), BEN, 1.1)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+
+
+def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1).release(1)
+    assert refusal(access, BEN, 1.1) is Reason.OK
+
+
+def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) -> None:
+    """Another process of that seat could continue the stream of motions."""
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    begin_motion(access, ANA, 0)
+    assert access.session_changed(ANA, 0, alive=False)
+    access.release(10)
+    access.stop_pressed(BEN, 10.1)
+    access.stop_sent(10.1)
+    assert refusal(access, ANA_AGAIN, 10.3) is Reason.STOPPED
+
+
+def test_a_stop_without_a_session_also_pauses_a_caller_without_a_session(access: Access) -> None:
+    stop(begin_motion(access, NO_SESSION, 0), NO_CALLER, 1)
+    assert refusal(access, NO_SESSION, 1.1) is Reason.STOPPED
+
+
+def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
+    access.authorize(Action.MOVE, ANA, 0)
+    access.take(ANA)
+    access.stop_pressed(BEN, 0)
+    access.stop_sent(0.1)
+    access.rested(0.2)
+    assert refusal(access, ANA, 0.3) is Reason.STOPPED
+
+
+def test_an_old_program_must_pause_until_it_is_quiet_or_opens_the_port_again(access: Access) -> None:
+    stop(begin_motion(access, OLD, 0), BEN, 1)
+    for now_s in (2, 5, 9):
+        assert refusal(access, OLD, now_s) is Reason.STOPPED
+    access.old_program_began()
+    assert refusal(access, OLD, 9.1) is Reason.OK
+    stop(begin_motion(access, OLD, 10), BEN, 11)
+    assert refusal(access, OLD, 11 + QUIET_OLD_PROGRAM_S - 0.1) is Reason.STOPPED
+    assert refusal(access, OLD, 11 + 2 * QUIET_OLD_PROGRAM_S) is Reason.OK
+
+
+def test_an_old_program_may_move_at_once_after_its_own_stop(access: Access) -> None:
+    begin_motion(access, OLD, 0).stop_pressed(OLD, 1)
+    assert refusal(access, OLD, 1, resting=False) is Reason.OK
+    assert refusal(access, BOSS, 1, resting=False) is Reason.STOPPED
+
+
+# -- programs that start after STOP ----------------------------------------------------------------
+
+
+def test_a_program_that_was_started_after_stop_need_not_pause_and_the_stopped_one_must(
+    access: Access,
+) -> None:
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    access.session_changed(ANA_AGAIN, 1.1, alive=True)
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+    begin_motion(access, ANA_AGAIN, 1.3)
+    assert refusal(access, ANA, 1.4) is Reason.STOPPED
+
+
+def test_the_first_motion_of_a_new_program_may_arrive_before_its_token(access: Access) -> None:
+    stop(begin_motion(access, ANA, 0), ANA, 1)
+    begin_motion(access, ANA_AGAIN, 1.1)
+    access.session_changed(ANA_AGAIN, 1.2, alive=True)
+    assert refusal(stop(access, BEN, 1.3), ANA_AGAIN, 1.4) is Reason.STOPPED
+
+
+def test_a_second_program_that_already_ran_must_pause(access: Access) -> None:
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    stop(begin_motion(access, ANA, 0), BEN, 1)
+    assert refusal(access, ANA_AGAIN, 1.1) is Reason.STOPPED
+
+
+def test_a_token_that_comes_late_or_returns_does_not_make_a_program_new(access: Access) -> None:
+    """The router may be restarted, and a program may declare its token late."""
+    begin_motion(access, ANA, 0)
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    stop(access, BEN, 1)
+    for program in (ANA, ANA_AGAIN):
+        access.session_changed(program, 1.1, alive=False)
+        access.session_changed(program, 1.2, alive=True)
+        assert refusal(access, program, 1.3) is Reason.STOPPED
+
+
+def test_a_program_without_a_known_session_must_pause(access: Access) -> None:
+    stop(begin_motion(access, Caller("ana", ""), 0), BEN, 1)
+    assert refusal(access, Caller("ana", ""), 1.1) is Reason.STOPPED
+
+
+def test_a_second_stop_by_another_seat_ends_a_loop_of_programs(access: Access) -> None:
+    """As of `while true; do beatrix look; done`."""
+    stop(begin_motion(access, Caller("ana", "p0"), 0), BEN, 1)
+    stop(begin_motion(access, Caller("ana", "p1"), 2), BEN, 3)
+    for number in range(2, 9):
+        with pytest.raises(Refused, match="also of a new program") as refused:
+            access.authorize(Action.MOVE, Caller("ana", f"p{number}"), 2.0 + number)
+        assert refused.value.detail is not None
+        assert refused.value.detail.wait_s == QUIET_S
+    assert refusal(access, Caller("ana", "p9"), 10 + QUIET_S) is Reason.OK
+
+
+@pytest.mark.parametrize("presser", [ANA, BEN], ids=["own stop", "stop of another seat after some time"])
+def test_programs_that_a_person_stops_and_starts_again_need_not_pause(
+    access: Access, presser: Caller
+) -> None:
+    pause_s = 1 if presser is ANA else LOOP_S
+    for number in range(5):
+        program = Caller("ana", f"p{number}")
+        begin_motion(access, program, number * 2 * pause_s)
+        stop(
+            access,
+            presser._replace(session=program.session if presser is ANA else "b1"),
+            (number * 2 + 1) * pause_s,
+        )

@@ -1,0 +1,106 @@
+"""Access rules: freeze, mute, the end of a turn, and the latch that the teacher has set."""
+
+from __future__ import annotations
+
+import pytest
+from callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.lease_queries import end_turn, mute, unmute
+
+
+@pytest.fixture
+def access() -> Access:
+    return Access()
+
+
+@pytest.mark.parametrize("pressers", [(BOSS,), (BEN, BOSS), (BOSS, BEN)], ids=str)
+def test_only_the_teacher_resets_an_emergency_stop_of_the_teacher(
+    access: Access, pressers: tuple[Caller, ...]
+) -> None:
+    for presser in pressers:
+        access.stop_pressed(presser, 1, emergency=True)
+    assert refusal(access, ANA, 2, Action.RESET) is Reason.TEACHER_ONLY
+    with pytest.raises(Refused, match="Wait until the teacher resets"):
+        access.authorize(Action.ENABLE, ANA, 2)
+    assert refusal(access, BOSS, 2, Action.RESET) is Reason.OK
+    access.reset(2)
+    assert refusal(access, ANA, 3, Action.RESET) is Reason.OK
+
+
+def test_every_seat_resets_the_emergency_stop_of_a_student(access: Access) -> None:
+    access.stop_pressed(BEN, 1, emergency=True)
+    assert refusal(access, ANA, 2, Action.RESET) is Reason.OK
+
+
+def test_while_the_robot_is_frozen_only_the_teacher_resets_and_every_seat_may_press_emergency_stop(
+    access: Access,
+) -> None:
+    access.freeze(on=True)
+    access.stop_pressed(BEN, 1, emergency=True)
+    assert access.latched
+    assert refusal(access, ANA, 2, Action.RESET) is Reason.FROZEN
+    assert refusal(access, BOSS, 2, Action.RESET) is Reason.OK
+
+
+# -- mute ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("action", "muted"), [(action, action not in (Action.STOP, Action.EMERGENCY_STOP)) for action in Action]
+)
+def test_requests_of_a_muted_seat_are_refused(access: Access, action: Action, muted: bool) -> None:
+    mute(access, "ana", 0)
+    expected = Reason.TEACHER_ONLY if action is Action.GOVERN else Reason.MUTED if muted else Reason.OK
+    assert refusal(access, ANA, 1, action) is expected
+    assert refusal(access, ANA_AGAIN, 1, action) is expected
+    unmute(access, "ana")
+    assert refusal(access, ANA, 1, action) is (Reason.TEACHER_ONLY if action is Action.GOVERN else Reason.OK)
+
+
+@pytest.mark.parametrize("emergency", [False, True])
+def test_the_stop_of_a_muted_seat_stops_no_other_seat(access: Access, emergency: bool) -> None:
+    begin_motion(access, BEN, 0)
+    mute(access, "ana", 0)
+    with pytest.raises(Refused, match="nothing of yours moves") as refused:
+        access.stop_pressed(ANA, 1, emergency=emergency)
+    assert refused.value.reason is Reason.MUTED
+    assert not access.latched
+    assert refusal(access, BEN, 1.1) is Reason.OK, "the stream goes on"
+
+
+def test_a_motion_of_a_seat_that_is_muted_after_authorize_does_not_begin(access: Access) -> None:
+    access.authorize(Action.MOVE, ANA, 0)
+    mute(access, "ana", 0)
+    with pytest.raises(Refused) as refused:
+        access.take(ANA)
+    assert refused.value.reason is Reason.MUTED
+
+
+def test_mute_frees_the_robot_at_once_for_the_next_seat_in_the_queue(access: Access) -> None:
+    begin_motion(access, ANA, 0)
+    access.lease.take(ANA, 0)
+    access.lease.wait(BEN)
+    mute(access, "ana", 1)
+    assert access.lease.holder(1) == "ben"
+
+
+def test_mute_ends_the_place_in_the_queue(access: Access) -> None:
+    access.lease.take(BOSS, 0)
+    access.lease.wait(ANA)
+    access.lease.wait(BEN)
+    mute(access, "ana", 1)
+    assert access.lease.waiting() == ["ben"]
+
+
+def test_the_end_of_a_turn_gives_the_robot_to_the_next_seat_although_the_last_one_moves(
+    access: Access,
+) -> None:
+    begin_motion(access, ANA, 0)
+    access.lease.wait(BEN)
+    end_turn(access, 1)
+    assert access.lease.holder(1) == "ben"
+    assert refusal(access, ANA, 1.1) is Reason.NOT_HOLDER
