@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from beatrix_zenoh._generated import keys
+from beatrix_zenoh.bus.transport import LARGEST_MESSAGE
 
 ROOT = keys.KEYS["alive"].key.partition("/")[0]
 EVERYTHING = (
@@ -26,8 +27,8 @@ MESSAGES = {
 }
 """Zenoh's kinds of messages for each field of `Grant`."""
 ALL_MESSAGES = (*(kind for kinds in MESSAGES.values() for kind in kinds), "delete")
-LARGEST_REQUEST, LARGEST_MESSAGE = 64 * 1024, 1024 * 1024
-"""Largest query, and largest message of another kind (bytes); the router drops larger ones."""
+LARGEST_REQUEST = 64 * 1024
+"""Largest query (bytes); the router of a class drops larger ones."""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,11 @@ HEALTH = "_health"
 """Selector parameter of the session watchdog's queries; no request has a parameter that begins with _."""
 HEALTHY = b"served"
 
+OTHER_CAUSES = (
+    " Or other programs keep it busy with connections that it refuses; the teacher ends that by a restart of the router. "
+    "Or it does not use certificates: it serves no class."
+)
+"""What else may be wrong if a router with TLS does not answer."""
 PASSES_S = 0.5
 """Time (s) for the router to report the tokens of a new session."""
 POLL_S = 0.02
@@ -343,7 +348,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             slow = time.monotonic() - begin > OPEN_MS / 1e3 * 0.9
             check_listening()  # a router that is absent or shuts down did not refuse the account
             if slow:
-                other = "" if account is None else " Or it does not use certificates: it serves no class."
+                other = "" if account is None else OTHER_CAUSES
                 raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
             raise NoAnswer(error.reason, credentials.refusal(endpoint, account) + error.message) from error
 

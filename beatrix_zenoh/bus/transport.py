@@ -36,6 +36,11 @@ RUNTIME_FORM = re.compile(
     rf"(?!.*\b(app|acc|tx|rx|net)\s*:.*\b\1\s*:)\s*\(\s*(?:{_POOL}\s*(?:,\s*|(?=\))))*\)\s*"
 )
 """Values of ZENOH_RUNTIME that Zenoh can parse; other values end the calling thread with a Rust panic."""
+LARGEST_MESSAGE = 1024 * 1024
+"""Largest message (bytes) that sessions and router assemble from fragments, and that a router of a class passes on; the
+default of 1 GiB lets one client fill the memory of the receiver. The largest of ours are pictures and lists of events."""
+MESSAGE_HEADER = 4 * 1024
+"""Room for the key, attachment and header of a message (bytes)."""
 OPEN_MS = 2000
 """Time after which a router that accepts a connection and does not answer counts as lost; the default is 10 s."""
 HALF_OPEN = 1000
@@ -48,6 +53,7 @@ COMMON = {
     "transport/shared_memory/enabled": False,
     "transport/link/tcp": TCP,
     "transport/link/tx/lease": LEASE_MS,
+    "transport/link/rx/max_message_size": LARGEST_MESSAGE + MESSAGE_HEADER,
     "transport/unicast/open_timeout": OPEN_MS,
     "transport/link/tx/queue/congestion_control/drop/wait_before_drop": WAIT_DROP_US,
 }

@@ -78,8 +78,7 @@ def load(path: Path) -> RouterFile:
             raise _wrong(
                 f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
             ) from error
-    classroom = read(path)
-    made = folder(path, classroom) / "router.toml"
+    classroom, made = read(path), place(path)
     init = f"`beatrix classroom init {path}`"
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
@@ -90,6 +89,11 @@ def load(path: Path) -> RouterFile:
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )
     return file
+
+
+def place(path: Path) -> Path:
+    """Return the path of the router file of a class file; a router file's own path. Raises the errors of `load`."""
+    return path if "role" in files.toml(path, LONGEST) else folder(path, read(path)) / "router.toml"
 
 
 def _wrong(text: str) -> WrongUsage:

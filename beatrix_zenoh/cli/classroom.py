@@ -49,7 +49,8 @@ def classroom(
     made = provision.init(described, folder)
     say(f"Class {described.name}: {len(described.seats)} seats, {len(described.robots)} robots, in {folder}")
     say(f"  new accounts       {', '.join(made.new) or 'none'}")
-    say(f"  (re)start router   beatrix router --class {file if out is None else folder / 'router.toml'}")
+    router = f"beatrix router --class {file if out is None else folder / 'router.toml'}"
+    say(f"  start router       {router}   (one that runs restarts by itself)")
     say(
         f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )

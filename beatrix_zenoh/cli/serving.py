@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated
@@ -11,12 +12,14 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.output import say
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.shutdown import POLL_S, Shutdown
 
 PROCESSES = "beatrix.processes"
 """Group of entry points of the programs in sim_node, hw_node and gui, which this package must not import."""
+OPEN_FILES = 10_240
+"""Open files of a router where the system sets no limit; macOS permits no more."""
 EXTRAS = {"flash": "hw"}
 """The extra of each program whose extra has another name than the program."""
 
@@ -41,25 +44,64 @@ def router(
     Ends with Ctrl-C. With --listen tcp/0.0.0.0:7447 it also accepts other computers, and every program in the network
     may send every request. In a network with other people use --class, after `beatrix classroom init`.
     """
-    access = None
     if of_class is not None and listen is not None:
         raise typer.BadParameter(
             "The router of a class listens at the addresses in class.toml: leave out --listen."
         )
-    if of_class is not None:
-        from beatrix_zenoh.classroom import router_file
-
-        file = router_file.load(of_class)
-        access, listen = file.access(), file.listen
-    listen = listen or DEFAULT_ENDPOINT
     shutdown = Shutdown()
     shutdown.handle_signals()
-    session = zbus.open_router(listen, access)
+    _allow_connections()
+    if of_class is not None:
+        _class_router(of_class, shutdown)
+        return
+    listen = listen or DEFAULT_ENDPOINT
+    session = zbus.open_router(listen)
     try:
         say(f"ready {listen}")
         shutdown.wait()
     finally:
         session.close()
+
+
+def _allow_connections() -> None:
+    """Raise the limit of open files to what the system permits: each connection is one, and 256 or 1024 is usual."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else hard
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
+
+
+def _class_router(of_class: Path, shutdown: Shutdown) -> None:
+    """Run the router of a class; restart it when `beatrix classroom init` has changed its file.
+
+    Zenoh 1.10 reads its access rules only while it opens.
+    """
+    from beatrix_zenoh.classroom import router_file
+
+    file = router_file.load(of_class)
+    place = router_file.place(of_class)
+
+    def changed() -> bool:
+        try:
+            return place.stat().st_mtime_ns != written and router_file.load(of_class) != file
+        except (OSError, BeatrixError):
+            return False  # the class file has changed, and `init` will follow
+
+    while True:
+        written, file = place.stat().st_mtime_ns, router_file.load(of_class)
+        session = zbus.open_router(file.listen, file.access())
+        try:
+            say(f"ready {file.listen}")
+            while not (ended := shutdown.requested(POLL_S)) and not changed():
+                pass
+        finally:
+            session.close()
+        if ended:
+            return
+        say("The accounts have changed: the router restarts.")
 
 
 def sim(context: typer.Context) -> None:

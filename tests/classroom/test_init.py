@@ -56,7 +56,10 @@ def test_a_second_init_keeps_secrets_and_adds_new_seats(file: Path) -> None:
     assert "ben.toml: the class has no such seat" in done.stderr
     after = files(folder)
     assert {name for name in after if after[name] != before.get(name)} == {"zoe.toml"}
-    assert "ben" not in (folder / "router.toml").read_text()
+    router = (folder / "router.toml").read_text()
+    assert "ben" not in router
+    assert "new accounts       none\n" in beatrix("classroom", "init", str(file)).stdout
+    assert (folder / "router.toml").read_text() == router, "a router that runs need not restart"
 
 
 def test_a_damaged_account_file_is_not_replaced(file: Path) -> None:

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+import zenoh
 from class_router import Answering, ClassRouter, ReceivedKeys, settled
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh.bus.access_control import LARGEST_MESSAGE, LARGEST_REQUEST
+from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.bus.access_control import LARGEST_REQUEST
+from beatrix_zenoh.bus.transport import LARGEST_MESSAGE, opened
 
 PICTURES = 50
+HUGE = 100_000_000
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +52,35 @@ def test_an_oversize_message_is_dropped(router: ClassRouter) -> None:
         robot.put(key, bytes(size), "text/plain", priority="data")
     assert large not in received.until(marker)
     received.close()
+
+
+def resident(pid: int) -> int:
+    """Return the largest memory (kB) that a process has had."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("VmHWM")).split()[1])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the memory of a process in /proc")
+def test_a_huge_message_does_not_fill_the_memory_of_the_router(router: ClassRouter) -> None:
+    account, ana = router.account("ana"), router.session("ana")
+    before = resident(router.process.pid)
+    settings = {"mode": "client", "connect/endpoints": [account.connect], **credentials.settings(account)}
+    hostile = opened(settings, lambda: "")
+    try:
+        hostile.put(
+            keys.positions("ana", "sim"), bytes(HUGE), congestion_control=zenoh.CongestionControl.BLOCK
+        )
+    finally:
+        hostile.close()
+    settled(ana)
+    assert (resident(router.process.pid) - before) * 1024 < HUGE / 4
+
+
+@pytest.mark.skipif(shutil.which("prlimit") is None, reason="needs a program that lowers a limit")
+def test_the_router_raises_its_limit_of_open_files(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path, inside=("prlimit", "--nofile=256:4096")) as router:
+        limits = Path(f"/proc/{router.process.pid}/limits").read_text()
+    assert ["Max", "open", "files", "4096", "4096", "files"] in [line.split() for line in limits.splitlines()]
 
 
 def test_an_oversize_request_reaches_no_robot(router: ClassRouter) -> None:

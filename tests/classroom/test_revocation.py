@@ -1,4 +1,7 @@
-"""Cards that were replaced or removed: the router refuses the old file of a seat, of a robot and of the teacher."""
+"""Cards that were replaced or removed: the running router refuses the old file of a seat, a robot and the teacher.
+
+The router restarts by itself when `init` has changed its file.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +41,7 @@ def test_the_router_refuses_a_card_that_was_replaced_and_accepts_the_new_one(
         settled(robot)
         assert has_rights(router.account(name))
         old = router.replace(name)
-        router.process.end()
-        router.start_again()
+        router.process.expect("ready")
         until(lambda: has_rights(router.account(name)), "the robot is connected again")
         assert not has_rights(old)
         monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
@@ -57,8 +59,7 @@ def test_the_router_refuses_a_seat_that_was_removed(tmp_path: Path) -> None:
         Answering(robot, STOP.format("*"))
         removed = router.account("ben")
         router.rewrite('["ana", "ben"]', '["ana"]')
-        router.process.end()
-        router.start_again()
+        router.process.expect("ready")
         until(lambda: has_rights(router.account("ana")), "the robot is connected again")
         assert not has_rights(removed)
 
@@ -69,8 +70,7 @@ def test_a_running_node_reports_that_its_card_was_replaced(tmp_path: Path) -> No
         try:
             shutil.copy(router.path("bea1"), tmp_path / "kept.toml")
             router.replace("bea1")
-            router.process.end()
-            router.start_again()
+            router.process.expect("ready")
             line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
             assert "it has been replaced by a newer one, or removed from the class" in line
         finally:
