@@ -47,6 +47,7 @@ def status(
     waiting: tuple[str, ...] = (),
     frozen: bool = False,
     limit_deg: float = 0.0,
+    muted: tuple[str, ...] = (),
 ) -> Status:
     """Return a status; by default of a ready robot."""
     return Status(
@@ -75,6 +76,7 @@ def status(
         cameras=list(cameras),
         lease=lease,
         waiting=list(waiting),
+        muted=list(muted),
         frozen=frozen,
         speed_limit=math.radians(limit_deg),
     )

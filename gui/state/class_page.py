@@ -11,15 +11,16 @@ from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
 from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
 from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.names import TEACHER
 from gui.state import history, pills, refusals
 from gui.state.actions import Action, Govern, StopAll, WatchCameras, WatchClass
 from gui.state.eyes import wanted
-from gui.state.intents import ChooseRobot, GovernClass, LimitClass, Page, TogglePage
+from gui.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, Page, TogglePage
 from gui.state.leases import limit_text
 from gui.state.memory import Memory
 from gui.state.motions import begin
 from gui.state.presence import off_line
-from gui.state.views import ButtonView, ClassRowView, ClassView, Condition
+from gui.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
 from gui.state.world import LinkPhase, World
 from gui.texts import Texts
 
@@ -50,6 +51,7 @@ def view(memory: Memory, world: World) -> ClassView | None:
         unfreeze_all=button("unfreeze_all", GovernClass(LeaseAction.UNFREEZE)),
         limit=button("limit", LimitClass("")),
         limit_now=_limit_now(limits, texts),
+        seats=_seats(world, texts),
         result=result,
         good=good,
         toggle=button(toggle, TogglePage()),
@@ -62,6 +64,8 @@ def _summary(world: World, texts: Texts) -> str:
     frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
     if frozen:
         text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
+    if muted := sorted(_muted(world)):
+        text += " " + texts("class.muted", seats=", ".join(muted))
     stops = stops_by_seat(world.robots)
     if stops:
         text += " " + texts("class.stops", stops=", ".join(_stops(one, texts) for one in stops[:STOPS_SHOWN]))
@@ -72,6 +76,23 @@ def _stops(stops: SeatStops, texts: Texts) -> str:
     """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
     robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
     return f"{stops.seat or texts('who.unknown')} {stops.total} ({robots})"
+
+
+def _muted(world: World) -> set[str]:
+    """Return the seats that are muted at least by one robot."""
+    return {seat for robot in world.robots if robot.status is not None for seat in robot.status.muted}
+
+
+def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
+    muted = _muted(world)
+    views = []
+    for seat in sorted({*world.seats, *muted} - {TEACHER}):
+        key = "unmute" if seat in muted else "mute"
+        button = ButtonView(
+            texts(f"class.{key}"), texts(f"class.{key}_tip", seat=seat), MuteSeat(seat, on=seat not in muted)
+        )
+        views.append(SeatView(texts("class.muted_seat", seat=seat) if seat in muted else seat, button))
+    return tuple(views)
 
 
 def _empty(world: World, texts: Texts) -> str:
@@ -188,7 +209,9 @@ def _button(key: str, named: str, intent: GovernClass | ChooseRobot, texts: Text
 # -- requests -----------------------------------------------------------------------------------------
 
 
-def handle(memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass) -> list[Action]:
+def handle(
+    memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass | MuteSeat
+) -> list[Action]:
     """Return the actions of an intent about the page; none if this window is not the teacher's."""
     if not world.is_teacher:
         return []
@@ -199,6 +222,9 @@ def handle(memory: Memory, world: World, intent: TogglePage | GovernClass | Limi
             return _send(memory, world, action, () if place is None else (place,))
         case LimitClass(text=text):
             return _limit(memory, world, text)
+        case MuteSeat(seat=seat, on=on):
+            action = LeaseAction.MUTE if on else LeaseAction.UNMUTE
+            return _send(memory, world, action, (), seat=seat)
 
 
 def show(memory: Memory, page: Page) -> list[Action]:
@@ -225,7 +251,8 @@ def _send(
     action: LeaseAction,
     places: tuple[tuple[str, str], ...],
     speed: float = 0.0,
+    seat: str = "",
 ) -> list[Action]:
     if off_line(memory, world, PLACE):
         return []
-    return begin(memory, world, Govern(memory.next_row(), action, places, speed), PLACE)
+    return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), PLACE)

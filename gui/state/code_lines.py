@@ -18,6 +18,13 @@ LEASES = {
     LeaseAction.WAIT: ("take", "--wait", "60"),
     LeaseAction.GIVE_BACK: ("give-back",),
 }
+GOVERNS = (
+    LeaseAction.FREEZE,
+    LeaseAction.UNFREEZE,
+    LeaseAction.LIMIT,
+    LeaseAction.MUTE,
+    LeaseAction.UNMUTE,
+)
 """Words after `beatrix lease`."""
 VERBS = {
     Command.ENABLE: "enable",
@@ -62,7 +69,7 @@ def command_line(request: Request, world: World) -> str:
             words = ["stop", "--all", *_router(world)]
         case SendLease(action=action, twin=twin):
             words = ["lease", *LEASES[action], *_where((twin,), world)]
-        case Govern(action=LeaseAction.FREEZE | LeaseAction.UNFREEZE | LeaseAction.LIMIT):
+        case Govern(action=action) if action in GOVERNS:
             words = [*_governed(request), *_router(world)]
         case Play(twins=twins, file=Path() as file, lead_s=lead_s):
             words = ["play", str(file), *_where(twins, world), *_lead(twins, lead_s)]
@@ -76,6 +83,7 @@ def _governed(request: Govern) -> list[str]:
     words = [request.action.value]
     if request.action is LeaseAction.LIMIT:
         words.append(_number(math.degrees(request.speed)) if request.speed else "off")
+    words += [request.seat] if request.seat else []
     return [*words, *(word for name, _ in request.places for word in ("--name", name))]
 
 

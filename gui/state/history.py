@@ -257,6 +257,8 @@ def _governed(request: Govern, texts: Texts) -> str:
     if request.action is LeaseAction.LIMIT:
         speed = math.degrees(request.speed)
         text = texts("what.limit_to", speed=speed) if speed else texts("what.limit_off")
+    if request.seat:
+        text += f" {request.seat}"
     if not request.places:
         return texts("what.for_all", what=text)
     robots = ", ".join(f"{name} ({texts(f'twins.{twin}')})" for name, twin in request.places)

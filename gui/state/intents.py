@@ -169,6 +169,14 @@ class GovernClass(Intent):
 
 
 @dataclass(frozen=True)
+class MuteSeat(Intent):
+    """Let a seat only watch all robots of the class, or end that, as the teacher."""
+
+    seat: str
+    on: bool
+
+
+@dataclass(frozen=True)
 class LimitClass(Intent):
     """Limit the speed of all robots of the class, as the teacher."""
 

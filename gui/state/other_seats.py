@@ -36,6 +36,8 @@ WHATS: Final = {
     LeaseAction.FREEZE.value: "what.freeze",
     LeaseAction.UNFREEZE.value: "what.unfreeze",
     LeaseAction.LIMIT.value: "what.limit",
+    LeaseAction.MUTE.value: "what.mute",
+    LeaseAction.UNMUTE.value: "what.unmute",
 }
 """Text key of each action in events."""
 STREAM_S: Final = 1.0

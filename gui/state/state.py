@@ -139,7 +139,7 @@ class State:
         match intent:
             case intents.AskLease() | intents.DismissNotice():
                 return leases.handle(self._memory, world, intent)
-            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass():
+            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
                 return class_page.handle(self._memory, world, intent)
         return poses.handle(self._memory, world, intent)
 

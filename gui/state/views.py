@@ -256,6 +256,16 @@ class ClassRowView:
 
 
 @dataclass(frozen=True)
+class SeatView:
+    """One seat of the class."""
+
+    text: str
+    """the seat, and whether it is muted"""
+    mute: ButtonView
+    """or unmute"""
+
+
+@dataclass(frozen=True)
 class ClassView:
     """The page of the class: all robots and seats at the router."""
 
@@ -270,6 +280,8 @@ class ClassView:
     """the button's intent has no speed: the widget adds the text of the field"""
     limit_now: str
     """the present limit"""
+    seats: tuple[SeatView, ...]
+    """connected and muted seats, except the teacher, by name"""
     result: str
     """the outcome of the last request of this page; empty: none was sent"""
     good: bool | None

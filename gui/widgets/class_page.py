@@ -5,6 +5,7 @@ from __future__ import annotations
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor
 from PyQt5.QtWidgets import (
+    QComboBox,
     QFrame,
     QHBoxLayout,
     QHeaderView,
@@ -15,7 +16,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gui.state.intents import LimitClass, Theme
-from gui.state.views import ClassRowView, ClassView
+from gui.state.views import ClassRowView, ClassView, SeatView
 from gui.texts import Texts
 from gui.theme import style_of
 from gui.widgets.controls import IntentButton, label, set_role, set_text
@@ -51,6 +52,11 @@ class ClassPage(QFrame):
         self.result = label(wrap=True)
         self.selected = label(role="title")
         self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
+        self.seats, self.mute = QComboBox(), IntentButton()
+        self.seats.setAccessibleName(texts("label.class_seat"))
+        self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
+        self.seat_label = label(texts("label.class_seat"), "title")
+        self.mute.intent.connect(self.intent)
         for button in (self.freeze_all, self.unfreeze_all, self.freeze, self.take, self.show_robot):
             button.intent.connect(self.intent)
         self._lay_out(texts)
@@ -96,6 +102,9 @@ class ClassPage(QFrame):
         one.addWidget(self.take)
         one.addWidget(self.show_robot)
         one.addStretch(1)
+        one.addWidget(self.seat_label)
+        one.addWidget(self.seats)
+        one.addWidget(self.mute)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.setSpacing(6)
@@ -134,6 +143,8 @@ class ClassPage(QFrame):
         if old is None or old.rows != view.rows:
             self._show_rows(view.rows)
         self._show_selected()
+        if old is None or old.seats != view.seats:
+            self._show_seats(view.seats)
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
         """Show the rows in the existing items; create new items if the robots are not the same as before."""
@@ -150,6 +161,25 @@ class ClassPage(QFrame):
             item = self.list.topLevelItem(number)
             if item is not None:
                 self._fill(item, row)
+
+    def _show_seats(self, seats: tuple[SeatView, ...]) -> None:
+        """List the seats; the chosen one stays chosen while it is listed."""
+        chosen = self.seats.currentData()
+        self.seats.blockSignals(True)  # noqa: FBT003
+        self.seats.clear()
+        for view in seats:
+            self.seats.addItem(view.text, getattr(view.mute.intent, "seat", None))
+        self.seats.setCurrentIndex(max(0, self.seats.findData(chosen)) if seats else -1)
+        self.seats.blockSignals(False)  # noqa: FBT003
+        self._show_seat()
+
+    def _show_seat(self) -> None:
+        """Show the button of the chosen seat."""
+        seats, index = () if self._view is None else self._view.seats, self.seats.currentIndex()
+        for part in (self.seat_label, self.seats, self.mute):
+            part.setVisible(bool(seats))
+        if 0 <= index < len(seats):
+            self.mute.show_view(seats[index].mute)
 
     @staticmethod
     def _place_of(item: QTreeWidgetItem | None) -> tuple[str, str] | None:

@@ -15,7 +15,7 @@ from worlds import robot, status, world
 
 from beatrix_zenoh._generated.messages import LeaseAction
 from gui.state.actions import Govern, SendLease, StopAll, WatchClass
-from gui.state.intents import ChooseRobot, GovernClass, LimitClass
+from gui.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
 from gui.widgets.class_page import STATE, ClassPage
 from gui.window import Window
 
@@ -54,6 +54,28 @@ def test_students_have_no_button_for_the_page(window: Window, link: RecordingLin
     link.known = world()
     window.refresh()
     assert not window.panels.header.page.isVisible()
+
+
+def test_the_chosen_seat_is_muted_and_stays_chosen(
+    window: Window, page: ClassPage, link: RecordingLink, state: WatchedState
+) -> None:
+    assert [page.seats.itemText(index) for index in range(page.seats.count())] == [
+        "ana",
+        "ben",
+        "cleo",
+        "dora",
+    ]
+    page.seats.setCurrentIndex(2)
+    QTest.mouseClick(page.mute, LEFT)
+    assert state.intents == [MuteSeat("cleo", on=True)]
+    first, *others = link.known.robots
+    muted = replace(first, status=status("sim", muted=("cleo",)))
+    link.known = replace(link.known, robots=(muted, *others), seats=("ana", "cleo", "teacher"))
+    window.refresh()
+    assert (page.seats.currentText(), page.mute.text()) == ("cleo (muted)", "Unmute")
+    link.known = replace(link.known, robots=(), seats=("teacher",))
+    window.refresh()
+    assert not page.mute.isVisible()
 
 
 def test_buttons_report_their_intents(page: ClassPage, state: WatchedState) -> None:

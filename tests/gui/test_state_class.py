@@ -12,7 +12,7 @@ from worlds import status, world
 from beatrix_zenoh._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.state import intents
 from gui.state.actions import Govern, Outcome, Select, StopAll, StopBoth, WatchCameras, WatchClass
-from gui.state.intents import ChooseRobot, GovernClass, Intent, LimitClass, Page, Stop, TogglePage
+from gui.state.intents import ChooseRobot, GovernClass, Intent, LimitClass, MuteSeat, Page, Stop, TogglePage
 from gui.state.state import State
 from gui.state.views import ClassView, Condition
 from gui.state.world import LinkPhase, World
@@ -58,6 +58,26 @@ def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
     view = page(opened())
     assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
     assert view.limit_now == "Speed limit: 20 °/s."
+
+
+def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
+    state = opened()
+    shown = {view.text: view.mute.intent for view in page(state).seats}
+    assert shown == {seat: MuteSeat(seat, on=True) for seat in ("ana", "ben", "cleo", "dora")}
+    assert state.handle(shown["cleo"], TEACHER) == [Govern(1, LeaseAction.MUTE, (), 0.0, "cleo")]
+    view = state.view(TEACHER)
+    assert (view.history[0].what, view.history[0].command_line) == (
+        "mute cleo, all robots",
+        "beatrix mute cleo",
+    )
+    first, *others = TEACHER.robots
+    robots = (replace(first, status=status("sim", muted=("cleo", "zoe"))), *others)
+    muted = page(state, replace(TEACHER, robots=robots))
+    assert "Muted: cleo, zoe." in muted.summary
+    buttons = {view.text: view.mute.intent for view in muted.seats}
+    assert buttons["cleo (muted)"] == MuteSeat("cleo", on=False)
+    assert buttons["zoe (muted)"] == MuteSeat("zoe", on=False), "a seat that is not connected"
+    assert state.handle(MuteSeat("ana", on=True), world()) == [], "not the teacher's window"
 
 
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
