@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from uuid import UUID
 
-from rerun.chunk import RrdReader
+from rerun.chunk import RrdReader, StoreEntry
 
 KINDS = {1: "tabs", 2: "horizontal", 3: "vertical", 4: "grid"}
 DRAWS = {
@@ -52,7 +52,7 @@ class Box:
 def tabs_of(path: Path) -> dict[str, Box]:
     """Return the outermost tabs of a recording by their titles."""
     reader = RrdReader(path)
-    store = reader.blueprints()[-1]  # a recorder writes one whenever a robot appears; the last one is shown
+    store = max(reader.blueprints(), key=lambda one: written(reader, one))
     blueprint, drawable = table(reader.stream(store=store)), archetypes(path)
     root = part(
         blueprint,
@@ -62,6 +62,15 @@ def tabs_of(path: Path) -> dict[str, Box]:
     assert isinstance(root, Box)
     assert root.kind == "tabs"
     return {one.title: one for one in root.parts if isinstance(one, Box)}
+
+
+def written(reader: RrdReader, store: StoreEntry) -> bytes:
+    """Return the newest row number of a blueprint, which begins with the time of writing.
+
+    A recorder writes a blueprint whenever a robot appears, and the viewer shows the newest.
+    """
+    rows = [chunk.to_record_batch().column("rerun.controls.RowId") for chunk in reader.stream(store=store)]
+    return bytes(max(number for row in rows for number in row.to_pylist()))
 
 
 def table(chunks: Any) -> Table:

@@ -55,7 +55,10 @@ def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
     path = folder / "lesson.rrd"
     stream = Stream("one", "lesson")
     stream.to_file(path)
-    stream.show(RobotSet({place: Figure() for place in places}, frozenset(places if pictures else ())))
+    for number in range(len(places)):  # the robots appear one after the other, and their pictures last
+        stream.show(RobotSet({place: Figure() for place in places[: number + 1]}))
+    if pictures:
+        stream.show(RobotSet({place: Figure() for place in places}, frozenset(places)))
     for place in places:
         stream.send(rows_of(place))
     for name in {name for name, _ in places}:
