@@ -21,6 +21,27 @@ POSE: dict[str, object] = {
     "lead": 2.0,
     "source": "window",
 }
+DETAIL: dict[str, object] = {
+    "limit": "TILT",
+    "value": 0.75,
+    "low": None,
+    "high": 0.5,
+    "unit": "rad",
+    "arms": [],
+    "at_goal": True,
+    "leaves_s": None,
+    "leaves_arms": None,
+    "field": "",
+    "known": [],
+    "holder": "",
+    "wait_s": None,
+    "needs": ["ENABLE", "CALIBRATE"],
+    "alternative": {
+        "arms": None,
+        "head": {"yaw": 0.0, "pitch": 0.5, "roll": 0.0},
+        "speed": None,
+    },
+}
 EVENT: dict[str, object] = {
     "seq": 3,
     "t_mono_ns": 123456789012345,
@@ -110,6 +131,15 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         },
     ),
     (
+        "ErrorReply",
+        {
+            "result": False,
+            "reason": "BAD_VALUE",
+            "message": "This robot has no key.",
+            "detail": DETAIL,
+        },
+    ),
+    (
         "MotionReply",
         {
             "result": True,
@@ -132,27 +162,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "motion": 0,
             "duration": 0.0,
             "position": {"x": 0.0, "y": 0.0, "z": 0.0},
-            "detail": {
-                "limit": "TILT",
-                "value": 0.75,
-                "low": None,
-                "high": 0.5,
-                "unit": "rad",
-                "arms": [],
-                "at_goal": True,
-                "leaves_s": None,
-                "leaves_arms": None,
-                "field": "",
-                "known": [],
-                "holder": "",
-                "wait_s": None,
-                "needs": ["ENABLE", "CALIBRATE"],
-                "alternative": {
-                    "arms": None,
-                    "head": {"yaw": 0.0, "pitch": 0.5, "roll": 0.0},
-                    "speed": None,
-                },
-            },
+            "detail": DETAIL,
         },
     ),
     ("Event", EVENT),

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "056e99f3"
+CONTRACT: Final = "006ddecf"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -470,6 +470,19 @@ class CommandReply(Struct, frozen=True, kw_only=True):
     """set point of the arms; after STOP: arm angles at rest [rad]"""
     detail: Detail | None = None
     """the refusal as data"""
+
+
+class ErrorReply(Struct, frozen=True, kw_only=True):
+    """The error reply to a query for a key that the robot does not have."""
+
+    result: bool
+    """false"""
+    reason: Reason
+    """BAD_VALUE"""
+    message: Text
+    """the reason as a sentence, with the most similar keys"""
+    detail: Detail
+    """`field`: the key of the query; `known`: the robot's keys that can be queried"""
 
 
 class LeaseReply(Struct, frozen=True, kw_only=True):

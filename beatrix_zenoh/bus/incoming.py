@@ -42,6 +42,11 @@ class Incoming:
         with contextlib.suppress(zenoh.ZError, WrongUsage), OPEN.call():
             self._query.reply(key, payload, encoding=encoding)
 
+    def reply_error(self, payload: bytes, encoding: str) -> None:
+        """Send an error reply, which has no key; raises no error if the client has gone."""
+        with contextlib.suppress(zenoh.ZError):
+            self._query.reply_err(payload, encoding=encoding)
+
     def finish(self) -> None:
         """End the replies to this query."""
         with contextlib.suppress(WrongUsage), OPEN.call():

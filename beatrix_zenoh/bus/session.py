@@ -42,6 +42,8 @@ PASSES_S = 0.5
 POLL_S = 0.02
 QUERYABLE, PUBLISHER, SUBSCRIBER, TOKEN, WATCH = "queryable", "publisher", "subscriber", "token", "watch"
 """Kinds of declarations."""
+REST = "rest"
+"""Kind of the declaration of `Bus.serve_rest`, which is no part of the description of a program."""
 LATELY_S = 60.0
 """How long (s) a session remembers the key of a query or put."""
 MOST_KEYS = 256
@@ -134,6 +136,22 @@ class Bus(ProcessBound):
 
         self.served = self.served or _own_seat(key)
         self._declarations.add(QUERYABLE, key, declare)
+
+    def serve_rest(self, key: str, handle: Callable[[Incoming], None]) -> None:
+        """Pass queries on `key`, a key with wildcards, to `handle` as `serve` does, except those of the watchdog.
+
+        The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its queries.
+        """
+
+        def receive(query: zenoh.Query) -> None:
+            if str(query.parameters) == HEALTH:
+                query.drop()
+            else:
+                handle(Incoming(query))
+
+        self._declarations.add(
+            REST, key, lambda session: session.declare_queryable(key, Callback(receive, indirect=False))
+        )
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None

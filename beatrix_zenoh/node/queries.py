@@ -1,4 +1,7 @@
-"""State queries: the newest positions, status and events, info and clock, and the description of the program."""
+"""State queries: the newest positions, status and events, info and clock, and the description of the program.
+
+Queries for keys that the robot does not have get an error reply.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,11 @@ import msgspec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import Incoming, Sessions
 from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.unknown_keys import UnknownKeys
+
+REST = {"control": ("*", "*/*", "*/*/*/*/**"), "motion": ("*/*/*",)}
+"""Key expressions below the robot's own that receive the queries for unknown keys, by traffic class. They also receive
+the queries for known keys, so STOP and motions must find them in their own session: another would cost 0.15 ms."""
 
 
 class StateQueries(Component):
@@ -28,6 +36,7 @@ class StateQueries(Component):
             keys.clock(name, twin): snapshot.clock,
         }
         self._name, self._twin = name, twin
+        self._unknown = UnknownKeys(name, twin)
         self._worker: ThreadPoolExecutor | None = None
 
     def start(self, sessions: Sessions) -> None:
@@ -37,6 +46,9 @@ class StateQueries(Component):
         self._answers[description] = lambda: sessions.describe(self._twin)
         for key in self._answers:
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
+        for traffic, expressions in REST.items():
+            for expression in expressions:
+                sessions.session(traffic).serve_rest(f"{self._unknown.base}{expression}", self._rest)
 
     def _query(self, incoming: Incoming, key: str) -> None:
         """Pass a query from Zenoh's thread to the worker's thread."""
@@ -48,6 +60,20 @@ class StateQueries(Component):
 
     def _answer(self, incoming: Incoming, key: str) -> None:
         incoming.reply(key, *incoming.raw.answer(self._answers[key]()))
+        incoming.finish()
+
+    def _rest(self, incoming: Incoming) -> None:
+        """Pass a query for an unknown key from Zenoh's thread to the worker's thread; drop all others."""
+        if self._worker is None or self._unknown.has(incoming.key):
+            incoming.finish()
+            return
+        try:
+            self._worker.submit(self._refuse, incoming)
+        except RuntimeError:  # the worker is closed
+            incoming.finish()
+
+    def _refuse(self, incoming: Incoming) -> None:
+        incoming.reply_error(*incoming.raw.answer(self._unknown.error(incoming.key)))
         incoming.finish()
 
     def close(self) -> None:

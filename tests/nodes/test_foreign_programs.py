@@ -224,3 +224,70 @@ def test_a_token_that_names_no_robot_is_not_listed(stage: Stage, robot: Robot) -
         assert "seats: ana\n" in shell.good("top", "--once")
         for token in tokens:
             token.undeclare()
+
+
+def get_all(session: zenoh.Session, key: str, target: zenoh.QueryTarget) -> tuple[list[str], list[str]]:
+    """Return the texts of good and of error replies to a query."""
+    good, errors = [], []
+    for reply in session.get(key, target=target, timeout=8):
+        if reply.ok is not None:
+            good.append(reply.ok.payload.to_string())
+        elif reply.err is not None:
+            errors.append(reply.err.payload.to_string())
+    return good, errors
+
+
+@pytest.mark.parametrize(
+    ("typed", "similar"),
+    [
+        ("inof", "info"),
+        ("state/postions", "state/positions"),
+        ("cmd/me/motoin", "cmd/me/motion"),
+        ("cmd/me/motion/now", "cmd/me/motion"),
+        ("scene/targte", ""),
+    ],
+)
+def test_a_query_for_a_mistyped_key_gets_an_error_that_names_similar_keys(
+    stage: Stage, robot: Robot, typed: str, similar: str
+) -> None:
+    with foreign(stage) as session:
+        for target in (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL):
+            good, (error,) = get_all(session, f"beatrix/bea/hw/{typed}", target)
+            told = json.loads(error)
+            assert (good, told["result"], told["reason"]) == ([], False, "BAD_VALUE")
+            assert f"no key 'beatrix/bea/hw/{typed}'" in told["message"]
+            assert f"Similar: beatrix/bea/hw/{similar}" in told["message"] or not similar
+            assert "beatrix/bea/hw/cmd/<who>/motion" in told["detail"]["known"]
+    assert robot.status().calibrated
+
+
+def test_known_keys_and_wildcards_get_no_error_reply(stage: Stage, robot: Robot) -> None:
+    with foreign(stage) as session:
+        for target in (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL):
+            for name, replies in (
+                ("info", 1),
+                ("clock", 1),
+                ("state/status", 1),
+                ("cmd/me/command", 1),
+                ("state/camera/left", 0),
+                ("arm/short/target", 0),
+                ("ino$*", 0),
+                ("sta$*/status", 1),
+            ):
+                good, errors = get_all(session, f"beatrix/bea/hw/{name}", target)
+                assert (len(good), errors) == (replies, []), name
+            assert get_all(session, "beatrix/*/*/inof", target) == ([], [])
+            assert get_all(session, "beatrix/**/nonsense", target) == ([], [])
+            assert get_all(session, "beatrix/bea/sim/inof", target) == ([], []), "there is no simulation"
+    assert robot.status().calibrated
+
+
+def test_a_foreign_complete_queryable_still_gets_the_queries_for_its_own_keys(
+    stage: Stage, robot: Robot
+) -> None:
+    with foreign(stage) as session, foreign(stage) as asking:
+        queryable = answer_all(session, "beatrix/bea/hw/notes/**", "", b"a note")
+        key, best = "beatrix/bea/hw/notes/monday", zenoh.QueryTarget.BEST_MATCHING
+        until(lambda: get_all(asking, key, best) == (["a note"], []), "it answers")
+        queryable.undeclare()
+    assert robot.status().calibrated
