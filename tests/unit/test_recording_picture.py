@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import io
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
 
+from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure
@@ -33,7 +36,9 @@ def rows(place: tuple[str, str], yaw: float) -> list[Row]:
     return [*poses, Numbers(of_robot(place, "arms"), BEGAN_NS, BEGAN_NS, numbers)]
 
 
-def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(tmp_path: Path) -> None:
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A recording of two robots, of which the simulation has turned."""
     path = tmp_path / "lesson.rrd"
     stream = Stream("one", "lesson")
     stream.to_file(path)
@@ -41,6 +46,10 @@ def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(t
     stream.send([*rows(SIM, 0.8), *rows(HW, 0.0)])
     assert stream.flush(5.0)
     stream.close()
+    return path
+
+
+def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(path: Path) -> None:
     overlay, beside = (
         np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)
         for png in pictures(path, [(0, BEGAN_NS / 1e9), (1, BEGAN_NS / 1e9)])
@@ -52,6 +61,16 @@ def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(t
         assert 0.01 < np.mean(~background(half[150:])) < 0.5, "one robot; titles are above"
         assert 0.001 < share_of_blue(half) < 0.008, "its long arm, and no ghost"
     assert np.mean(background(left) != background(right)) > 0.005, "the simulation has turned"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere Vulkan comes with the driver")
+def test_without_vulkan_the_error_names_the_package_that_draws(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
+        monkeypatch.setenv(name, "/none")
+    with pytest.raises(Refused, match="apt install mesa-vulkan-drivers"):
+        pictures(path, [(1, BEGAN_NS / 1e9)])
 
 
 Picture = np.ndarray[tuple[int, ...], np.dtype[np.int64]]

@@ -9,6 +9,8 @@ from typing import Final
 
 from rerun.experimental import ViewerClient
 
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording.viewer import Viewer, address, free_port
 
 SIZE: Final = "1456x819"
@@ -23,22 +25,32 @@ def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
     """Return PNG pictures of a recording, one for each of `shots`: a tab (0 to 3) and a moment (s since 1970).
 
     Raises:
-        Refused, NoAnswer: the viewer cannot be started here.
-        ConnectionError: the viewer ends before all pictures are taken.
+        Refused, NoAnswer: the viewer cannot be started here, or cannot draw.
+        ConnectionError: the viewer does not answer.
     """
-    found = []
     with Viewer(free_port(), "--headless", "--window-size", SIZE, "--hide-welcome-screen") as viewer:
         viewer.wait_ready()
-        client = ViewerClient.connect(address(viewer.port))
-        shown_s = time.monotonic() + NOTICE_S
-        (recording,) = client.open(str(path.absolute())).store_ids
-        for tab, moment_s in shots:
-            blueprint = client.get_blueprint(store_id=recording).blueprint
-            bring_to_front(blueprint, tab)
-            client.set_blueprint(blueprint, store_id=recording)
-            client.set_time("time", timestamp=moment_s, play_state="paused", recording=recording)
-            time.sleep(max(SETTLE_S, shown_s - time.monotonic()))
-            found.append(client.take_screenshot())
+        try:
+            return _pictures(viewer, path, shots)
+        except ConnectionError:
+            if viewer.ended():
+                raise Refused(Reason.BAD_VALUE, viewer.ending()) from None
+            raise
+
+
+def _pictures(viewer: Viewer, path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
+    """Return the pictures of `pictures` from a running viewer; raises ConnectionError if it ends meanwhile."""
+    found = []
+    client = ViewerClient.connect(address(viewer.port))
+    shown_s = time.monotonic() + NOTICE_S
+    (recording,) = client.open(str(path.absolute())).store_ids
+    for tab, moment_s in shots:
+        blueprint = client.get_blueprint(store_id=recording).blueprint
+        bring_to_front(blueprint, tab)
+        client.set_blueprint(blueprint, store_id=recording)
+        client.set_time("time", timestamp=moment_s, play_state="paused", recording=recording)
+        time.sleep(max(SETTLE_S, shown_s - time.monotonic()))
+        found.append(client.take_screenshot())
     return found
 
 
