@@ -14,8 +14,8 @@ from beatrix_zenoh import codec, files, names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 
-LONGEST = 16 * 1024
-"""Largest size of an account file (bytes); one with certificates has 2 kB."""
+LONGEST = 32 * 1024
+"""Largest size of an account file (bytes); one has 2 kB, and the teacher's also the names of 99 pupils."""
 PATH = re.compile(r"\$\.(\w+)")
 """The field in the path of a validation error of msgspec."""
 Role = Literal["student", "teacher", "robot"]
@@ -37,6 +37,8 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     certificate: str
     """certificate (PEM); its common name is the name and a random suffix, and the router knows only the newest"""
     key: str
+    names: dict[str, str] = {}
+    """names of pupils by seat, only in the file of the teacher: the network transports no names of persons"""
 
     def __repr__(self) -> str:
         """Return name and class without the credentials, because logs contain reprs."""
@@ -52,6 +54,11 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         fields = msgspec.to_builtins(self)
         head = f"# BEATRIX account {self.name} of class {self.class_name}. Keep it private. To use it: beatrix join FILE\n"
         return head + files.toml_text(fields)
+
+    def shown(self, seat: str) -> str:
+        """Return a seat with the name of its pupil, if this account has it."""
+        name = self.names.get(seat)
+        return f"{name} ({seat})" if name else seat
 
     def check_seat(self, seat: str) -> str:
         """Return the seat if this account may use it; otherwise raise WrongUsage (BAD_VALUE)."""

@@ -5,11 +5,16 @@ from __future__ import annotations
 import getpass
 import re
 import socket
+import unicodedata
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage, quoted
 
+LATIN = str.maketrans(
+    {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "d", "þ": "th", "ı": "i"}
+)
+"""Small letters that Unicode does not decompose into a letter of a-z and an accent."""
 PATTERN = keys.NAME
 TWINS = ("sim", "hw")
 EYES = ("left", "right")
@@ -34,7 +39,7 @@ def check_name(text: str, what: str = "robot") -> str:
         return text
     raise WrongUsage(
         Reason.BAD_VALUE,
-        f"{quoted(text)} is not a {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text)!r}.",
+        f"{quoted(text)} is not a {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text, f'{what}1')!r}.",
     )
 
 
@@ -53,8 +58,10 @@ def view_title(eye: str) -> str:
 
 
 def tidy(text: str, otherwise: str = "beatrix") -> str:
-    """Return a valid name that is similar to `text`; `otherwise` if the text contains no allowed character."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:32].strip("-") or otherwise
+    """Return a valid name that is similar to `text`, without accents; `otherwise` if no character can be written so."""
+    decomposed = unicodedata.normalize("NFKD", text.lower().translate(LATIN))
+    plain = "".join(letter for letter in decomposed if not unicodedata.combining(letter))
+    return re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:32].strip("-") or otherwise
 
 
 def default_seat() -> str:

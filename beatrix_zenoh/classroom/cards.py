@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import io
 
+import msgspec
 import segno
 
 from beatrix_zenoh.account import Account
@@ -19,7 +20,7 @@ h1 {{ font-size: 18pt; margin: 0; }} p {{ margin: 0.15cm 0; }} svg {{ width: 7.4
 </style></head><body>
 {cards}</body></html>
 """
-CARD = """<article><h1>{name}</h1><p>{role} in class {class_name}{teacher}</p>
+CARD = """<article><h1>{title}</h1><p>{role} {name} in class {class_name}{teacher}</p>
 <p>Router {router}</p>{code}
 <p>Copy {name}.toml to this computer, or save the text of the code under this name.
 Then run: <code>beatrix join {name}.toml</code></p>
@@ -35,12 +36,16 @@ def cards(classroom: Classroom, accounts: list[Account]) -> str:
     teacher = f" of {classroom.teacher}" if classroom.teacher else ""
     return PAGE.format(
         title=html.escape(f"BEATRIX, class {classroom.name}"),
-        cards="".join(_card(account, teacher) for account in accounts),
+        cards="".join(
+            _card(account, classroom.display_names.get(account.name) or account.name, teacher)
+            for account in accounts
+        ),
     )
 
 
-def _card(account: Account, teacher: str) -> str:
+def _card(account: Account, title: str, teacher: str) -> str:
     fields = {
+        "title": title,
         "name": account.name,
         "role": account.role.capitalize(),
         "class_name": account.class_name,
@@ -48,7 +53,9 @@ def _card(account: Account, teacher: str) -> str:
         "router": account.connect.replace(",", ", "),
     }
     return CARD.format(
-        code=_code(account.text()), **{key: html.escape(value) for key, value in fields.items()}
+        # The names of all pupils do not fit into the code of the teacher.
+        code=_code(msgspec.structs.replace(account, names={}).text()),
+        **{key: html.escape(value) for key, value in fields.items()},
     )
 
 

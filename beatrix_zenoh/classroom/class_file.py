@@ -5,7 +5,7 @@ from __future__ import annotations
 import ipaddress
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
@@ -19,6 +19,8 @@ from beatrix_zenoh.errors import WrongUsage, quoted
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""
 SEATS_MAX = 99
+DISPLAY_MAX = 48
+"""Largest number of characters of a pupil's name."""
 GONE = {
     "auth": "every class uses certificates and encryption. Delete the line and the folder of the class, run `beatrix "
     "classroom init`, and hand out all files again",
@@ -36,7 +38,7 @@ class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class _ClassFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str
     addresses: list[str]
-    seats: int | list[str]
+    seats: int | list[str] | dict[str, str]
     robots: list[str] = []
     teacher: str = ""
     router: _Router = _Router()
@@ -53,6 +55,8 @@ class Classroom:
     robots: tuple[str, ...]
     teacher: str = ""
     """the teacher's name on the cards"""
+    display_names: dict[str, str] = field(default_factory=dict)
+    """names of the pupils by seat, in any alphabet; empty: those of the seats"""
     port: int = 7447
     pictures_hz: float = 5.0
 
@@ -73,9 +77,9 @@ class Classroom:
 def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     """Check the fields of a table and convert it; raises WrongUsage."""
     router = table.get("router")
-    for field, text in GONE.items():
-        if field in table or (isinstance(router, dict) and field in router):
-            raise wrong(path, f"{field} is not a field any more: {text}")
+    for gone, text in GONE.items():
+        if gone in table or (isinstance(router, dict) and gone in router):
+            raise wrong(path, f"{gone} is not a field any more: {text}")
     for given, kind, section in ((table, _ClassFile, ""), (router, _Router, " of [router]")):
         if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
             known = ", ".join(kind.__struct_fields__)
@@ -84,7 +88,8 @@ def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
     try:
         return msgspec.convert(table, _ClassFile)
     except msgspec.ValidationError as error:
-        raise wrong(path, f"a field is wrong: {error}. Write, for example, {EXAMPLE}") from error
+        hint = ". Other fields stand above the line [seats]" if isinstance(table.get("seats"), dict) else ""
+        raise wrong(path, f"a field is wrong: {error}{hint}. Write, for example, {EXAMPLE}") from error
 
 
 def read(path: Path) -> Classroom:
@@ -107,7 +112,7 @@ def read(path: Path) -> Classroom:
         raise wrong(path, f"{wrong_address} is not possible: give an IPv4 address or the name of a computer")
     if not 0.1 <= file.router.pictures_hz <= 60:
         raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
-    seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else file.seats
+    seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else list(file.seats)
     _check_names(path, file, seats)
     made = Classroom(
         name=file.name,
@@ -115,6 +120,7 @@ def read(path: Path) -> Classroom:
         seats=tuple(seats),
         robots=tuple(file.robots),
         teacher=file.teacher,
+        display_names=file.seats if isinstance(file.seats, dict) else {},
         port=file.router.port,
         pictures_hz=file.router.pictures_hz,
     )
@@ -126,15 +132,37 @@ def read(path: Path) -> Classroom:
 def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
     names.check_name(file.name, "class")
     for seat in seats:
-        names.check_seat(seat)
+        _check_seat(path, seat)
+    shown = file.seats if isinstance(file.seats, dict) else {}
+    if long := [
+        seat for seat, name in shown.items() if not (name.isprintable() and len(name) <= DISPLAY_MAX)
+    ]:
+        raise wrong(path, f"the name of {long[0]} must be of at most {DISPLAY_MAX} characters, on one line")
     for robot in file.robots:
         names.check_name(robot)
-    used = Counter([names.TEACHER, *seats, *file.robots])
+    if names.TEACHER in (*seats, *file.robots):
+        raise wrong(
+            path,
+            f"{names.TEACHER} is the account of the teacher, which every class has: leave it out of seats and robots",
+        )
+    used = Counter([*seats, *file.robots])
     if twice := [name for name, times in used.items() if times > 1]:
         raise wrong(
             path,
-            f"{', '.join(twice)} is used twice: give each seat and robot a name of its own, not `{names.TEACHER}`",
+            f"{', '.join(twice)} is used twice: give each seat and robot a name of its own",
         )
+
+
+def _check_seat(path: Path, seat: str) -> None:
+    try:
+        names.check_seat(seat)
+    except WrongUsage as error:
+        name = names.tidy(seat, "seat01")
+        raise wrong(
+            path,
+            f"{error.message} To show a name in any alphabet on cards and to the teacher, write the seats as a table at the "
+            f'end of the file: a line [seats], and below it {name} = "{seat}"',
+        ) from error
 
 
 def wrong(path: Path, text: str) -> WrongUsage:

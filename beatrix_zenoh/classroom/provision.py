@@ -29,6 +29,8 @@ class Made:
     """files of accounts that the class no longer has"""
     moved: bool
     """whether the address or port of the router has changed, so that all files must be handed out again"""
+    renamed: bool
+    """whether names of pupils have changed, which the teacher's account contains"""
 
 
 def folder_of(role: str) -> str:
@@ -100,6 +102,7 @@ class _Signer:
             authority=self.authority.certificate,
             certificate=certificate,
             key=key,
+            names=classroom.display_names if role == "teacher" else {},
         )
 
     def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:
@@ -128,13 +131,16 @@ class _Signer:
 def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
     made: list[Account] = []
     new: list[str] = []
-    moved = False
+    moved = renamed = False
     for name, role in classroom.accounts.items():
         path = folder / folder_of(role) / f"{name}.toml"
         old = account.load(path) if path.is_file() else None
         made.append(signer.account(classroom, name, role, old))
         moved = moved or (old is not None and old.connect != classroom.listen)
+        renamed = renamed or (old is not None and old.names != made[-1].names)
         if old is None or old.key != made[-1].key:
             new.append(name)
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
-    return Made(made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved)
+    return Made(
+        made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved, renamed
+    )

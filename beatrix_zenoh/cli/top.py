@@ -121,7 +121,7 @@ def messages(client: Client, rows: list[Row]) -> list[str]:
 
 def seat_lines(monitor: Monitor, seats: Seats) -> list[str]:
     """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
-    lines = [f"seats: {', '.join(seats.names())}"]
+    lines = [f"seats: {', '.join(seats.shown())}"]
     stops = stops_by_seat(monitor.robots())
     if stops:
         more = [f"{len(stops) - STOPS_SHOWN} more seats"] if len(stops) > STOPS_SHOWN else []

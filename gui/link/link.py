@@ -99,7 +99,7 @@ class Link:
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
-            seats=() if session is None else tuple(session.seats.names()),
+            seats=() if session is None else tuple(session.seats.shown()),
             robots=self._class.states(session, now_s),
         )
 

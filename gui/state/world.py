@@ -100,7 +100,7 @@ class World:
     limits: LimitInfo | None = None
     """limits that the robot reports; None: unknown, so the defaults are shown"""
     seats: tuple[str, ...] = ()
-    """seats that are connected to the router, by name"""
+    """seats that are connected to the router; for the teacher of a class with the names of their pupils"""
     robots: tuple[RobotState, ...] = ()
     """all robots on line, while the page of the class is shown"""
 

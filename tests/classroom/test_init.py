@@ -83,7 +83,9 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
     [
         ({'["ana", "ben"]': "0"}, "1 to 99"),
         ({'["ana", "ben"]': '["ana", "bea1"]'}, "bea1 is used twice"),
-        ({'["ana", "ben"]': '["teacher"]'}, "teacher is used twice"),
+        ({'["ana", "ben"]': '["teacher"]'}, "teacher is the account of the teacher, which every class has"),
+        ({'["ana", "ben"]': '["Zoë"]'}, 'below it zoe = "Zoë"'),
+        ({'["ana", "ben"]': '["李"]'}, 'below it seat01 = "李"'),
         ({'["ana", "ben"]': '["Ana"]'}, "'ana'"),
         ({'["ana", "ben"]': '["legacy"]'}, "legacy"),
         ({'"127.0.0.1"': '"a b..c"'}, "is not an endpoint"),
@@ -124,3 +126,41 @@ def test_seats_may_be_a_number(tmp_path: Path) -> None:
     assert (made.seats[0], made.seats[-1], len(made.seats)) == ("seat01", "seat30", 30)
     assert made.listen == "tls/192.168.1.20:7447,tls/teacher.local:7447"
     assert len(grants(made.seats, made.robots)) == 31
+
+
+def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_have(tmp_path: Path) -> None:
+    path = tmp_path / "class.toml"
+    without_seats = class_text().replace('seats = ["ana", "ben"]\n', "")
+    path.write_text(f'{without_seats}\n[seats]\nzoe = "Zoë Müller"\nli = "李 明"\n', encoding="utf-8")
+    assert beatrix("classroom", "init", str(path)).returncode == 0
+    folder = tmp_path / "8b"
+    teacher = account.load(folder / "seats" / "teacher.toml")
+    assert [teacher.shown(seat) for seat in ("zoe", "li", "seat03")] == [
+        "Zoë Müller (zoe)",
+        "李 明 (li)",
+        "seat03",
+    ]
+    page = (folder / "cards.html").read_text(encoding="utf-8")
+    assert re.findall("<h1>(.*?)</h1>", page) == ["teacher", "Zoë Müller", "李 明", "bea1", "bea2"]
+    assert "Student zoe in class 8b" in page
+    others = {name: text for name, text in files(folder).items() if name != "teacher.toml"}
+    assert not any("Müller" in text for text in (*others.values(), (folder / "router.toml").read_text()))
+    path.write_text(path.read_text(encoding="utf-8").replace("Müller", "Maier"), encoding="utf-8")
+    assert "Names of pupils have changed" in beatrix("classroom", "init", str(path)).stderr
+
+
+def test_the_teachers_card_of_a_large_class_still_fits_a_code(tmp_path: Path) -> None:
+    path = tmp_path / "class.toml"
+    pupils = "".join(f'seat{number:02d} = "{"李" * 48}"\n' for number in range(1, 100))
+    path.write_text(f'name = "8b"\naddresses = ["192.168.100.200"]\n[seats]\n{pupils}', encoding="utf-8")
+    done = beatrix("classroom", "init", str(path))
+    assert done.returncode == 0, done.stderr
+    assert account.load(tmp_path / "8b" / "seats" / "teacher.toml").shown("seat99").startswith("李")
+
+
+@pytest.mark.parametrize("name", ['"a\\u001bb"', '"a\\nb"', f'"{"a" * 49}"', "3"])
+def test_the_name_of_a_pupil_must_be_printable_and_short(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "class.toml"
+    path.write_text(f'name = "8b"\naddresses = ["192.168.1.20"]\n[seats]\nzoe = {name}\n')
+    with pytest.raises(WrongUsage):
+        class_file.read(path)

@@ -20,7 +20,7 @@ from beatrix_zenoh.settings import Settings
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A class in which the robot bea1 and the seat ana's own robot are on line."""
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
+    with ClassRouter(tmp_path_factory.mktemp("class"), seats='{ana = "Ána Ruiz", ben = "Ben"}') as made:
         folders = {name: tmp_path_factory.mktemp(name) for name in ("bea1", "ana")}
         nodes = [start_node(folder, made.path(name)) for name, folder in folders.items()]
         yield made
@@ -86,3 +86,12 @@ def test_an_emergency_stop_of_a_student_reaches_all_robots(
     assert (done.returncode, [robot.status().fault for robot in robots]) == (0, [Fault.EMERGENCY] * 2), done
     for robot in robots:
         robot.reset()
+
+
+def test_only_the_teacher_sees_the_names_of_the_pupils(
+    router: ClassRouter, clients: dict[str, Client], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert clients["ana"].robots()
+    for name, shown in (("teacher", "Ána Ruiz (ana)"), ("ben", "seats: ana, ben")):
+        monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path(name)))
+        assert shown in beatrix("top", "--once").stdout

@@ -11,13 +11,16 @@ from class_router import CLI
 from shell import beatrix
 from stage import ROOT, Process
 
+from beatrix_zenoh.classroom import class_file
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import resolve
 
 
 def test_the_commands_of_the_page_make_a_class(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (ROOT / "docs/how-to/classroom.md").read_text(encoding="utf-8")
-    (file,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    file, table = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "table.toml").write_text(re.sub(r"seats = .*\n", "", file) + table, encoding="utf-8")
+    assert class_file.read(tmp_path / "table.toml").display_names["zoe"] == "Zoë Müller"
     port = str(free_port())
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))

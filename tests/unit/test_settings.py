@@ -59,3 +59,18 @@ def test_an_invalid_name_is_refused_with_a_valid_example(name: str) -> None:
 @given(st.text())
 def test_tidy_always_returns_a_valid_name(text: str) -> None:
     assert names.check_name(names.tidy(text))
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("Zoë", "zoe"),
+        ("Jürgen Groß", "jurgen-gross"),
+        ("Søren", "soren"),
+        ("Łukasz", "lukasz"),
+        ("Æthelred", "aethelred"),
+        ("李", "beatrix"),
+    ],
+)
+def test_names_in_latin_letters_lose_their_accents(text: str, name: str) -> None:
+    assert names.tidy(text) == name
