@@ -101,6 +101,8 @@ class Access:
         self.lease, self._pauses = Lease(), Pauses()
         self._stopped_by = NO_CALLER
         self._stop_sent = self._resting = True
+        self.begun = 0
+        """Number of motions that have begun."""
         self._latched_s: float | None = None
         self.teacher = Teacher()
         self._sessions = KnownSessions()
@@ -151,6 +153,7 @@ class Access:
         self.teacher.check(Action.MOVE, caller.seat, latched=self.latched)
         if not self._resting and caller.session != TEXT_SESSION:
             raise refusals.coming_to_rest()
+        self.begun += 1
         self.lease.motion.begin(caller)
 
     @_locked

@@ -1,7 +1,8 @@
 """Send STOP to the board before all queued requests, and reply when the arms rest.
 
 1. Zenoh's thread (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
-2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP.
+2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP. In a flood, a STOP
+   that follows another one, without a motion in between, needs no request of its own.
 3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
 4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
 """
@@ -42,6 +43,10 @@ SAME_PRESS_S: Final = 0.5
 """A put and a query of one seat and session within this time (s) count as one press and one event."""
 RECORDED: Final = 64
 """Number of callers whose last press is remembered."""
+REPEAT_S: Final = 0.02
+"""In a flood of STOPs the board gets a STOP at least this often (s), and at once if a motion has begun since the last."""
+GATHER_S: Final = 0.002
+"""Time (s) in which the STOPs of a flood that need no request to the board are gathered, to answer them together."""
 LATCHED_S: Final = 0.3
 """Time (s) within which the telemetry shows the emergency latch."""
 STOPPED, AT_REST = "Stopped", "Nothing moves"
@@ -59,6 +64,8 @@ class StopHandler(Component):
         self._pressed: dict[Command, list[RequestHandle]] = {}
         self._changed = threading.Condition()
         self._closed = False
+        self._sent: tuple[float, int] = float("-inf"), 0
+        """Time (s, monotonic) of the last STOP that the board has acknowledged, and the motions begun before it."""
         self._recorded: dict[Caller, tuple[str, float]] = {}
         """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
@@ -121,8 +128,10 @@ class StopHandler(Component):
             return
         with self._changed:
             closed = self._closed
-            if not closed:
-                self._pressed.setdefault(command, []).append(handle)
+            if not closed and command in self._pressed:
+                self._pressed[command].append(handle)
+            elif not closed:
+                self._pressed[command] = [handle]
                 self._changed.notify()
         if closed:
             handle.end(replies.command_refusal(refusals.node_closing(), self._context.controller.arms()))
@@ -135,15 +144,29 @@ class StopHandler(Component):
                 self._changed.wait_for(lambda: self._pressed or self._closed)
                 if not self._pressed:
                     return
+                if self._is_repeated():
+                    self._changed.wait_for(
+                        lambda: Command.EMERGENCY_STOP in self._pressed or self._closed, GATHER_S
+                    )
                 command = next(command for command in FRAMES if command in self._pressed)
                 handles = self._pressed.pop(command)
-            self._hand_over(command, handles, self._send(command))
+            repeated = command is Command.STOP and self._is_repeated()
+            self._hand_over(command, handles, None if repeated else self._send(command))
+
+    def _is_repeated(self) -> bool:
+        """Return whether the board has just acknowledged a STOP, and no motion has begun since it was sent."""
+        sent_s, begun = self._sent
+        return time.monotonic() - sent_s < REPEAT_S and self._context.access.begun == begun
 
     def _send(self, command: Command) -> BeatrixError | None:
+        before = time.monotonic(), self._context.access.begun
+        self._sent = float("-inf"), 0
         try:
             self._board.request(FRAMES[command])
         except BeatrixError as error:
             return error
+        if command is Command.STOP:
+            self._sent = before
         return None
 
     def _hand_over(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:

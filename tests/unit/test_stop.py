@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 from typing import cast
 
@@ -13,11 +14,12 @@ from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, 
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.component import Context
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.node import ControllerThread, build_context
 from beatrix_zenoh.node.request_handle import RequestHandle
-from beatrix_zenoh.node.stop import StopHandler
+from beatrix_zenoh.node.stop import REPEAT_S, StopHandler
 from hw_node.body import VirtualHardware
 
 
@@ -44,6 +46,7 @@ class Stage:
         self.hardware = VirtualHardware("bea")
         self.context: Context = build_context(sessions, "bea", self.hardware, ROBOT)
         self.sent: list[FrameType] = []
+        self.failure: NoAnswer | None = None
         self.busy, self.go_on = threading.Event(), threading.Event()
         self.go_on.set()
         monkeypatch.setattr(self.context.board_watch.board, "request", self._request)
@@ -58,6 +61,8 @@ class Stage:
         self.sent.append(frame)
         self.busy.set()
         self.go_on.wait(5)
+        if self.failure is not None:
+            raise self.failure
 
     def press(self, command: Command, seat: str) -> None:
         def reply(message: msgspec.Struct) -> None:
@@ -101,6 +106,37 @@ def test_an_emergency_stop_is_sent_before_an_earlier_stop(stage: Stage) -> None:
         assert stage.replied.acquire(timeout=5)
     assert stage.sent == [FrameType.STOP, FrameType.EMERGENCY_STOP, FrameType.STOP]
     assert set(stage.replies) == {"ana", "ben", "cleo", "dan"}
+
+
+def test_a_flood_of_stops_costs_few_requests_to_the_board_and_all_are_answered(stage: Stage) -> None:
+    began_s = time.monotonic()
+    for number in range(300):
+        stage.press(Command.STOP, f"seat{number}")
+    for _ in range(300):
+        assert stage.replied.acquire(timeout=5)
+    assert 1 <= len(stage.sent) <= 2 + (time.monotonic() - began_s) / REPEAT_S
+    assert {reply.reason for reply in stage.replies.values()} == {Reason.OK}
+
+
+def test_a_stop_after_a_new_motion_is_sent_however_soon(stage: Stage) -> None:
+    access = stage.context.access
+    for number in (1, 2, 3):
+        with access.lock:
+            access.begun += 1
+        stage.press(Command.STOP, "ana")
+        assert stage.replied.acquire(timeout=5)
+        assert stage.sent == [FrameType.STOP] * number
+
+
+def test_a_stop_after_one_that_the_board_did_not_acknowledge_is_sent(stage: Stage) -> None:
+    stage.failure = NoAnswer(Reason.BOARD_LOST, "no answer")
+    stage.press(Command.STOP, "ana")
+    assert stage.replied.acquire(timeout=5)
+    assert stage.replies["ana"].reason is Reason.BOARD_LOST
+    stage.failure = None
+    stage.press(Command.STOP, "ana")
+    assert stage.replied.acquire(timeout=5)
+    assert (stage.sent, stage.replies["ana"].reason) == ([FrameType.STOP] * 2, Reason.OK)
 
 
 def test_every_press_is_an_event(stage: Stage) -> None:
