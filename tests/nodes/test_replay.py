@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from excuses import Late
 from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
@@ -21,7 +23,8 @@ from beatrix_zenoh.recording.follow import Following, follow
 from beatrix_zenoh.recording.path import path_of
 from beatrix_zenoh.recording.record_motion import record_motion
 from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
-from beatrix_zenoh.recording.replay import replay
+from beatrix_zenoh.recording.replay import LATE_S, Progress
+from beatrix_zenoh.recording.replay import replay as replay_now
 from beatrix_zenoh.recording.series import Recording
 
 NOD = """t_s,yaw_deg,pitch_deg,roll_deg
@@ -33,6 +36,24 @@ NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 """
 RMS_DEG = 1.0
 """Tolerance of a replay on a busy machine; docs/how-to/motion-files.md has figures."""
+
+pytestmark = pytest.mark.measures_time  # a replay ends if the computer stands still for LATE_S
+
+
+def replay(
+    robots: Twin | Robot,
+    following: Following,
+    progress: Progress = lambda _passed_s: None,
+    *,
+    lead_s: float = 0.0,
+) -> None:
+    """Replay a path; raise Late if it ended because the computer stood still."""
+    try:
+        replay_now(robots, following, progress, lead_s=lead_s)
+    except Interrupted as error:
+        if paused := re.search(r"suspended for ([\d.]+) s", error.message):
+            raise Late("delay of a target", float(paused[1]), LATE_S) from error
+        raise
 
 
 def following(text: str) -> Following:
