@@ -22,10 +22,11 @@ demo: ## show the robot's twin on this computer (needs only Python 3.11)
 	@$(SETUP) demo
 	$(BIN)/beatrix demo
 
-# After a crash of a process the run ends and names the test; pytest-xdist could otherwise wait forever.
+# After a crash of a process the run ends and names the test; pytest-xdist could otherwise wait forever. tools/crash.py
+# prints the stacks of all threads of the process.
 test: ## run all tests, in parallel; with CI=true, measure branch coverage
 	@$(SETUP) test
-	$(BIN)/pytest -n $(PROCESSES) --dist loadgroup --max-worker-restart 0 $(COVERAGE)
+	$(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadgroup --max-worker-restart 0 $(COVERAGE)
 
 check: ## check style, types, layers, contract, links and firmware, without running BEATRIX
 	@$(SETUP) test
