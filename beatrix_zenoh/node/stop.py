@@ -45,6 +45,8 @@ RECORDED: Final = 64
 """Number of callers whose last press is remembered."""
 REPEAT_S: Final = 0.02
 """In a flood of STOPs the board gets a STOP at least this often (s), and at once if a motion has begun since the last."""
+FLOOD: Final = 8
+"""More waiting presses than this are a flood."""
 GATHER_S: Final = 0.002
 """Time (s) in which the STOPs of a flood that need no request to the board are gathered, to answer them together."""
 LATCHED_S: Final = 0.3
@@ -139,17 +141,19 @@ class StopHandler(Component):
     # -- 2. sent, on the stop thread ----------------------------------------------------------------
 
     def _run(self) -> None:
+        together = 0
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._pressed or self._closed)
                 if not self._pressed:
                     return
-                if self._is_repeated():
+                if together > FLOOD and self._is_repeated():
                     self._changed.wait_for(
                         lambda: Command.EMERGENCY_STOP in self._pressed or self._closed, GATHER_S
                     )
                 command = next(command for command in FRAMES if command in self._pressed)
                 handles = self._pressed.pop(command)
+                together = len(handles)
             repeated = command is Command.STOP and self._is_repeated()
             self._hand_over(command, handles, None if repeated else self._send(command))
 
