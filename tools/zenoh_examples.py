@@ -1,7 +1,7 @@
 """Control both robots with Zenoh's example programs: `python tools/zenoh_examples.py FOLDER`.
 
-FOLDER contains the unmodified z_get.py, z_sub.py and z_put.py of zenoh-python. The program prints every call and its
-output.
+FOLDER contains the unmodified z_get.py, z_sub.py, z_put.py and z_get_liveliness.py of zenoh-python. The program prints
+every call and its output.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from beatrix_zenoh.recording.viewer import free_port
+
 ROOT = Path(__file__).resolve().parent.parent
-ENDPOINT = "tcp/127.0.0.1:7461"
+ENDPOINT = f"tcp/127.0.0.1:{free_port()}"
 CLIENT = ["-m", "client", "-e", ENDPOINT]
 
 
@@ -45,6 +47,9 @@ def listen(folder: Path, key: str, lines: int) -> str:
 def drive(folder: Path, twin: str) -> None:
     """Read, enable, calibrate, turn and stop one robot; raises AssertionError for an unexpected reply."""
     base = f"beatrix/zed/{twin}"
+    assert f"{base}/@alive" in call(folder, "z_get_liveliness.py", "-k", "beatrix/*/*/@alive")
+    assert '"robot":"zed"' in call(folder, "z_get.py", "-s", f"{base}/info")
+    assert f"Similar: {base}/info" in call(folder, "z_get.py", "-s", f"{base}/inof")
     assert '"enabled":false' in call(folder, "z_get.py", "-s", f"{base}/state/status")
     assert "NOT_ENABLED" in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.2")
     assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command?command=enable")
