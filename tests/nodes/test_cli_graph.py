@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -19,7 +20,7 @@ from beatrix_zenoh._generated.messages import Clock, ProgramInfo
 from beatrix_zenoh.bus.description import program_name
 
 NODES = {f"{NAME} (sim)", f"{NAME} (hw)"}
-SEAT = "seat ana: pytest"
+SEAT = f"seat ana: {program_name(sys.argv)}"
 
 
 def programs(shell: Shell) -> dict[str, dict[str, Any]]:
