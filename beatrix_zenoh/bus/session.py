@@ -165,14 +165,20 @@ class Bus(ProcessBound):
         self._declarations.add(PUBLISHER, key, publication.declare)
         return publication
 
-    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+    def subscribe(
+        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool] | None = None
+    ) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, and return a function that ends the subscription.
 
-        `handle` runs on Zenoh's thread and must return at once. Raises the errors of `query`.
+        A publication is dropped before it is read if `skips` returns True for its key: in a flood that costs little.
+        Both functions run on Zenoh's thread and must return at once. Raises the errors of `query`.
         """
-        callback: Callback[zenoh.Sample] = Callback(
-            lambda sample: handle(Received.of(sample)), indirect=False
-        )
+
+        def receive(sample: zenoh.Sample) -> None:
+            if skips is None or not skips(str(sample.key_expr)):
+                handle(Received.of(sample))
+
+        callback: Callback[zenoh.Sample] = Callback(receive, indirect=False)
         return self._declarations.add(
             SUBSCRIBER, key, lambda session: session.declare_subscriber(key, callback)
         )

@@ -102,7 +102,7 @@ class Access:
         self._stopped_by = NO_CALLER
         self._stop_sent = self._resting = True
         self.begun = 0
-        """Number of motions that have begun."""
+        """Counts each motion when it is authorised, and again when it begins: while it stays equal, none can begin."""
         self._latched_s: float | None = None
         self.teacher = Teacher()
         self._sessions = KnownSessions()
@@ -142,6 +142,7 @@ class Access:
             self._resting = True
         if pause is not None:
             raise pause
+        self.begun += 1
 
     @_locked
     def take(self, caller: Caller) -> None:

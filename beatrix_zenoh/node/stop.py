@@ -1,8 +1,8 @@
 """Send STOP to the board before all queued requests, and reply when the arms rest.
 
 1. Zenoh's thread (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
-2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP. In a flood, a STOP
-   that follows another one, without a motion in between, needs no request of its own.
+2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP. A STOP that follows
+   another one, without a motion in between, needs no request of its own.
 3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
 4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
 """
@@ -42,13 +42,12 @@ REST_S: Final = 2.0
 SAME_PRESS_S: Final = 0.5
 """A put and a query of one seat and session within this time (s) count as one press and one event."""
 RECORDED: Final = 64
-"""Number of callers whose last press is remembered."""
+"""Number of callers, and of keys, whose last press is remembered."""
+SAME_PUT_S: Final = 0.002
+"""Puts of STOP with one key within this time (s), without a motion in between, count as one. Each costs Python 10 times
+as much as a skipped one, and STOPs of other seats wait behind a flood."""
 REPEAT_S: Final = 0.02
 """In a flood of STOPs the board gets a STOP at least this often (s), and at once if a motion has begun since the last."""
-FLOOD: Final = 8
-"""More waiting presses than this are a flood."""
-GATHER_S: Final = 0.002
-"""Time (s) in which the STOPs of a flood that need no request to the board are gathered, to answer them together."""
 LATCHED_S: Final = 0.3
 """Time (s) within which the telemetry shows the emergency latch."""
 STOPPED, AT_REST = "Stopped", "Nothing moves"
@@ -67,7 +66,9 @@ class StopHandler(Component):
         self._changed = threading.Condition()
         self._closed = False
         self._sent: tuple[float, int] = float("-inf"), 0
-        """Time (s, monotonic) of the last STOP that the board has acknowledged, and the motions begun before it."""
+        """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
+        self._puts: dict[str, tuple[float, int]] = {}
+        """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
         self._recorded: dict[Caller, tuple[str, float]] = {}
         """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
@@ -81,7 +82,7 @@ class StopHandler(Component):
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, twin, "*"), keys.stop_unsigned(name, twin)):
             sessions.serve(key, partial(self._query, key))
-            sessions.subscribe(key, partial(self._put, key))
+            sessions.subscribe(key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic()))
 
     def on_stop(self, callback: Callable[[], None]) -> None:
         """Call `callback` on the controller's thread after each STOP, to discard motions outside the request queue."""
@@ -95,6 +96,17 @@ class StopHandler(Component):
             self.press(Command.STOP, replace(handle, events=self._events(handle.caller, "query")))
         else:
             incoming.finish()
+
+    def repeats(self, key: str, now_s: float) -> bool:
+        """Return whether a put of STOP with this key only repeats the last one."""
+        begun = self._context.access.begun
+        last_s, then = self._puts.get(key, (float("-inf"), 0))
+        if now_s - last_s < SAME_PUT_S and begun == then:
+            return True
+        if len(self._puts) >= RECORDED:
+            self._puts.clear()
+        self._puts[key] = now_s, begun
+        return False
 
     def _put(self, served: str, received: Received) -> None:
         """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
@@ -141,19 +153,13 @@ class StopHandler(Component):
     # -- 2. sent, on the stop thread ----------------------------------------------------------------
 
     def _run(self) -> None:
-        together = 0
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._pressed or self._closed)
                 if not self._pressed:
                     return
-                if together > FLOOD and self._is_repeated():
-                    self._changed.wait_for(
-                        lambda: Command.EMERGENCY_STOP in self._pressed or self._closed, GATHER_S
-                    )
                 command = next(command for command in FRAMES if command in self._pressed)
                 handles = self._pressed.pop(command)
-                together = len(handles)
             repeated = command is Command.STOP and self._is_repeated()
             self._hand_over(command, handles, None if repeated else self._send(command))
 

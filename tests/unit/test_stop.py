@@ -15,11 +15,12 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.node.access import Action
 from beatrix_zenoh.node.component import Context
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.node import ControllerThread, build_context
 from beatrix_zenoh.node.request_handle import RequestHandle
-from beatrix_zenoh.node.stop import REPEAT_S, StopHandler
+from beatrix_zenoh.node.stop import REPEAT_S, SAME_PUT_S, StopHandler
 from hw_node.body import VirtualHardware
 
 
@@ -116,6 +117,19 @@ def test_a_flood_of_stops_costs_few_requests_to_the_board_and_all_are_answered(s
         assert stage.replied.acquire(timeout=5)
     assert 1 <= len(stage.sent) <= 2 + (time.monotonic() - began_s) / REPEAT_S
     assert {reply.reason for reply in stage.replies.values()} == {Reason.OK}
+
+
+def test_puts_of_one_key_are_skipped_while_they_only_repeat_a_stop(stage: Stage) -> None:
+    key, now_s = "beatrix/bea/hw/stop/cem", 100.0
+    repeats, access, ana = stage.handler.repeats, stage.context.access, Caller("ana", "session")
+    assert not repeats(key, now_s)
+    assert repeats(key, now_s)
+    assert not repeats("beatrix/bea/hw/stop/ben", now_s), "the STOP of another seat"
+    access.authorize(Action.MOVE, ana, now_s)
+    assert not repeats(key, now_s), "a motion may begin"
+    access.take(ana)
+    assert not repeats(key, now_s), "a motion has begun"
+    assert not repeats(key, now_s + 2 * SAME_PUT_S), "another press"
 
 
 def test_a_stop_after_a_new_motion_is_sent_however_soon(stage: Stage) -> None:
