@@ -20,7 +20,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import WrongUsage
 
 CLOSE_S: Final = 2.0
-"""After this time (s) no further session is closed, and no call is waited for; Zenoh needs up to 12 s to close one."""
+"""After this time (s) no further session is closed, and no call is waited for; Zenoh needs up to 15 s to close one."""
 CALLBACK_S: Final = 0.05
 """How long (s) callbacks that were running when their session was closed have time to return to Zenoh."""
 
