@@ -22,7 +22,13 @@ from gui.texts import LANGUAGES
 PLUGINS = "QT_QPA_PLATFORM_PLUGIN_PATH"
 WITHOUT_DISPLAY = {"offscreen", "minimal", "vnc"}
 """Platforms of Qt that need no display."""
-PROBE = "from PyQt5.QtWidgets import QApplication; QApplication([])"
+PROBE = """
+import resource
+from PyQt5.QtWidgets import QApplication
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+QApplication([])
+"""
+"""Program that Qt ends with SIGABRT if there is no display; it leaves no core file in the user's folder."""
 PROBE_S = 20.0
 
 

@@ -56,6 +56,10 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
     with streams.positions(stage.client("witness")) as subscription:
         robots = [ready(stage.robot("bea", twin)) for twin in ("sim", "hw")]
+        for robot in robots:
+            for camera in robot.status().cameras:
+                with robot.camera(camera.eye) as images:
+                    next(iter(images))  # the recorder receives it, too, and lays out its view
         for motion in [robot.look(yaw=12, pitch=5, wait=False) for robot in robots]:
             motion.wait()
         with pytest.raises(Refused):

@@ -46,11 +46,13 @@ def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     before = steps(twin.hw)
     motion = twin.preview(yaw=10, speed=60).commit(lead_s=2.5, wait=False)
     until(lambda: twin.sim.positions().commanded.short == pytest.approx(10, abs=0.1), "there")
-    act(stage.robot("bea", "sim", "teacher"))
+    teacher = stage.robot("bea", "sim", "teacher")
+    act(teacher)
     with pytest.raises((Interrupted, Refused)):
         motion.result(10)
     assert not motion.hardware_sent
     assert steps(twin.hw) == before
+    teacher.reset()  # another seat may not reset the teacher's EMERGENCY_STOP
     twin.reset()
 
 
