@@ -173,11 +173,6 @@ class Access:
         self.lease.motion.release(now_s)
 
     @_locked
-    def freeze(self, *, on: bool) -> None:
-        """Freeze the robot, so that only the teacher can move it, or end the freeze."""
-        self.teacher.frozen = on
-
-    @_locked
     def stop_pressed(self, presser: Caller, now_s: float, *, emergency: bool = False) -> None:
         """Record a STOP or EMERGENCY_STOP; the seat or the session of `presser` may be unknown.
 
@@ -237,7 +232,8 @@ class Access:
     def session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> bool:
         """Record that a client's session has begun, returned or ended; return whether a running motion lost its client.
 
-        `now_s` is the time at which its token arrived or disappeared.
+        `now_s` is the time at which its token arrived or disappeared. A session that has ended keeps its lease and its place in the queue until
+        `give_up_sessions` ends them, because the router may have been lost.
 
         The end counts only for this seat with this session. In a class the router lets each client declare tokens of
         its own seat only, so no client can end the session of another seat.
@@ -245,9 +241,25 @@ class Access:
         if alive or not caller.session:
             self._sessions.began(caller, now_s)
             return False
-        self._sessions.ended(caller)
-        self.lease.session_ended(caller)
+        self._sessions.ended(caller, now_s)
         return self.lease.motion.runs(caller)
+
+    @_locked
+    def router_changed(self, now_s: float, *, connected: bool) -> None:
+        """Record that the router was lost or is connected again; without a router no session ends."""
+        self._sessions.router_changed(now_s, connected=connected)
+        self.lease.router_changed(now_s, connected=connected)
+
+    @_locked
+    def give_up_sessions(self, now_s: float) -> bool:
+        """End the leases and places of sessions that have been missing for too long.
+
+        Return whether a running motion lost its client.
+        """
+        given_up = self._sessions.given_up(now_s)
+        for caller in given_up:
+            self.lease.session_ended(caller)
+        return any(self.lease.motion.runs(caller) for caller in given_up)
 
     @_locked
     def old_program_began(self) -> None:

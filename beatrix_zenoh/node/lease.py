@@ -10,6 +10,7 @@ A seat holds the robot in one of two ways:
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from beatrix_zenoh import refusals
@@ -163,6 +164,10 @@ class Lease:
         if held:
             self._taker = NO_CALLER
         return held or waited
+
+    def router_changed(self, now_s: float, *, connected: bool) -> None:
+        """Stop the idle time of the holder while no seat can send requests; restart it when the router is back."""
+        self._used_s = now_s if connected else math.inf
 
     def session_ended(self, caller: Caller) -> None:
         """End the lease of a session that has ended, and its place in the queue."""

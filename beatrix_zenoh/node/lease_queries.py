@@ -194,7 +194,7 @@ class LeaseHandler(Component):
                 return text
             controller.stop(StopCause.TOO_FAST)
             return f"{text} A faster motion was stopped."
-        access.freeze(on=query.action is LeaseAction.FREEZE)
+        access.teacher.frozen = query.action is LeaseAction.FREEZE
         if query.action is LeaseAction.UNFREEZE:
             return "Every seat may move the robot again."
         if controller.driven and not self._drives(names.TEACHER):

@@ -9,6 +9,7 @@ from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.bus import Sessions, SessionWatchdog
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease import Caller
 
 
@@ -42,12 +43,20 @@ class Presence(Component):
     def _session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> None:
         if self._context.access.session_changed(caller, now_s, alive=alive):
             self._context.controller.client_lost()
+        if not alive:
+            self._context.queue.post_later(now_s + SETTLE_S, self._give_up_sessions)
+
+    def _give_up_sessions(self) -> None:
+        if self._context.access.give_up_sessions(time.monotonic()):
+            self._context.controller.client_lost()
 
     def _router(self, connected: bool) -> None:  # noqa: FBT001
         """Handle a lost or reconnected router, on Zenoh's thread."""
         if self._closed or connected == self._router_connected:
             return
         self._router_connected = connected
+        now_s = time.monotonic()
+        self._context.queue.post_event(lambda: self._router_changed(now_s, connected=connected))
         if connected:
             text = f"The router at {self._endpoint} is connected again."
             self._context.events.add(EventKind.ROUTER, message=text)
@@ -56,7 +65,13 @@ class Presence(Component):
             f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests."
         )
         self._context.events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
-        self._context.queue.post_event(self._context.controller.client_lost)
+
+    def _router_changed(self, now_s: float, *, connected: bool) -> None:
+        self._context.access.router_changed(now_s, connected=connected)
+        if connected:
+            self._context.queue.post_later(now_s + RETURN_S, self._give_up_sessions)
+        else:
+            self._context.controller.client_lost()
 
     def _renewed(self, traffic: str) -> None:
         """Queue a stop, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""

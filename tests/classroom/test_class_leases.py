@@ -99,6 +99,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
             stack.callback(holder.process.end, signal.SIGKILL)
             next_one = robot_of(router, "seat02")
             stack.callback(next_one.client.close)
+            until(lambda: next_one.status().holder == "", "the lease of the test before has ended")
             next_one.make_ready()
             start = next_one.positions().commanded.short
             holder.expect_ready()

@@ -11,6 +11,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.known_sessions import RETURN_S
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 from beatrix_zenoh.node.lease_queries import give_back, mute, standing, take, unmute
 from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
@@ -19,6 +20,8 @@ from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S
 pytestmark = pytest.mark.no_cover
 
 CALLERS = st.sampled_from([ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, OLD, NO_SESSION])
+RETURNING = st.frozensets(st.sampled_from(["ana", "ben", TEACHER]))
+"""Seats whose sessions return after a restart of the router."""
 
 
 class Sequences(RuleBasedStateMachine):
@@ -41,6 +44,15 @@ class Sequences(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
         self.now_s += seconds
+        self._give_up()
+
+    def _give_up(self) -> None:
+        if self.access.give_up_sessions(self.now_s):
+            self._lose_client()
+
+    def _lose_client(self) -> None:
+        self.access.release(self.now_s)
+        self.moving = None
 
     @rule(caller=CALLERS)
     def move(self, caller: Caller) -> None:
@@ -142,7 +154,7 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(on=st.booleans())
     def freeze(self, on: bool) -> None:
-        self.access.freeze(on=on)
+        self.access.teacher.frozen = on
 
     @precondition(lambda self: self.moving is not None)
     @rule()
@@ -159,8 +171,35 @@ class Sequences(RuleBasedStateMachine):
     def session_changes(self, caller: Caller, alive: bool) -> None:
         if self.access.session_changed(caller, self.now_s, alive=alive):
             assert self.moving == caller
-            self.access.release(self.now_s)
-            self.moving = None
+            self._lose_client()
+
+    @rule(away_s=st.sampled_from([0.05, 0.8, 100.0]), notice_first=st.booleans(), returning=RETURNING)
+    def the_router_restarts(self, away_s: float, notice_first: bool, returning: frozenset[str]) -> None:
+        """Seats of which all sessions return keep a lease that they have taken, and their places in the queue."""
+        before = standing(self.access, self.now_s)
+        sessions = [ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, *self.new_programs]
+        if notice_first:
+            self.access.router_changed(self.now_s, connected=False)
+        for caller in sessions:
+            self.access.session_changed(caller, self.now_s, alive=False)
+        if not notice_first:
+            self.access.router_changed(self.now_s + 0.01, connected=False)
+        self._lose_client()
+        self.time_passes(away_s)
+        self.access.router_changed(self.now_s, connected=True)
+        for caller in sessions:
+            if caller.seat in returning:
+                self.access.session_changed(caller, self.now_s, alive=True)
+        self.time_passes(RETURN_S - 0.1)
+        if before.lease:
+            assert standing(self.access, self.now_s) == before
+        self.time_passes(0.2)
+        if before.lease:
+            stay = {OLD.seat, NO_SESSION.seat, *returning}
+            queue = [seat for seat in (before.holder, *before.waiting) if seat in stay]
+            after = standing(self.access, self.now_s)
+            assert [after.holder, *after.waiting] == (queue or [""])
+            assert (after.lease == before.lease) == (before.holder in stay)
 
     @invariant()
     def motors_are_off_under_the_latch(self) -> None:

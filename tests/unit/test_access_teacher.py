@@ -39,7 +39,7 @@ def test_every_seat_resets_the_emergency_stop_of_a_student(access: Access) -> No
 def test_while_the_robot_is_frozen_only_the_teacher_resets_and_every_seat_may_press_emergency_stop(
     access: Access,
 ) -> None:
-    access.freeze(on=True)
+    access.teacher.frozen = True
     access.stop_pressed(BEN, 1, emergency=True)
     assert access.latched
     assert refusal(access, ANA, 2, Action.RESET) is Reason.FROZEN

@@ -9,6 +9,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.known_sessions import SETTLE_S
 from beatrix_zenoh.node.lease import IDLE_S, LINGER_S, WAITING_MAX, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
@@ -71,9 +72,13 @@ def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot
     take(access, ANA, 0)
     assert take(access, BEN, 1, wait=True) == take(access, CLEO, 2, wait=True) == 0
     assert standing(access, 3).waiting == ("ben", "cleo")
-    access.session_changed(BEN, 0, alive=False)
-    access.session_changed(ANA, 0, alive=False)
-    now = standing(access, 4)
+    access.session_changed(BEN, 4, alive=False)
+    access.session_changed(ANA, 4, alive=False)
+    assert not access.give_up_sessions(4 + SETTLE_S / 2)
+    now = standing(access, 4 + SETTLE_S / 2)
+    assert (now.holder, now.lease, now.waiting) == ("ana", 1, ("ben", "cleo"))
+    access.give_up_sessions(4 + SETTLE_S)
+    now = standing(access, 4 + SETTLE_S)
     assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
 
 
@@ -143,15 +148,15 @@ def test_the_queue_is_bounded(access: Access) -> None:
 def test_permissions_while_a_robot_is_frozen(
     access: Access, caller: Caller, action: Action, reason: Reason
 ) -> None:
-    access.freeze(on=True)
+    access.teacher.frozen = True
     assert refusal(access, caller, 0, action=action) is reason
 
 
 def test_take_is_refused_if_the_robot_was_frozen_since_authorize(access: Access) -> None:
     access.authorize(Action.MOVE, ANA, 0)
-    access.freeze(on=True)
+    access.teacher.frozen = True
     with pytest.raises(Refused) as refused:
         access.take(ANA)
     assert refused.value.reason is Reason.FROZEN
-    access.freeze(on=False)
+    access.teacher.frozen = False
     access.take(ANA)

@@ -1,0 +1,76 @@
+"""`classroom init` for a new seat in the middle of a lesson: the router restarts, and nothing is lost except motions."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from class_router import ClassRouter, start_node
+from patience import PATIENCE_S, patiently
+from stage import ready, until
+
+from beatrix_zenoh import Robot, Subscription
+from beatrix_zenoh._generated.messages import Status
+from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.node.known_sessions import RETURN_S
+from beatrix_zenoh.settings import Settings
+
+
+def robot_of(router: ClassRouter, seat: str) -> Robot:
+    """Return the robot through a new session of a seat."""
+    account = router.account(seat)
+    client = patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
+    return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
+
+
+def reaches(robot: Robot) -> bool:
+    """Return whether a request of a seat is answered."""
+    try:
+        return bool(robot.status())
+    except BeatrixError:
+        return False
+
+
+def statuses_for(statuses: Subscription[Status], seconds: float) -> list[Status]:
+    """Return all statuses so far and in the next seconds."""
+    end_s, found = time.monotonic() + seconds, list[Status]()
+    while (left_s := end_s - time.monotonic()) > 0:
+        found += statuses.take(left_s)
+    return found
+
+
+def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Path) -> None:
+    with contextlib.ExitStack() as stack:
+        router = stack.enter_context(ClassRouter(tmp_path, seats='["ana", "ben", "cleo"]'))
+        node = start_node(tmp_path, router.path("bea1"))
+        stack.callback(node.end)
+        ana, ben, teacher = (robot_of(router, seat) for seat in ("ana", "ben", "teacher"))
+        for robot in (ana, ben, teacher):
+            stack.callback(robot.client.close)
+        waiter = stack.enter_context(ThreadPoolExecutor())
+        held = ready(ana).lease()
+        waits = waiter.submit(lease.take, ben, PATIENCE_S)
+        lease.mute(teacher, "cleo")
+        lease.freeze(teacher)
+        until(lambda: ana.status().waiting == ["ben"], "ben waits")
+        statuses = stack.enter_context(ana.status_stream())
+
+        begin_s = time.monotonic()
+        router.rewrite('"cleo"]', '"cleo", "dora"]')
+        router.process.expect("ready")
+        until(lambda: all(reaches(robot) for robot in (ana, ben, teacher)), "all are connected again")
+        dora = robot_of(router, "dora")
+        stack.callback(dora.client.close)
+        assert dora.status().holder == "ana"
+        print(f"{time.monotonic() - begin_s:.2f} s from init until every session worked again")
+
+        for status in [*statuses_for(statuses, RETURN_S + 0.5), dora.status()]:
+            assert (status.holder, status.lease, status.waiting) == ("ana", held.number, ["ben"])
+            assert (status.frozen, status.muted) == (True, ["cleo"])
+        lease.unfreeze(teacher)
+        ana.look(yaw=2, speed=60)
+        held.close()
+        assert waits.result(PATIENCE_S) == held.number + 1
