@@ -79,6 +79,7 @@ class Link:
         connection = self._connection
         sim, hw = connection.states()
         session, robot, now_s = connection.session, sim.robot, time.monotonic()
+        account = connection.settings.account
         return World(
             now_s=now_s,
             phase=connection.phase,
@@ -99,7 +100,8 @@ class Link:
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
-            seats=() if session is None else tuple(session.seats.shown()),
+            seats=() if session is None else tuple(session.seats.names()),
+            pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
             robots=self._class.states(session, now_s),
         )
 

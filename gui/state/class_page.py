@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Final
 
@@ -59,17 +60,21 @@ def view(memory: Memory, world: World) -> ClassView | None:
 
 
 def _summary(world: World, texts: Texts) -> str:
-    seats = ", ".join(world.seats) or texts("unknown")
+    seats = _shown(world, world.seats) or texts("unknown")
     text = texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
     frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
     if frozen:
         text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
     if muted := sorted(_muted(world)):
-        text += " " + texts("class.muted", seats=", ".join(muted))
+        text += " " + texts("class.muted", seats=_shown(world, muted))
     stops = stops_by_seat(world.robots)
     if stops:
         text += " " + texts("class.stops", stops=", ".join(_stops(one, texts) for one in stops[:STOPS_SHOWN]))
     return text
+
+
+def _shown(world: World, seats: Iterable[str]) -> str:
+    return ", ".join(world.pupils.get(seat, seat) for seat in seats)
 
 
 def _stops(stops: SeatStops, texts: Texts) -> str:
@@ -87,11 +92,11 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
     muted = _muted(world)
     views = []
     for seat in sorted({*world.seats, *muted} - {TEACHER}):
-        key = "unmute" if seat in muted else "mute"
+        key, shown = "unmute" if seat in muted else "mute", world.pupils.get(seat, seat)
         button = ButtonView(
-            texts(f"class.{key}"), texts(f"class.{key}_tip", seat=seat), MuteSeat(seat, on=seat not in muted)
+            texts(f"class.{key}"), texts(f"class.{key}_tip", seat=shown), MuteSeat(seat, on=seat not in muted)
         )
-        views.append(SeatView(texts("class.muted_seat", seat=seat) if seat in muted else seat, button))
+        views.append(SeatView(texts("class.muted_seat", seat=shown) if seat in muted else shown, button))
     return tuple(views)
 
 

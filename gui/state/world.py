@@ -100,7 +100,9 @@ class World:
     limits: LimitInfo | None = None
     """limits that the robot reports; None: unknown, so the defaults are shown"""
     seats: tuple[str, ...] = ()
-    """seats that are connected to the router; for the teacher of a class with the names of their pupils"""
+    """seats that are connected to the router"""
+    pupils: Mapping[str, str] = field(default_factory=dict)
+    """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
     robots: tuple[RobotState, ...] = ()
     """all robots on line, while the page of the class is shown"""
 

@@ -80,6 +80,18 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     assert state.handle(MuteSeat("ana", on=True), world()) == [], "not the teacher's window"
 
 
+def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
+    now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
+    assert "(ana, ben, Cléo Brun (cleo), dora, teacher)" in page(opened(), now).summary
+    (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
+    assert view.mute.intent == MuteSeat("cleo", on=True)
+    first, *others = TEACHER.robots
+    muted = page(
+        opened(), replace(now, robots=(replace(first, status=status("sim", muted=("cleo",))), *others))
+    )
+    assert [view.text for view in muted.seats] == ["ana", "ben", "Cléo Brun (cleo) (muted)", "dora"]
+
+
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
     first, second, *others = TEACHER.robots
     robots = (replace(first, stops=(("cem", 30), ("", 1))), replace(second, stops=(("cem", 2),)), *others)

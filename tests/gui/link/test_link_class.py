@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import signal
+from pathlib import Path
 
+from class_router import ClassRouter, start_node
 from linked import Linked
 from stage import Stage
 
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from gui.state.actions import Govern, StopAll, WatchClass
+from gui.state.intents import MuteSeat, TogglePage
+from gui.state.state import State
+from gui.state.world import World
 
 
 def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> None:
@@ -37,6 +42,33 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             hung.send(signal.SIGCONT)
             linked.do(WatchClass(on=False))
             assert linked.world.robots == ()
+
+
+def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path, seats='{ana = "Ána Ruiz"}') as router:
+        node, teacher = start_node(tmp_path, router.path("bea1")), router.account("teacher")
+        try:
+            ana = router.session("ana")
+            ana.declare_token(keys.seat("ana", ana.session_id))
+            with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
+                linked.do(WatchClass(on=True))
+                linked.until(lambda world: world.seats == ("ana", "teacher"), "the seats are listed")
+                linked.until(lambda world: len(world.robots) == 1, "the robot is listed")
+                assert linked.world.pupils == {"ana": "Ána Ruiz (ana)"}
+                (seat,) = page_seats(linked.world)
+                linked.do(Govern(1, LeaseAction.MUTE, seat=seat))
+                assert linked.end_of(1).accepted
+        finally:
+            node.end()
+
+
+def page_seats(now: World) -> list[str]:
+    """Return the seats that the buttons of the page mute."""
+    state = State()
+    state.handle(TogglePage(), now)
+    page = state.view(now).class_page
+    assert page is not None
+    return [view.mute.intent.seat for view in page.seats if isinstance(view.mute.intent, MuteSeat)]
 
 
 def test_without_a_robot_requests_to_all_robots_are_refused() -> None:
