@@ -24,7 +24,7 @@ from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.forks import ProcessBound
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
-from beatrix_zenoh.bus.query import QUERY_S, Query, priority_of
+from beatrix_zenoh.bus.query import QUERY_S, Query, intersects, priority_of
 from beatrix_zenoh.bus.transport import OPEN_MS, opened
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
@@ -60,6 +60,7 @@ class Bus(ProcessBound):
         self._open_session = open_session
         self._declarations = Declarations(open_session)
         self._asked: dict[str, float] = {}
+        self._watched: list[str] = []
         self.served = ""
         """A key that this session serves and its own account may query; empty: none."""
         self.endpoint = endpoint
@@ -227,11 +228,18 @@ class Bus(ProcessBound):
 
         `token`: one that this session has declared; by default a new one of the account's seat. Zenoh returns a
         session's own token twice, from the session itself and from the router. In the first milliseconds of a session
-        the router may not return it yet, so this method tries for PASSES_S.
+        the router may not return it yet, so this method tries for PASSES_S. A session that has watched tokens of this
+        kind gets its own only once, so then a second session looks.
         """
         account = self._account
-        if account is None:
+        if account is None or not self.connected:
             return None
+        if any(intersects(watched, token) for watched in self._watched):
+            try:
+                with Bus(self._open_session, self.endpoint, account) as second:
+                    return second.refusal()
+            except NoAnswer as error:
+                return error if error.reason is Reason.ACCOUNT_REFUSED else None
         if not token:
             token = keys.seat(account.name, self.session_id)
             end = self.declare_token(token)
@@ -257,6 +265,7 @@ class Bus(ProcessBound):
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
+        self._watched.append(key)
         return self._declarations.add(
             WATCH,
             key,

@@ -13,7 +13,7 @@ from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.cli.output import note, say
+from beatrix_zenoh.cli.output import exit_code, note, say
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.files import write_private
 
@@ -105,7 +105,7 @@ def join(
 
 
 def _check(account: Account) -> None:
-    """Print whether the router accepts the account now; if not, this is no error, because it may not be running yet."""
+    """Print whether the router accepts the account now; a refusal is an error, a router that is not running yet is none."""
     try:
         with zbus.connect(account.connect, account=account) as bus:
             refused: BeatrixError | None = bus.refusal()
@@ -113,5 +113,7 @@ def _check(account: Account) -> None:
         refused = error
     if refused is not None:
         note(f"The account is stored, but not usable now. {refused.message}")
+        if refused.reason is Reason.ACCOUNT_REFUSED:
+            raise typer.Exit(exit_code(refused.reason))
     else:
         say("The router accepts this account.")

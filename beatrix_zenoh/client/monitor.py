@@ -43,6 +43,7 @@ class Monitor(ProcessBound):
             events: number of events to keep for each robot, including up to 200 earlier ones; 0: do not subscribe.
 
         Raises:
+            NoAnswer: ACCOUNT_REFUSED, as `Client.robots`.
             WrongUsage: the client was closed.
         """
         self._client, self._events = client, events
@@ -53,8 +54,9 @@ class Monitor(ProcessBound):
         self._puts: dict[str, Callable[[bytes], None]] = {}
         bus = client.bus
         # This query must precede the subscription to tokens: just after it, Zenoh would return an empty list.
-        for token in bus.tokens(keys.alive(robot, twin), ASK_S):
-            self._on_token(token, alive=True)
+        for place in client.robots():
+            if robot in ("*", place[0]) and twin in ("*", place[1]):
+                self._on_token(keys.alive(*place), alive=True)
         self._undeclare = [
             bus.subscribe(keys.positions(robot, twin), self._on_positions),
             bus.subscribe(keys.status(robot, twin), self._on_change),

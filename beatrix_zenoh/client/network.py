@@ -51,7 +51,11 @@ class Program:
 
 
 def read(client: Client) -> list[Program]:
-    """Return all programs at the client's router but this one: first the nodes, then the clients, sorted by title."""
+    """Return all programs at the client's router but this one: first the nodes, then the clients, sorted by title.
+
+    Raises NoAnswer (ACCOUNT_REFUSED) as `Client.robots`.
+    """
+    client.robots()
     infos, (nodes, seats) = _descriptions(client), _tokens(client)
     if not infos.keys() >= nodes | seats:  # a program has joined meanwhile, or hangs
         infos, (nodes, seats) = _descriptions(client), _tokens(client)

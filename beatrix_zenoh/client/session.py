@@ -100,8 +100,14 @@ class Client(ProcessBound):
             query.close()
 
     def robots(self) -> list[Place]:
-        """Return name and twin of every robot on line."""
+        """Return name and twin of every robot on line.
+
+        Raises:
+            NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router drops all messages of this account.
+        """
         present = self.bus.robots()
+        if not present and self.token and (refused := self.bus.refusal(self.token)) is not None:
+            raise refused
         self.seen.update(present)
         return present
 

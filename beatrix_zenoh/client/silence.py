@@ -58,12 +58,15 @@ class Unanswered:
         if error is not None:
             return error
         received = heard or waited_s > ABSENT_S
-        present = self.client.robots()
+        try:
+            present = self.client.robots()
+        except NoAnswer as refused:
+            return refused
         if self._lost():
             return self._interrupted()
         if self.place not in present:
             known = received or self.place in self.client.seen
-            return self._lost_node() if known else self._absent(present)
+            return self._lost_node() if known else absence(self.client, self.place, present)
         if limit_s is not None:
             return self._late(limit_s)
         return self._lost_node(back=True) if received else self._refused()
@@ -126,11 +129,6 @@ class Unanswered:
         """Return the error of a node that received the query and did not answer; `back`: it is on line again."""
         name = title(self.place)
         return NoAnswer(Reason.NODE_LOST, detail=Detail(field=name, known=[name] if back else []))
-
-    def _absent(self, present: Collection[Place]) -> NoAnswer:
-        token = self.client.token
-        refused = self.client.bus.refusal(token) if token and not present else None
-        return refused or absence(self.client, self.place, present)
 
     def _refused(self) -> NoAnswer:
         """Return the error of a query that ended without a reply although the robot is on line."""

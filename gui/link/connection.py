@@ -22,6 +22,8 @@ from gui.link.worker import show_error
 from gui.state.world import LinkPhase
 
 RETRY_S = 1.0
+REFUSALS = 2
+"""Refusals in a row after which the account counts as refused: a router that has just started may refuse it once."""
 LOOK_S = 0.25
 """Period of reading the names of robots on line, until one is selected."""
 EVENTS = 200
@@ -64,6 +66,7 @@ class Connection:
         self._router_present = True
         self._trouble = ""
         self._refused = False
+        self._refusals = 0
         self._lock = threading.Lock()
         self._closed = False
         self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
@@ -93,8 +96,8 @@ class Connection:
         self._thread = threads.start(self._run, "window-connection")
 
     def try_now(self) -> None:
-        """Look for the router now."""
-        self._tasks.put(lambda: None)
+        """Look now for the router and whether it accepts the account."""
+        self._tasks.put(self._check_account)
 
     def select(self, robot: str) -> None:
         """Watch and drive the robots of another name from now on, through the same session; returns at once."""
@@ -128,19 +131,24 @@ class Connection:
         while not self._closed:
             try:
                 self._step()
-            except queue.Empty:
-                continue
             except Exception as error:  # noqa: BLE001  # without this thread there would be no session
                 show_error(error)
                 time.sleep(RETRY_S)
 
     def _step(self) -> None:
-        """Look for router or robot once, then run the next task; raises queue.Empty if none arrives in time."""
+        """Look for router or robot once, then run the next task, if one arrives in time."""
         if self.session is None:
             self._connect()
         else:
             self._choose()
-        self._tasks.get(timeout=RETRY_S if self.session is None else LOOK_S)()
+        doubted = 0 < self._refusals < REFUSALS
+        try:
+            task = self._tasks.get(timeout=RETRY_S if self.session is None or doubted else LOOK_S)
+        except queue.Empty:
+            if not doubted:
+                return
+            task = self._check_account
+        task()
 
     def _connect(self) -> None:
         try:
@@ -175,9 +183,12 @@ class Connection:
     def _check_account(self) -> None:
         """Look whether a router that has returned still has rules for the account."""
         session = self.session
-        if session is not None:
-            error = session.client.bus.refusal(session.client.token)
-            self._refused, self._trouble = error is not None, "" if error is None else error.message
+        if session is None or self._closed:
+            return
+        error = session.client.bus.refusal(session.client.token)
+        self._refusals = 0 if error is None else self._refusals + 1
+        self._refused = self._refusals >= REFUSALS
+        self._trouble = error.message if error is not None and self._refused else ""
 
     def _choose(self) -> None:
         """Select a name once, if the user chose none: the only one on line or, for the teacher, one of several.

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from class_router import Answering, ClassRouter, replies, settled, start_node
+from linked import Linked
 from shell import beatrix
 from stage import until
 
@@ -18,6 +19,8 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.output import exit_code
+from gui.state.actions import Connect
+from gui.state.world import LinkPhase
 
 ROLES = {"ana": "the seat", "bea1": "the robot", "teacher": "the teacher"}
 STOP = keys.stop("bea2", "hw", "{}")
@@ -75,3 +78,46 @@ def test_a_running_node_reports_that_its_card_was_replaced(tmp_path: Path) -> No
             assert "it has been replaced by a newer one, or removed from the class" in line
         finally:
             assert node.end() == 0
+
+
+def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        account = router.account("ana")
+        with Linked(account.connect, who="ana", account=account) as linked:
+            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "connected")
+            session = linked.link._connection.session
+            assert session is not None
+            router.replace("ben")
+            until(lambda: session.client.losses > 0, "the router restarts")
+            router.process.expect("ready")
+            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "connected again")
+            assert session.client.bus.refusal(session.client.token) is None
+            assert linked.world.phase is LinkPhase.ON_LINE, "the account was checked"
+            linked.link._connection._refused = True
+            linked.do(Connect())
+            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "Retry asks again")
+            router.replace("ana")
+            refused = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "this card is refused")
+            assert "replaced by a newer one" in refused.trouble
+
+
+COMMANDS = (("ls",), ("top", "--once"), ("graph",), ("stop",), ("enable",))
+
+
+def test_every_command_names_a_card_that_was_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ClassRouter(tmp_path) as router:
+        file = tmp_path / "old.toml"
+        file.write_text(router.former("ana").text())
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        monkeypatch.chdir(tmp_path)
+        assert beatrix("join", str(file)).returncode == exit_code(Reason.ACCOUNT_REFUSED)
+        for words in COMMANDS:
+            done = beatrix(*words)
+            assert (done.returncode, "refuses account ana of class 8b" in done.stderr) == (
+                exit_code(Reason.ACCOUNT_REFUSED),
+                True,
+            ), (words, done)
+        beatrix("join", str(router.path("ana")))
+        assert [beatrix(*words).returncode for words in COMMANDS[:3]] == [0, 0, 0], "no robot is no refusal"
