@@ -32,6 +32,10 @@ class Settings:
     account: Account | None = None
     """name and credentials for the router of a class; None: no account"""
 
+    def shown(self, seat: str) -> str:
+        """Return a seat with the name of its pupil, if the teacher's account has it."""
+        return seat if self.account is None else self.account.shown(seat)
+
 
 def resolve(robot: str | None = None, connect: str | None = None, who: str | None = None) -> Settings:
     """Return the settings of a program.

@@ -235,11 +235,7 @@ class Bus(ProcessBound):
         if account is None or not self.connected:
             return None
         if any(intersects(watched, token) for watched in self._watched):
-            try:
-                with Bus(self._open_session, self.endpoint, account) as second:
-                    return second.refusal()
-            except NoAnswer as error:
-                return error if error.reason is Reason.ACCOUNT_REFUSED else None
+            return self._refusal_of_second(account)
         if not token:
             token = keys.seat(account.name, self.session_id)
             end = self.declare_token(token)
@@ -255,6 +251,13 @@ class Bus(ProcessBound):
                 return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.without_rights(self.endpoint, account))
             time.sleep(POLL_S)
         return None
+
+    def _refusal_of_second(self, account: Account) -> NoAnswer | None:
+        try:
+            with Bus(self._open_session, self.endpoint, account) as second:
+                return second.refusal()
+        except NoAnswer as error:  # if the router has just been lost, it has refused nothing
+            return error if error.reason is Reason.ACCOUNT_REFUSED else None
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
         """Report tokens that appear or disappear, first the existing ones; return a function that ends the reports.

@@ -18,7 +18,7 @@ from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.seats import Seats
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.settings import Settings, resolve
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -70,7 +70,7 @@ def top(
                 stops = [stops_as_dict(one) for one in stops_by_seat(monitor.robots())]
                 print_json({"result": True, "robots": robots, "seats": seats.names(), "stops": stops})
             else:
-                say(text(client, rows, seat_lines(monitor, seats)))
+                say(text(client, rows, seat_lines(client.settings, monitor, seats)))
         elif os.isatty(STDOUT):
             live(client, monitor, seats)
         else:
@@ -99,11 +99,11 @@ def row_of(robot: RobotState) -> Row:
     )
 
 
-def cells(row: Row) -> tuple[str, ...]:
+def cells(settings: Settings, row: Row) -> tuple[str, ...]:
     """Return the cells of a row as text."""
     head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
     silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
-    return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, row.driver or "-")
+    return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
 
 
 def notes(rows: list[Row]) -> list[str]:
@@ -119,21 +119,22 @@ def messages(client: Client, rows: list[Row]) -> list[str]:
     return notes(rows) if rows else [NO_ROBOT]
 
 
-def seat_lines(monitor: Monitor, seats: Seats) -> list[str]:
+def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
     """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
-    lines = [f"seats: {', '.join(seats.shown())}"]
+    lines = [f"seats: {', '.join(map(settings.shown, seats.names()))}"]
     stops = stops_by_seat(monitor.robots())
     if stops:
+        words = [stop_words(settings, one) for one in stops[:STOPS_SHOWN]]
         more = [f"{len(stops) - STOPS_SHOWN} more seats"] if len(stops) > STOPS_SHOWN else []
-        lines.append(f"STOP pressed: {', '.join([*map(stop_words, stops[:STOPS_SHOWN]), *more])}")
+        lines.append(f"STOP pressed: {', '.join([*words, *more])}")
     return lines
 
 
-def stop_words(stops: SeatStops) -> str:
+def stop_words(settings: Settings, stops: SeatStops) -> str:
     """Return the STOPs of one seat as words: `ben 3 times (bea1 hw 2, bea2 hw 1)`."""
     robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
     times = "once" if stops.total == 1 else f"{stops.total} times"
-    return f"{stops.seat or 'an unknown seat'} {times} ({robots})"
+    return f"{settings.shown(stops.seat) or 'an unknown seat'} {times} ({robots})"
 
 
 def stops_as_dict(stops: SeatStops) -> dict[str, object]:
@@ -144,7 +145,7 @@ def stops_as_dict(stops: SeatStops) -> dict[str, object]:
 
 def text(client: Client, rows: list[Row], seats: list[str]) -> str:
     """Return the table and the lines below it as text, for a pipe."""
-    table = [columns(HEADS, [cells(row) for row in rows])] if rows else []
+    table = [columns(HEADS, [cells(client.settings, row) for row in rows])] if rows else []
     return "\n".join([*table, *messages(client, rows), *seats])
 
 
@@ -169,7 +170,7 @@ def print_tables(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Print table after table until Ctrl-C, or until the reader closes the pipe."""
     while True:
         time.sleep(TABLE_S)
-        say(f"{text(client, rows_of(monitor), seat_lines(monitor, seats))}\n")
+        say(f"{text(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))}\n")
 
 
 def live(client: Client, monitor: Monitor, seats: Seats) -> None:
@@ -177,7 +178,7 @@ def live(client: Client, monitor: Monitor, seats: Seats) -> None:
     from rich.live import Live
 
     def table() -> RenderableType:
-        return screen_table(client, rows_of(monitor), seat_lines(monitor, seats))
+        return screen_table(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))
 
     with Live(table(), auto_refresh=False, screen=True) as screen:
         while True:
@@ -197,7 +198,7 @@ def screen_table(client: Client, rows: list[Row], seats: list[str]) -> Renderabl
     for index, head in enumerate(HEADS):
         table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
     for row in rows:
-        table.add_row(*cells(row), style=colour(row))
+        table.add_row(*cells(client.settings, row), style=colour(row))
     last = "silent: time since the last positions of the robot. Ctrl-C ends."
     foot = Text("\n".join(["", *seats, last]), style="dim")
     return Group(table, *(Text(line, style="yellow") for line in messages(client, rows)), foot)

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 import msgspec
 
 from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, EventKind, Events, Positions, Status
+from beatrix_zenoh._generated.messages import Event, EventKind, Events, Positions, Reason, Status
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.clocks import Offsets
 from beatrix_zenoh.client.readings import Reading, reading
@@ -137,7 +137,7 @@ class EventLog:
         # and number together identify an event.
         distinct = {(event.t_mono_ns, event.seq): event for event in found}
         for key, event in distinct.items():
-            if event.kind is EventKind.STOP and key not in known:
+            if event.kind is EventKind.STOP and event.reason is not Reason.MUTED and key not in known:
                 self._count_stop(event)
         self._read = list(distinct.values())[-self._length :]
         return tuple(self._read)

@@ -13,7 +13,6 @@ class Seats:
     """The connected seats, live until the client is closed; any thread may read them."""
 
     def __init__(self, client: Client) -> None:
-        self._account = client.settings.account
         self._sessions: dict[str, str] = {}
         client.bus.watch_tokens(keys.seat("*", "*"), self._on_token)
 
@@ -29,8 +28,3 @@ class Seats:
     def names(self) -> list[str]:
         """Return each seat once, sorted."""
         return sorted({*self._sessions.copy().values()})
-
-    def shown(self) -> list[str]:
-        """Return the seats with the names of their pupils, if the teacher's account has them."""
-        account = self._account
-        return [seat if account is None else account.shown(seat) for seat in self.names()]

@@ -69,7 +69,9 @@ def _summary(world: World, texts: Texts) -> str:
         text += " " + texts("class.muted", seats=_shown(world, muted))
     stops = stops_by_seat(world.robots)
     if stops:
-        text += " " + texts("class.stops", stops=", ".join(_stops(one, texts) for one in stops[:STOPS_SHOWN]))
+        text += " " + texts(
+            "class.stops", stops=", ".join(_stops(one, world, texts) for one in stops[:STOPS_SHOWN])
+        )
     return text
 
 
@@ -77,10 +79,11 @@ def _shown(world: World, seats: Iterable[str]) -> str:
     return ", ".join(world.pupils.get(seat, seat) for seat in seats)
 
 
-def _stops(stops: SeatStops, texts: Texts) -> str:
+def _stops(stops: SeatStops, world: World, texts: Texts) -> str:
     """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
     robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
-    return f"{stops.seat or texts('who.unknown')} {stops.total} ({robots})"
+    seat = world.pupils.get(stops.seat, stops.seat) or texts("who.unknown")
+    return f"{seat} {stops.total} ({robots})"
 
 
 def _muted(world: World) -> set[str]:
@@ -151,7 +154,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
             robot.robot,
             texts(f"twin.{robot.twin}"),
             f"{pills.SYMBOLS[found.condition]} {found.text}",
-            _driver(status, texts),
+            _driver(status, world, texts),
             "" if status is None else ", ".join(status.waiting),
             texts("class.rate", hz=float(robot.hz)),
             texts("unknown")
@@ -189,10 +192,11 @@ def _working(status: Status, texts: Texts) -> pills.Finding:
     return pills.working(status, texts)
 
 
-def _driver(status: Status | None, texts: Texts) -> str:
+def _driver(status: Status | None, world: World, texts: Texts) -> str:
     if status is None or not status.holder:
         return ""
-    return texts("class.taken", holder=status.holder) if status.lease else status.holder
+    holder = world.pupils.get(status.holder, status.holder)
+    return texts("class.taken", holder=holder) if status.lease else holder
 
 
 def _freeze(place: tuple[str, str], *, frozen: bool) -> GovernClass:
