@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import re
+import tomllib
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +29,9 @@ GONE = {
 }
 """What to do about fields of earlier versions."""
 EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
+
+NAMED = 'The name of a seat, left of =, may contain only a-z, 0-9 and -: for example zoe = "Zoë Müller".'
+"""What to do about invalid TOML, in which a pupil's name is often the key."""
 
 
 class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -100,6 +104,10 @@ def read(path: Path) -> Classroom:
     """
     try:
         file = _converted(path, files.toml(path, LONGEST))
+    except WrongUsage as error:
+        if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
+            raise
+        raise WrongUsage(error.reason, f"{error.message} {NAMED}") from error
     except OSError as error:
         raise wrong(path, f"cannot be read: {error}. Write, for example, {EXAMPLE}") from error
     count = file.seats if isinstance(file.seats, int) else len(file.seats)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -47,7 +48,8 @@ def classroom(
     described = class_file.read(file)
     folder = out or router_file.folder(file, described)
     made = provision.init(described, folder)
-    say(f"Class {described.name}: {len(described.seats)} seats, {len(described.robots)} robots, in {folder}")
+    seats, robots = _counted(described.seats, "seat"), _counted(described.robots, "robot")
+    say(f"Class {described.name}: {seats}, {robots}, in {folder}")
     say(f"  new accounts       {', '.join(made.new) or 'none'}")
     router = f"beatrix router --class {file if out is None else folder / 'router.toml'}"
     say(f"  start router       {router}   (one that runs restarts by itself)")
@@ -65,6 +67,11 @@ def classroom(
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."
         )
+
+
+def _counted(names: Sequence[str], what: str) -> str:
+    """Return the number of names in words: `1 robot`, `2 robots`."""
+    return f"{len(names)} {what}{'' if len(names) == 1 else 's'}"
 
 
 def join(

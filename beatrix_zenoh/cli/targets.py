@@ -52,7 +52,8 @@ def open_targets(
     Args:
         selection: from the command line.
         which: the value of --on.
-        acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is on line.
+        acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is on line. Not in
+            a class, whose robots usually have no simulation.
         both: without --on select both robots of the name if both are on line.
 
     Raises:
@@ -73,7 +74,7 @@ def open_targets(
         if both and which is None and {(name, twin) for twin in names.TWINS} <= {*present}:
             which = Which.BOTH
         twins = select_twins(name, which, present, client.bus.endpoint)
-        if acts and which is None and twins == ("hw",):
+        if acts and which is None and twins == ("hw",) and settings.account is None:
             note(f"No simulation of {name} is on line: using the hardware.")
         yield Targets(client, name, twins)
 

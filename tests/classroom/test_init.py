@@ -31,6 +31,7 @@ def files(folder: Path) -> dict[str, str]:
 def test_each_account_has_a_file_and_a_card(file: Path) -> None:
     done = beatrix("classroom", "init", str(file))
     assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"Class 8b: 2 seats, 2 robots, in {file.parent / '8b'}\n")
     assert "beatrix router --class" in done.stdout
     folder = file.parent / "8b"
     assert files(folder).keys() == {"teacher.toml", "ana.toml", "ben.toml", "bea1.toml", "bea2.toml"}
@@ -103,6 +104,7 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
         ({'"127.0.0.1"': '"::1"'}, "IPv4"),
         ({"robots": "robot"}, "robot"),
         ({"teacher =": "teacher"}, "cannot be read"),
+        ({"[router]": '[seats]\nZoë = "Zoë Müller"\n[router]'}, "left of =, may contain only a-z, 0-9 and -"),
         ({"robots =": "robot ="}, "'robot' is not a field"),
     ],
 )
