@@ -111,6 +111,8 @@ def write_private(path: Path, text: str) -> None:
     try:
         with open(descriptor, "w", encoding="utf-8") as file:  # noqa: PTH123  # Path.open takes no descriptor
             file.write(text)
+            file.flush()
+            os.fsync(descriptor)  # otherwise the file may be empty after a power cut
         Path(name).replace(path)
     except BaseException:
         Path(name).unlink(missing_ok=True)

@@ -13,6 +13,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, names
+from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Role
 from beatrix_zenoh.errors import WrongUsage, quoted
@@ -32,6 +33,8 @@ EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea
 
 NAMED = 'The name of a seat, left of =, may contain only a-z, 0-9 and -: for example zoe = "Zoë Müller".'
 """What to do about invalid TOML, in which a pupil's name is often the key."""
+WORDS = {chunk for row in keys.KEYS.values() for chunk in row.key.split("/")[1:] if chunk.isalpha()}
+"""Words of the keys, such as `stop` and `pose`; as a name they would make the rule for STOP include other keys."""
 
 
 class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -152,6 +155,10 @@ def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
         raise wrong(
             path,
             f"{names.TEACHER} is the account of the teacher, which every class has: leave it out of seats and robots",
+        )
+    if word := next((name for name in (*seats, *file.robots) if name in WORDS), None):
+        raise wrong(
+            path, f"{word} is a word of the keys, so the router could confuse the two: choose another name"
         )
     used = Counter([*seats, *file.robots])
     if twice := [name for name, times in used.items() if times > 1]:

@@ -83,25 +83,39 @@ def _class_router(of_class: Path, shutdown: Shutdown) -> None:
 
     file = router_file.load(of_class)
     place = router_file.place(of_class)
+    seen = place.stat().st_mtime_ns
 
-    def changed() -> bool:
+    def changed() -> router_file.RouterFile | None:
+        """Return a file that has changed since the last call; None if it has not or cannot be read."""
+        nonlocal seen
         try:
-            return place.stat().st_mtime_ns != written and router_file.load(of_class) != file
+            if (written := place.stat().st_mtime_ns) == seen:
+                return None
+            found = router_file.load(of_class)
         except (OSError, BeatrixError):
-            return False  # the class file has changed, and `init` will follow
+            return None  # the class file has changed, and `init` will follow
+        seen = written
+        return None if found == file else found
 
+    session = zbus.open_router(file.listen, file.access())
     while True:
-        written, file = place.stat().st_mtime_ns, router_file.load(of_class)
-        session = zbus.open_router(file.listen, file.access())
         try:
             say(f"ready {file.listen}")
-            while not (ended := shutdown.requested(POLL_S)) and not changed():
+            found = None
+            while not (ended := shutdown.requested(POLL_S)) and (found := changed()) is None:
                 pass
         finally:
             session.close()
-        if ended:
+        if ended or found is None:
             return
         say("The accounts have changed: the router restarts.")
+        try:
+            session, file = zbus.open_router(found.listen, found.access()), found
+        except BeatrixError as error:
+            say(
+                f"The router continues with the former accounts, because it cannot use the new file. {error.message}"
+            )
+            session = zbus.open_router(file.listen, file.access())
 
 
 def sim(context: typer.Context) -> None:

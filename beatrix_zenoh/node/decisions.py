@@ -9,7 +9,7 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh import files
+from beatrix_zenoh import files, names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
@@ -39,10 +39,17 @@ def read(path: Path) -> Decisions:
     """
     if not path.exists():
         return Decisions()
+    table = files.toml(path, LONGEST)
+    if not table:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} is empty.")
     try:
-        return msgspec.convert(files.toml(path, LONGEST), Decisions)
+        kept = msgspec.convert(table, Decisions)
     except msgspec.ValidationError as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} is not valid: {error}.") from error
+    for seat in kept.muted:
+        if names.check_seat(seat) == names.TEACHER:
+            raise WrongUsage(Reason.BAD_VALUE, f"{path} is not valid: the teacher cannot be muted.")
+    return kept
 
 
 def write(path: Path, decisions: Decisions) -> None:

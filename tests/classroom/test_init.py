@@ -85,6 +85,7 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
         ({'["ana", "ben"]': "0"}, "1 to 99"),
         ({'["ana", "ben"]': '["ana", "bea1"]'}, "bea1 is used twice"),
         ({'["ana", "ben"]': '["teacher"]'}, "teacher is the account of the teacher, which every class has"),
+        ({'["ana", "ben"]': '["ana", "pose"]'}, "pose is a word of the keys"),
         ({'["ana", "ben"]': '["Zoë"]'}, 'below it zoe = "Zoë"'),
         ({'["ana", "ben"]': '["李"]'}, 'below it seat01 = "李"'),
         ({'["ana", "ben"]': '["Ana"]'}, "'ana'"),
