@@ -51,7 +51,8 @@ def browser(port: int) -> Iterator[WebClient]:
 @pytest.fixture
 def driver(browser: WebClient, robot: Robot) -> Iterator[WebSocket]:
     """A page that drives, from home, under a seat that no test has stopped before."""
-    robot.emergency_stop()  # frees the robot at once
+    robot.emergency_stop()  # ends a motion and its lease at once
+    until(lambda: robot.status().holder == "", "the lease of the page before has ended")
     ready(robot)
     page = browser.connect().drive(f"mia{next(NAMES)}")
     yield page
