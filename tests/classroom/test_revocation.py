@@ -102,7 +102,14 @@ def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path:
             assert "replaced by a newer one" in refused.trouble
 
 
-COMMANDS = (("ls",), ("top", "--once"), ("graph",), ("stop",), ("enable",))
+COMMANDS = (
+    ("ls",),
+    ("top", "--once"),
+    ("graph",),
+    ("stop",),
+    ("enable",),
+    ("record", "x.rrd", "--seconds", "1"),
+)
 
 
 def test_every_command_names_a_card_that_was_replaced(
