@@ -155,7 +155,6 @@ class Access:
         if not self._resting and caller.session != TEXT_SESSION:
             raise refusals.coming_to_rest()
         self.begun += 1
-        self._pauses.moved(caller.seat)
         self.lease.motion.begin(caller)
 
     @_locked

@@ -31,8 +31,6 @@ class _Pause:
     """caller that sent STOP"""
     again: bool = False
     """whether another seat has also stopped a program that began after the first STOP: perhaps a loop of programs"""
-    moved: bool = False
-    """whether a motion of the seat has begun since STOP"""
 
 
 class Pauses:
@@ -49,23 +47,19 @@ class Pauses:
     def begin(self, mover: Caller | None, presser: Caller, now_s: float) -> None:
         """Begin the pause of `mover` (None: no seat drove), whose motion `presser` has stopped.
 
-        A further STOP without a motion in between never shortens a pause: one of another seat begins it anew, and one of
-        the stopped seat, from whichever session, changes nothing.
+        A second STOP never shortens a pause; each pause records its last STOP by a caller other than the stopped one.
         """
         if mover is not None:
             pause = self._pauses.get(mover.seat)
-            if pause is None or pause.moved or now_s - pause.requested_s >= LOOP_S:
-                self._pauses[mover.seat] = _next(pause, mover, presser, now_s)
-        for seat, pause in self._pauses.items():
-            if presser.seat != seat and not is_same(presser, pause.stopped):
+            if pause is None or now_s - pause.requested_s >= LOOP_S:
+                pause = self._pauses[mover.seat] = _Pause(now_s, now_s, mover, presser)
+            elif pause.stopped.session != mover.session and presser.seat != mover.seat:
+                pause.again = True
+            pause.stopped_s = pause.requested_s = now_s
+            pause.stopped = mover
+        for pause in self._pauses.values():
+            if not is_same(presser, pause.stopped):
                 pause.presser = presser
-                if mover is not None and mover.seat == seat:
-                    pause.stopped_s = pause.requested_s = now_s
-
-    def moved(self, seat: str) -> None:
-        """Record that a motion of a seat begins."""
-        if pause := self._pauses.get(seat):
-            pause.moved = True
 
     def restart(self, caller: Caller, now_s: float, began_s: float | None) -> Refused | None:
         """If this caller must pause, restart the pause of its seat and return the refusal; otherwise return None.
@@ -88,15 +82,6 @@ class Pauses:
     def end(self, seat: str) -> None:
         """End the pause of a seat."""
         self._pauses.pop(seat, None)
-
-
-def _next(last: _Pause | None, mover: Caller, presser: Caller, now_s: float) -> _Pause:
-    """Return the pause of a seat whose motion was stopped; `last`: its last pause, None if there was none."""
-    made = _Pause(now_s, now_s, mover, presser)
-    if last is not None and now_s - last.requested_s < LOOP_S:
-        second = last.stopped.session != mover.session and presser.seat != mover.seat
-        made.again = last.again or second
-    return made
 
 
 def is_same(presser: Caller, mover: Caller) -> bool:
