@@ -376,7 +376,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
 
     def open_session() -> zenoh.Session:
         if account is None:
-            check_listening()  # a router with TLS accepts nobody for 0.1 s after a connection without a handshake
+            check_listening()  # after a connection without a handshake, TLS accepts none for 0.1 s
         begin = time.monotonic()
         try:
             return opened(settings, lambda: "", Reason.ACCOUNT_REFUSED)

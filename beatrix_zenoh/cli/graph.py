@@ -33,7 +33,7 @@ def graph(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Show the programs at the router, and who watches and asks whom.
+    """Show the programs at the router, and which watch or ask which.
 
     Requests count for one minute. Programs describe themselves. A Zenoh program that does not use this library is not listed.
     """
