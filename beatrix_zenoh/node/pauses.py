@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from beatrix_zenoh import refusals
@@ -28,9 +29,11 @@ class _Pause:
     stopped: Caller
     """caller whose motion was stopped"""
     presser: Caller
-    """caller that sent STOP"""
+    """caller that need not pause: it sent STOP"""
+    others_s: float = -math.inf
+    """time of the last STOP by another seat"""
     again: bool = False
-    """whether another seat has also stopped a program that began after the first STOP: perhaps a loop of programs"""
+    """whether other seats have stopped two programs of this seat, one after the other: perhaps a loop of programs"""
 
 
 class Pauses:
@@ -44,21 +47,26 @@ class Pauses:
     def __init__(self) -> None:
         self._pauses: dict[str, _Pause] = {}
 
-    def begin(self, mover: Caller | None, presser: Caller, now_s: float) -> None:
+    def begin(
+        self, mover: Caller | None, presser: Caller, now_s: float, presser_began_s: float | None
+    ) -> None:
         """Begin the pause of `mover` (None: no seat drove), whose motion `presser` has stopped.
 
-        A second STOP never shortens a pause; each pause records its last STOP by a caller other than the stopped one.
+        A second STOP never shortens a pause. A seat that was stopped by another seat frees itself with a STOP of its own
+        only from a session that began after that (`presser_began_s`; None: unknown), because a program may have two.
         """
         if mover is not None:
             pause = self._pauses.get(mover.seat)
             if pause is None or now_s - pause.requested_s >= LOOP_S:
                 pause = self._pauses[mover.seat] = _Pause(now_s, now_s, mover, presser)
-            elif pause.stopped.session != mover.session and presser.seat != mover.seat:
-                pause.again = True
+            elif pause.stopped.session != mover.session and _is_other(presser, mover):
+                pause.again = pause.others_s > -math.inf
             pause.stopped_s = pause.requested_s = now_s
             pause.stopped = mover
         for pause in self._pauses.values():
-            if not is_same(presser, pause.stopped):
+            if _is_other(presser, pause.stopped):
+                pause.presser, pause.others_s = presser, now_s
+            elif presser_began_s is not None and presser_began_s > pause.others_s:
                 pause.presser = presser
 
     def restart(self, caller: Caller, now_s: float, began_s: float | None) -> Refused | None:
@@ -82,6 +90,10 @@ class Pauses:
     def end(self, seat: str) -> None:
         """End the pause of a seat."""
         self._pauses.pop(seat, None)
+
+
+def _is_other(presser: Caller, mover: Caller) -> bool:
+    return presser.seat != mover.seat and not is_same(presser, mover)
 
 
 def is_same(presser: Caller, mover: Caller) -> bool:

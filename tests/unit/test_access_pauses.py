@@ -221,3 +221,43 @@ def test_programs_that_a_person_stops_and_starts_again_need_not_pause(
             presser._replace(session=program.session if presser is ANA else "b1"),
             (number * 2 + 1) * pause_s,
         )
+
+
+# -- a STOP of the own seat ----------------------------------------------------------------------
+
+
+def test_programs_that_stop_themselves_need_not_pause_however_often(access: Access) -> None:
+    for run in range(4):
+        session = Caller("ana", f"run {run}")
+        stop(begin_motion(access, session, run), session, run + 0.2)
+        assert refusal(access, session, run + 0.3) is Reason.OK
+
+
+def test_a_second_session_of_a_stopped_seat_does_not_free_itself_with_a_stop_of_its_own(
+    access: Access,
+) -> None:
+    access.session_changed(ANA, 0, alive=True)
+    access.session_changed(ANA_AGAIN, 0, alive=True)
+    stop(stop(begin_motion(access, ANA, 0), BEN, 1), ANA_AGAIN, 1.1)
+    assert refusal(access, ANA_AGAIN, 1.2) is Reason.STOPPED
+    assert refusal(access, ANA, 1.2) is Reason.STOPPED
+
+
+@pytest.mark.parametrize("other", [BEN, NO_SESSION], ids=["another seat", "unknown"])
+def test_a_program_that_starts_in_a_loop_of_programs_frees_itself_with_a_stop(
+    access: Access, other: Caller
+) -> None:
+    """Tests and lessons begin with a STOP; that is not the loop which another seat wanted to end."""
+    for run in range(2):
+        stop(begin_motion(access, Caller("ana", f"run {run}"), run), other, run + 0.2)
+    last, silent = Caller("ana", "run 2"), Caller("ana", "run 3")
+    stop(access, last, 2)
+    assert refusal(access, silent, 2.1) is Reason.STOPPED
+    assert refusal(access, last, 2.2) is Reason.OK
+
+
+def test_programs_that_one_seat_stops_itself_are_no_loop_for_others(access: Access) -> None:
+    first, second, third = (Caller("ana", f"run {run}") for run in range(3))
+    stop(begin_motion(access, first, 0), first, 0.5)
+    stop(begin_motion(access, second, 1), BEN, 1.5)
+    assert refusal(access, third, 2) is Reason.OK
