@@ -20,6 +20,7 @@ from beatrix_zenoh._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.codec import encode_json
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
@@ -56,12 +57,14 @@ class RobotRows:
         """Arms and head of the newest positions (deg)."""
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
-        """Yield arms, set points, head and measured head in deg, and the orientation of each body that has turned."""
+        """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned."""
         stamp = (time_ns, positions.t_wall_ns)
         numbers = {
             "arms": arms_deg(positions.position),
             "commanded": arms_deg(positions.commanded),
             "head": head_deg(positions.head),
+            "velocity": arms_deg(positions.velocity),
+            "seq": (float(positions.seq),),
         }
         self.angles = numbers["arms"] + numbers["head"]
         body = positions.head
@@ -93,7 +96,7 @@ class RobotRows:
         """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
         text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {sentence(event)}"
-        yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event))
+        yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event), encode_json(event).decode())
         if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
             self._stopped = True
             yield from self._changed_to(self._state_now(), *stamp)
@@ -143,7 +146,7 @@ def state_of(status: Status) -> State:
 
 
 def arms_deg(vector: Vector3) -> tuple[float, float, float]:
-    """Return the angles of the short, middle and long arm (deg)."""
+    """Return the short, middle and long component of an angle or velocity in deg or deg/s."""
     return math.degrees(vector.x), math.degrees(vector.y), math.degrees(vector.z)
 
 

@@ -26,7 +26,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Numbers(Row):
-    """Numbers of a plot, deg or counts."""
+    """Numbers of a plot: deg, deg/s or counts."""
 
     values: tuple[float, ...]
 
@@ -44,6 +44,8 @@ class Line(Row):
 
     text: str
     level: str
+    json: str = ""
+    """the event of this line as JSON; empty: the line is no event"""
 
 
 @dataclass(frozen=True)

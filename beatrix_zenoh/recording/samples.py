@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh._generated.messages import Event
 from beatrix_zenoh.client.request import Place
 
 Floats = npt.NDArray[np.float64]
@@ -29,6 +30,10 @@ class Samples:
     """(n, 3) yaw, pitch, roll (deg), from the arms"""
     head_measured: Floats | None
     """(n, 3) the measured orientation of the head (deg); None: not measured"""
+    velocity: Floats
+    """(n, 3) velocity of the arms (deg/s); NaN: not recorded"""
+    seq: Nanoseconds | None
+    """(n,) sequence numbers; a gap means lost samples; -1: unknown; None: not recorded, a file of an earlier version"""
 
 
 @dataclass(frozen=True)
@@ -41,11 +46,22 @@ class Texts:
 
 
 @dataclass(frozen=True)
+class TimedEvent:
+    """An event of a robot, and its time (ns since 1970) by the clock of the recording computer."""
+
+    time_ns: int
+    event: Event
+
+
+@dataclass(frozen=True)
 class Recorded:
     """The contents of a recording's file."""
 
     robots: dict[Place, Samples]
     differences: dict[str, tuple[Nanoseconds, Floats]]
     """by robot name: times (n,), and hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll (deg)"""
-    events: dict[Place, Texts]
+    lines: dict[Place, Texts]
+    """the events as sentences"""
     states: dict[Place, Texts]
+    events: dict[Place, tuple[TimedEvent, ...]]
+    """events of each robot in the order of time: what was requested, and what came of it"""

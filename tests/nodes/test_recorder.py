@@ -139,7 +139,7 @@ def test_the_difference_matches_the_samples(lesson: Lesson) -> None:
 
 
 def test_requests_refusals_and_stops_are_recorded_as_text(lesson: Lesson) -> None:
-    sim, hw = (lesson.recorded.events[place].texts for place in (SIM, HW))
+    sim, hw = (lesson.recorded.lines[place].texts for place in (SIM, HW))
     assert any("ana asked look yaw" in text for text in sim)
     assert any("refused OUT_OF_REACH: The head would tilt 60.0°" in text for text in sim)
     assert any("stop" in text and "ana" in text for text in hw)

@@ -12,7 +12,9 @@ import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
+from beatrix_zenoh._generated.messages import Event, EventKind, MotionQuery, Phase, Vector3
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.codec import encode_json
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet
@@ -29,6 +31,7 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.samples import TimedEvent
 from beatrix_zenoh.recording.viewer import verify
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
@@ -101,6 +104,40 @@ def test_a_measured_head_is_nan_before_its_first_sample(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found, [(np.nan,) * 3, (1.0, 2.0, 3.0)])
 
 
+def test_velocities_and_sequence_numbers_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    time_ns, robot_ns = BEGAN_NS, BEGAN_NS - 7
+    more = [
+        Numbers(of_robot(SIM, "velocity"), time_ns, robot_ns, (1.0, 2.0, 3.0)),
+        Numbers(of_robot(SIM, "seq"), time_ns, robot_ns, (float(2**32 - 1),)),
+    ]
+    written(
+        path,
+        RobotSet({SIM: Figure(), HW: Figure()}),
+        [[*sample(SIM, 0), *more, *sample(SIM, 1), *sample(HW, 0)]],
+    )
+    sim, hw = (read(path).robots[place] for place in (SIM, HW))
+    np.testing.assert_array_equal(sim.velocity, [(1.0, 2.0, 3.0), (np.nan,) * 3])
+    assert sim.seq is not None
+    assert sim.seq.tolist() == [2**32 - 1, -1]
+    assert np.isnan(hw.velocity).all(), "a file of an earlier version"
+    assert hw.seq is None
+
+
+def test_events_are_read_with_what_was_requested(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    asked = Event(
+        seq=1, t_mono_ns=2, t_wall_ns=3, kind=EventKind.MOTION, action="motion", phase=Phase.ACCEPTED, motion=7,
+        motion_query=MotionQuery(position=Vector3(x=0.25, y=0.5, z=1.0), lead=1.5),
+    )  # fmt: skip
+    lines = [
+        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana moves", "INFO", encode_json(asked).decode()),
+        Line(of_robot(SIM, "events"), BEGAN_NS + 1, BEGAN_NS, "a line of an earlier version", "INFO"),
+    ]
+    written(path, RobotSet({SIM: Figure()}), [[*sample(SIM, 0), *lines]])
+    assert read(path).events[SIM] == (TimedEvent(BEGAN_NS, asked),)
+
+
 def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     other = [
@@ -112,7 +149,7 @@ def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     ]
     written(path, RobotSet({SIM: Figure()}), [[*sample(SIM, 0), *other]])
     recorded = read(path)
-    assert recorded.events[SIM].texts == ("ana stop: At rest.",)
+    assert recorded.lines[SIM].texts == ("ana stop: At rest.",)
     assert recorded.states[SIM].texts == ("ready", "moving")
     times, angles = recorded.differences["bea"]
     assert times.tolist() == [BEGAN_NS]

@@ -13,14 +13,17 @@ import numpy.typing as npt
 from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.messages import Event, Reason
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.codec import decode_json
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples, Texts
+from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples, Texts, TimedEvent
 from beatrix_zenoh.recording.viewer import check_recording
 
 TIME, ROBOT_TIME = "time", "robot_time"
 SCALARS, TEXT, STATE = "Scalars:scalars", "TextLog:text", "StateChange:state"
+EVENT = "event"
+"""Component with the events as JSON."""
 
 
 class Column(NamedTuple):
@@ -59,6 +62,7 @@ def read(path: Path) -> Recorded:
         {name: found for name in names if (found := _difference(columns, name)) is not None},
         {place: _texts(columns, "/{}/{}/events".format(*place), TEXT) for place in robots},
         {place: _texts(columns, "/{}/{}/state".format(*place), STATE) for place in robots},
+        {place: _events(columns, "/{}/{}/events".format(*place)) for place in robots},
     )
 
 
@@ -98,7 +102,7 @@ def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
             times, robot = (
                 batch.column(name).cast("int64").to_numpy(zero_copy_only=False) for name in (TIME, ROBOT_TIME)
             )
-            for component in {SCALARS, TEXT, STATE}.intersection(batch.schema.names):
+            for component in {SCALARS, TEXT, STATE, EVENT}.intersection(batch.schema.names):
                 flat = batch.column(component).flatten().to_numpy(zero_copy_only=False)
                 values = flat.reshape(len(times), -1) if component == SCALARS else flat
                 yield chunk.entity_path, component, Column(times, robot, values)
@@ -118,7 +122,9 @@ def _samples(columns: Columns, root: str) -> Samples:
     arms, commanded, head = (columns[f"{root}/{what}", SCALARS] for what in ("arms", "commanded", "head"))
     values = [_at(column, arms) for column in (commanded, head)]
     whole = ~np.isnan(np.hstack(values)).any(axis=1)
-    measured = columns.get((f"{root}/head_measured", SCALARS))
+    measured, velocity, numbers = (
+        columns.get((f"{root}/{what}", SCALARS)) for what in ("head_measured", "velocity", "seq")
+    )
     return Samples(
         arms.time_ns[whole],
         arms.robot_ns[whole],
@@ -126,6 +132,8 @@ def _samples(columns: Columns, root: str) -> Samples:
         values[0][whole],
         values[1][whole],
         None if measured is None else _at(measured, arms)[whole],
+        np.full_like(values[0], np.nan)[whole] if velocity is None else _at(velocity, arms)[whole],
+        None if numbers is None else np.nan_to_num(_at(numbers, arms)[whole, 0], nan=-1).astype(np.int64),
     )
 
 
@@ -155,6 +163,17 @@ def _texts(columns: Columns, entity: str, component: str) -> Texts:
         none = np.empty(0, np.int64)
         return Texts(none, none, ())
     return Texts(column.time_ns, column.robot_ns, tuple(str(text) for text in column.values))
+
+
+def _events(columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
+    column = columns.get((entity, EVENT))
+    if column is None:
+        return ()
+    return tuple(
+        TimedEvent(time_ns, decode_json(str(text).encode(), Event))
+        for time_ns, text in zip(column.time_ns.tolist(), column.values, strict=True)
+        if text
+    )
 
 
 def _parts(entity: str) -> tuple[str, str, str]:

@@ -106,7 +106,8 @@ def columns(rows: Sequence[Row]) -> Iterable[rr.ComponentColumn]:
             )
         case Line():
             lines = [row for row in rows if isinstance(row, Line)]
-            return rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
+            texts = rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
+            return [*texts, *rr.AnyValues.columns(event=[row.json for row in lines])]
         case Bar():
             return rr.StateChange.columns(state=[row.state for row in rows if isinstance(row, Bar)])
         case Frame():
