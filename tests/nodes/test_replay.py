@@ -18,7 +18,7 @@ from beatrix_zenoh._generated.messages import Positions, Source, Steps
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.compare import Comparison, compare
+from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.follow import Following, follow
 from beatrix_zenoh.recording.path import path_of
 from beatrix_zenoh.recording.record_motion import record_motion
@@ -34,8 +34,10 @@ NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 2.0,15,-5,0
 3.0,0,0,0
 """
-RMS_DEG = 1.0
-"""Tolerance of a replay on a busy machine; docs/how-to/motion-files.md has figures."""
+OFF_DEG = 1.0
+"""Tolerance of a replay's path; tools/bench_twin.py measures how well it follows the path in time."""
+PAUSE_S = 0.4
+"""A pause of the computer that does not disturb the check of a path."""
 
 pytestmark = pytest.mark.measures_time  # a replay ends if the computer stands still for LATE_S
 
@@ -79,29 +81,34 @@ def recorded_during(
     return sim, hw
 
 
-def off_path(live: LiveRecording, played: Following) -> Comparison:
-    """Compare the set points of a robot with the path, aligned at their first movement."""
-    t = np.arange(-0.5, played.duration_s + 0.5, 0.01)
+def off_path(live: LiveRecording, played: Following) -> float:
+    """Return the largest distance (deg) of a set point from the path that was to be followed near its time.
+
+    A pause of the computer shifts what follows it, so each set point is compared with the path within PAUSE_S of its
+    time; the times are aligned at the first movement.
+    """
+    t = np.arange(-0.5, played.duration_s + 0.5, 0.005)
     path = played.path.at(t)
     arms = live.recording.arms
     begin = int(np.argmax(np.max(np.abs(arms.angles - arms.angles[0]), axis=1) > 1.0))
     reached = int(np.argmax(np.max(np.abs(path - path[0]), axis=1) > 1.0))
-    first = Recording(t - t[reached], np.hstack([path, path]))
-    return compare(first, Recording(arms.t - arms.t[begin], np.hstack([arms.angles, arms.angles])))
+    times = np.clip(arms.t - arms.t[begin] + t[reached], t[0], t[-1])
+    near = np.abs(times[:, None] - t) <= PAUSE_S
+    apart = np.max(np.abs(arms.angles[:, None, :] - path), axis=2)
+    return float(np.max(np.min(np.where(near, apart, np.inf), axis=1)))
 
 
 def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
     played = following(NOD)
     sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))
     for live in (sim, hw):
-        found = off_path(live, played)
-        assert max(axis.rms_after for axis in found.axes[:3]) < RMS_DEG
+        assert off_path(live, played) < OFF_DEG
         assert live.recording.arms.angles[-1] == pytest.approx(played.path.arms[-1], abs=0.2)
         assert live.clock_s == 0.0, "both run on this computer"
     assert (sim.slipped, hw.slipped) == (0, None)
 
     before = compare(sim.recording, hw.recording)
-    assert 0.05 < before.lag_s < 0.5, "the lead, and delays of this computer"
+    assert 0.05 < before.lag_s < 0.1 + PAUSE_S, "the lead, and delays of this computer"
     off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
     assert hw.recording.commanded is not None
     after = compare(sim.recording, Recording(hw.recording.t + 0.2, off, hw.recording.commanded))
@@ -133,7 +140,7 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
     assert max(point.place[0] for point in recorded.points) == pytest.approx(20, abs=0.2)
     played = follow(path_of(recorded, Neck()), ROBOT)
     sim, _ = recorded_during(stage, played.duration_s + 3.0, lambda: replay(twin.sim, played))
-    assert max(axis.rms_after for axis in off_path(sim, played).axes[:3]) < RMS_DEG
+    assert off_path(sim, played) < OFF_DEG
 
 
 def test_the_robot_first_moves_to_the_start_of_the_path(twin: Twin) -> None:
