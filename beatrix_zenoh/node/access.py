@@ -186,7 +186,8 @@ class Access:
             raise refusals.muted(presser.seat, stop=True)
         self._stopped_by = presser
         self._stop_sent = self._resting = False
-        self._pause(now_s)
+        heard_s = self._sessions.heard(presser, now_s)
+        self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s, heard_s)
         if emergency:
             self._latched_s = now_s
             self.teacher.latch |= presser.seat == TEACHER
@@ -198,14 +199,10 @@ class Access:
         Also pause the seat of a motion that overtook STOP; under the latch, end the lease by motion.
         """
         self._stop_sent = True
-        self._pause(now_s)
+        heard_s = self._sessions.heard(self._stopped_by, now_s)
+        self._pauses.begin(self.lease.motion.driver(now_s), self._stopped_by, now_s, heard_s)
         if self._latched_s is not None:
             self.lease.motion.release(now_s)
-
-    def _pause(self, now_s: float) -> None:
-        presser = self._stopped_by
-        began_s = self._sessions.heard(presser, now_s)
-        self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s, began_s)
 
     @property
     def latched(self) -> bool:
