@@ -47,6 +47,8 @@ CROWD_S: Final = 15.0
 """Time (s) during which all seats subscribe to all robots, longer than the STOPs take."""
 REPEATS: Final = 5
 PATIENCE_S: Final = 20.0
+REFUSED_S: Final = 180.0
+"""Longest time (s) for which a router may accept no session after hostile traffic."""
 BACK_SEATS: Final = 5
 
 
@@ -159,6 +161,7 @@ def stop_rows(school: School, count: int) -> Iterator[Row]:
                     yield from stops("beside a flooding seat", robot, bare)
                 with program(hostile, *attack):
                     yield from stops("under hostile traffic", robot, bare)
+                yield "hostile traffic ends -> the next session opens [s]", f"{opens_s(school):.2f}", ""
                 with bench_class_load.crowd(school.router, school.folder, count) as crowd:
                     crowd.begin(all_robots=True, lasts_s=CROWD_S)
                     time.sleep(1.0)
@@ -166,6 +169,18 @@ def stop_rows(school: School, count: int) -> Iterator[Row]:
                     crowd.skip()
         finally:
             bare.close()
+
+
+def opens_s(school: School) -> float:
+    """Return the time (s) until a session opens: after refused connections the router accepts none for a while."""
+    began = time.monotonic()
+    while True:
+        try:
+            with school.robot("seat02"):
+                return time.monotonic() - began
+        except BeatrixError:
+            if time.monotonic() - began > REFUSED_S:
+                raise
 
 
 # -- leases --------------------------------------------------------------------------------------

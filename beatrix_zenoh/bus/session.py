@@ -18,7 +18,7 @@ from zenoh.handlers import Callback
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import credentials, forks
+from beatrix_zenoh.bus import credentials, forks, newest
 from beatrix_zenoh.bus.declarations import Declarations, Declared
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.forks import ProcessBound
@@ -166,22 +166,29 @@ class Bus(ProcessBound):
         self._declarations.add(PUBLISHER, key, publication.declare)
         return publication
 
-    def subscribe(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool] | None = None
-    ) -> Callable[[], None]:
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, and return a function that ends the subscription.
 
-        A publication is dropped before it is read if `skips` returns True for its key: in a flood that costs little.
-        Both functions run on Zenoh's thread and must return at once. Raises the errors of `query`.
+        `handle` runs on Zenoh's thread and must return at once. Raises the errors of `query`.
         """
 
         def receive(sample: zenoh.Sample) -> None:
-            if skips is None or not skips(str(sample.key_expr)):
-                handle(Received.of(sample))
+            handle(Received.of(sample))
 
         callback: Callback[zenoh.Sample] = Callback(receive, indirect=False)
         return self._declarations.add(
             SUBSCRIBER, key, lambda session: session.declare_subscriber(key, callback)
+        )
+
+    def subscribe_newest(
+        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
+    ) -> Callable[[], None]:
+        """As `subscribe`, but on a thread of its own, and in a flood only for the newest publications.
+
+        A publication is dropped before it is read if `skips` returns True for its key: that costs little.
+        """
+        return self._declarations.add(
+            SUBSCRIBER, key, lambda session: newest.subscribe_newest(session, key, handle, skips)
         )
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:

@@ -52,11 +52,15 @@ class Sessions:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
         self.session(_row(key).session).serve(key, handle)
 
-    def subscribe(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool] | None = None
-    ) -> None:
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> None:
         """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
-        self.session(_row(key).session).subscribe(key, handle, skips)
+        self.session(_row(key).session).subscribe(key, handle)
+
+    def subscribe_newest(
+        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
+    ) -> None:
+        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
+        self.session(_row(key).session).subscribe_newest(key, handle, skips)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None

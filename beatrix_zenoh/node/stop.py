@@ -1,6 +1,6 @@
 """Send STOP to the board before all queued requests, and reply when the arms rest.
 
-1. Zenoh's thread (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
+1. Zenoh's thread, or that of the puts (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
 2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP. A STOP that follows
    another one, without a motion in between, needs no request of its own.
 3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
@@ -45,7 +45,7 @@ RECORDED: Final = 64
 """Number of callers, and of keys, whose last press is remembered."""
 SAME_PUT_S: Final = 0.002
 """Puts of STOP with one key within this time (s), without a motion in between, count as one. Each costs Python 10 times
-as much as a skipped one, and STOPs of other seats wait behind a flood."""
+as much as a skipped one, and other puts wait behind a flood."""
 REPEAT_S: Final = 0.02
 """In a flood of STOPs the board gets a STOP at least this often (s), and at once if a motion has begun since the last."""
 LATCHED_S: Final = 0.3
@@ -82,13 +82,15 @@ class StopHandler(Component):
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, twin, "*"), keys.stop_unsigned(name, twin)):
             sessions.serve(key, partial(self._query, key))
-            sessions.subscribe(key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic()))
+            sessions.subscribe_newest(
+                key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
+            )
 
     def on_stop(self, callback: Callable[[], None]) -> None:
         """Call `callback` on the controller's thread after each STOP, to discard motions outside the request queue."""
         self._on_stop.append(callback)
 
-    # -- 1. pressed, on Zenoh's thread --------------------------------------------------------------
+    # -- 1. pressed, on Zenoh's thread or that of the puts ------------------------------------------
 
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
@@ -119,13 +121,14 @@ class StopHandler(Component):
     def _events(self, caller: Caller, form: str) -> EventLog | None:
         """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before."""
         now_s = time.monotonic()
-        last_form, last_s = self._recorded.get(caller, (form, now_s))
-        if caller.session and form != last_form and now_s - last_s < SAME_PRESS_S:
-            return None
-        self._recorded.pop(caller, None)
-        self._recorded[caller] = form, now_s
-        if len(self._recorded) > RECORDED:
-            del self._recorded[next(iter(self._recorded))]
+        with self._changed:
+            last_form, last_s = self._recorded.get(caller, (form, now_s))
+            if caller.session and form != last_form and now_s - last_s < SAME_PRESS_S:
+                return None
+            self._recorded.pop(caller, None)
+            self._recorded[caller] = form, now_s
+            if len(self._recorded) > RECORDED:
+                del self._recorded[next(iter(self._recorded))]
         return self._context.events
 
     def press(self, command: Command, handle: RequestHandle) -> None:

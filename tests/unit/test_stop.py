@@ -35,7 +35,7 @@ class Unconnected:
     def serve(self, *_: object) -> None:
         """Declare nothing: this test sends no query."""
 
-    def subscribe(self, *_: object) -> None:
+    def subscribe_newest(self, *_: object) -> None:
         """Subscribe to nothing: this test sends no put."""
 
 
