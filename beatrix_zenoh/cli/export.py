@@ -1,0 +1,128 @@
+"""`beatrix export`: write a recording as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.options import Json, Names, finite
+from beatrix_zenoh.cli.output import print_json, say
+from beatrix_zenoh.errors import Refused
+
+if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
+    from beatrix_zenoh.recording.export import Table
+
+RECORDING = ".rrd"
+TABLES = (".csv", ".parquet")
+
+Files = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="RECORDING.rrd... FILE",
+        help="The recording, all its files if it was rotated, then the table: .csv or .parquet.",
+    ),
+]
+Samples = Annotated[
+    bool, typer.Option("--samples", help="Every sample as published, instead of a row every 20 ms.")
+]
+From = Annotated[
+    float,
+    typer.Option(
+        "--from", min=0.0, metavar="S", callback=finite, help="Begin S seconds after the recording's start."
+    ),
+]
+To = Annotated[
+    float | None,
+    typer.Option("--to", min=0.0, metavar="S", help="End S seconds after the recording's start."),
+]
+
+
+def export(
+    files: Files,
+    samples: Samples = False,
+    begin: From = 0.0,
+    end: To = None,
+    name: Names = None,
+    as_json: Json = False,
+) -> None:
+    """Write a recording as a table (CSV or Parquet).
+
+    A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
+    columns; docs/how-to/analyse.md lists them.
+    """
+    recordings, out = sources_and_table(files)
+    if end is not None and finite(end) < begin:
+        raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
+    check_new(out)
+    found = opened(recordings, begin, end, name or ())
+    rows = written(out, found, samples=samples)
+    if as_json:
+        print_json({"result": True, "file": str(out), "rows": rows, "robots": robots_of(found)})
+    else:
+        say(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
+
+
+def sources_and_table(files: Sequence[Path]) -> tuple[list[Path], Path]:
+    """Return the recordings and the name of the table among the arguments; raises BadParameter."""
+    recordings = [path for path in files if path.suffix == RECORDING]
+    others = [path for path in files if path.suffix != RECORDING]
+    if not recordings:
+        raise typer.BadParameter(f"{files[0]} is not the name of a recording: it must end with {RECORDING}.")
+    if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
+        given = ", ".join(map(str, others)) or "none is given"
+        raise typer.BadParameter(
+            f"One table is written, and named last: it must end with {' or '.join(TABLES)} ({given})."
+        )
+    if len({path.resolve() for path in recordings}) < len(recordings):
+        raise typer.BadParameter("A recording is given twice: give each file once.")
+    return recordings, others[0]
+
+
+def check_new(path: Path) -> None:
+    """Raise Refused if a file exists."""
+    if path.exists():
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} exists and is not overwritten. Name another file, or delete it."
+        )
+
+
+def opened(recordings: Sequence[Path], begin: float, end: float | None, names: Sequence[str]) -> Table:
+    """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
+    from beatrix_zenoh.cli.recording_files import read_recording
+    from beatrix_zenoh.recording.export import Span, table
+
+    span = Span(begin) if end is None else Span(begin, end)
+    return table([read_recording(path) for path in recordings], span, names)
+
+
+def written(path: Path, found: Table, *, samples: bool) -> int:
+    """Write the table, completely or not at all, and return the number of rows.
+
+    Raises:
+        Refused: BAD_VALUE, the part contains no samples, or the file cannot be written.
+    """
+    from beatrix_zenoh.cli.demo_files import replace_when_complete
+    from beatrix_zenoh.recording.table_files import write_table
+
+    try:
+        with replace_when_complete(path) as unfinished:
+            rows = write_table(unfinished, found.samples() if samples else found.grid())
+            if not rows:
+                raise Refused(
+                    Reason.BAD_VALUE,
+                    f"{path} is not written: no samples are in this part of the recording. Change --from or --to.",
+                )
+    except OSError as error:
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
+        ) from error
+    return rows
+
+
+def robots_of(found: Table) -> list[str]:
+    """Return the robots of a table, for example `bea (sim)`."""
+    return [f"{name} ({twin})" for name, twin in found.robots]

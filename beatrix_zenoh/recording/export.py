@@ -1,0 +1,216 @@
+"""A recording as a table: one row every 20 ms with all robots side by side, or every sample as it was published.
+
+Tables are made in blocks of rows, so that a long recording of a class needs little memory. Numbers that are missing are NaN.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
+from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples
+
+BLOCK: Final = 3000
+"""Rows of a block: one minute of the grid."""
+DECIMALS: Final = 6
+"""Decimals of interpolated values: finer than the float32 of a robot's message, and still short as text."""
+OVERLAP_NS: Final = 1_000_000_000
+"""Files of one recording may overlap by samples that arrived late; more than this is another recording."""
+ARMS: Final = ("short", "middle", "long")
+HEAD: Final = ("yaw", "pitch", "roll")
+
+Values = Floats | Nanoseconds | list[str]
+Block = dict[str, Values]
+"""Columns of equal length by name."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """A part of a recording, in seconds from its start; both ends are included."""
+
+    from_s: float = 0.0
+    to_s: float = float("inf")
+
+
+@dataclass(frozen=True)
+class Table:
+    """The samples of a recording and the part of it that is exported."""
+
+    robots: dict[Place, Samples]
+    start_ns: int
+    """start of the recording, since 1970: the point of the grid at or before the first sample"""
+    first_ns: int
+    """first time of the exported part"""
+    last_ns: int
+    """last time of the exported part"""
+
+    def grid(self) -> Iterator[Block]:
+        """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
+        first = -(-(self.first_ns - self.start_ns) // GRID_NS)
+        last = (self.last_ns - self.start_ns) // GRID_NS
+        for begin in range(first, last + 1, BLOCK):
+            steps = np.arange(begin, min(begin + BLOCK, last + 1), dtype=np.int64)
+            times = self.start_ns + steps * GRID_NS
+            block: Block = {
+                "time_s": np.round(steps * (GRID_NS / 1e9), 2),
+                "unix_time_s": np.round(times / 1e9, 3),
+            }
+            for (name, twin), samples in self.robots.items():
+                for column, values in quantities(samples, robot=f"{name}_{twin}_"):
+                    block[column] = at(samples.time_ns, values, times, circle=column.endswith(HEAD_NAMES))
+            yield block
+
+    def samples(self) -> Iterator[Block]:
+        """Yield one row for each sample, robot after robot, with the numbers that were published."""
+        for (name, twin), samples in self.robots.items():
+            begin = int(np.searchsorted(samples.time_ns, self.first_ns, "left"))
+            end = int(np.searchsorted(samples.time_ns, self.last_ns, "right"))
+            for start in range(begin, end, BLOCK):
+                rows = slice(start, min(start + BLOCK, end))
+                times = samples.time_ns[rows]
+                count = len(times)
+                yield {
+                    "robot": [name] * count,
+                    "twin": [twin] * count,
+                    "seq": np.full(count, -1) if samples.seq is None else samples.seq[rows],
+                    "time_s": (times - self.start_ns) / 1e9,
+                    "time_ns": times,
+                    "robot_time_ns": samples.robot_ns[rows],
+                    **{column: values[rows] for column, values in every_quantity(samples)},
+                }
+
+
+HEAD_NAMES: Final = tuple(f"{axis}{what}_deg" for axis in HEAD for what in ("", "_measured"))
+
+
+def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> Table:
+    """Return the table of a recording, whose files are `parts`, for robots of these names; all robots if there is none.
+
+    Raises:
+        Refused: BAD_VALUE, no such robot, parts that overlap, or no sample in this span.
+    """
+    robots = joined(parts)
+    chosen = {place: samples for place, samples in robots.items() if not names or place[0] in names}
+    if missing := sorted(set(names) - {name for name, _ in chosen}):
+        held = ", ".join(sorted({name for name, _ in robots}))
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The recording contains {held}, and not {', '.join(missing)}: give another --name.",
+        )
+    first_ns = min(int(samples.time_ns[0]) for samples in robots.values())
+    last_ns = max(int(samples.time_ns[-1]) for samples in robots.values())
+    start_ns = first_ns // GRID_NS * GRID_NS
+    lasts_s = (last_ns - start_ns) / 1e9
+    if span.from_s > lasts_s:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The recording lasts {lasts_s:.1f} s and has no samples from {span.from_s:g} s on: give a smaller --from.",
+        )
+    to_s = min(span.to_s, lasts_s)
+    return Table(
+        chosen,
+        start_ns,
+        max(first_ns, start_ns + round(span.from_s * 1e9)),
+        min(last_ns, start_ns + round(to_s * 1e9)),
+    )
+
+
+def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
+    """Return the samples of all robots in the order of time, from the files of one recording in any order.
+
+    Raises:
+        Refused: BAD_VALUE, two files contain the same time of one robot, so they are not parts of one recording.
+    """
+    places = sorted({place for part in parts for place in part.robots})
+    return {
+        place: concatenated(place, [part.robots[place] for part in parts if place in part.robots])
+        for place in places
+    }
+
+
+def concatenated(place: Place, parts: list[Samples]) -> Samples:
+    """Return the samples of one robot from several files."""
+    parts = sorted(parts, key=lambda samples: int(samples.time_ns[0]))
+    for before, after in itertools.pairwise(parts):
+        if before.time_ns[-1] - after.time_ns[0] > OVERLAP_NS:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"Two of the files contain the same time of {place[0]} ({place[1]}): they are not parts of one recording "
+                "(`beatrix record --rotate`). Export them one by one.",
+            )
+    time_ns = np.concatenate([part.time_ns for part in parts])
+    order = np.argsort(time_ns, kind="stable")
+    return Samples(
+        time_ns[order],
+        np.concatenate([part.robot_ns for part in parts])[order],
+        np.concatenate([part.arms for part in parts])[order],
+        np.concatenate([part.commanded for part in parts])[order],
+        np.concatenate([part.head for part in parts])[order],
+        None
+        if all(part.head_measured is None for part in parts)
+        else np.concatenate([measured(part) for part in parts])[order],
+        np.concatenate([part.velocity for part in parts])[order],
+        np.concatenate([
+            np.full(len(part.time_ns), -1) if part.seq is None else part.seq for part in parts
+        ])[order],
+    )  # fmt: skip
+
+
+def measured(samples: Samples) -> Floats:
+    """Return the measured orientation of the head (n, 3; deg); NaN: not measured."""
+    return np.full_like(samples.head, np.nan) if samples.head_measured is None else samples.head_measured
+
+
+def quantities(samples: Samples, robot: str = "") -> Iterator[tuple[str, Floats]]:
+    """Yield name and values (n,) of each quantity that was recorded; `robot` begins each name."""
+    for column, values in every_quantity(samples):
+        if not np.isnan(values).all():
+            yield robot + column, values
+
+
+def every_quantity(samples: Samples) -> Iterator[tuple[str, Floats]]:
+    """Yield name and values (n,) of each quantity; NaN where it was not recorded."""
+    for axes, values, name in (
+        (ARMS, samples.arms, "{}_deg"),
+        (ARMS, samples.commanded, "{}_commanded_deg"),
+        (ARMS, samples.velocity, "{}_velocity_deg_s"),
+        (HEAD, samples.head, "{}_deg"),
+        (HEAD, measured(samples), "{}_measured_deg"),
+    ):
+        for index, axis in enumerate(axes):
+            yield name.format(axis), values[:, index]
+
+
+def at(samples_ns: Nanoseconds, values: Floats, times_ns: Nanoseconds, *, circle: bool = False) -> Floats:
+    """Return values at other times, interpolated linearly between neighbours; NaN outside them and in gaps.
+
+    Args:
+        samples_ns: (n,) ascending times of the samples.
+        values: (n,) values of the samples.
+        times_ns: (m,) times in question.
+        circle: whether values are degrees of a circle, which take the short way through ±180.
+    """
+    before = np.searchsorted(samples_ns, times_ns, side="right") - 1
+    after = np.minimum(before + 1, len(samples_ns) - 1)
+    inside = before >= 0
+    before = np.maximum(before, 0)
+    whole_ns, past_ns = samples_ns[after] - samples_ns[before], times_ns - samples_ns[before]
+    step = values[after] - values[before]
+    if circle:
+        step = (step + 180.0) % 360.0 - 180.0
+    known = inside & (past_ns > 0) & (whole_ns <= GAP_NS) & (whole_ns >= past_ns)
+    found = values[before] + step * (past_ns / np.maximum(whole_ns, 1))
+    if circle:
+        found = np.where(np.abs(found) > 180.0, (found + 180.0) % 360.0 - 180.0, found)
+    exact = inside & (past_ns == 0)
+    result: npt.NDArray[np.float64] = np.where(exact, values[before], np.where(known, found, np.nan))
+    return np.round(result, DECIMALS)

@@ -1,0 +1,71 @@
+"""The commands and the Python of the page about analysing a recording run as printed, and its columns exist."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from lesson_file import BEGAN_NS, STEP_NS, write_lesson
+
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording.export import every_quantity
+from beatrix_zenoh.recording.rows import Numbers
+from beatrix_zenoh.recording.rrd.read import read
+
+PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/analyse.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+PLACES = ("bea1", "sim"), ("bea1", "hw")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the recordings of the page."""
+    monkeypatch.chdir(tmp_path)
+    write_lesson(tmp_path / "lesson.rrd", PLACES, rows=1000)
+    later = [
+        Numbers(f"bea1/hw/{what}", time_ns, time_ns, (1.0, 2.0, 3.0))
+        for what in ("arms", "commanded", "head")
+        for time_ns in (BEGAN_NS + 300 * STEP_NS, BEGAN_NS + 301 * STEP_NS)
+    ]
+    write_lesson(tmp_path / "day-001.rrd", PLACES)
+    write_lesson(tmp_path / "day-002.rrd", (), rows=0, more=later)
+    return tmp_path
+
+
+def commands() -> list[str]:
+    (block,) = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
+    return [line for line in block.splitlines() if "video" not in line]
+
+
+def test_the_commands_of_the_page_write_its_tables(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for line in commands():
+        words = shlex.split(line, comments=True)
+        assert words[0] == "beatrix"
+        assert app.run(words[1:]) == 0, line
+    assert [int(rows) for rows in re.findall(r": (\d+) rows", capsys.readouterr().out)] == [
+        1000, 500, 2000, 302
+    ]  # fmt: skip
+
+
+def test_the_python_of_the_page_loads_a_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["export", "lesson.rrd", "lesson.csv"]) == 0
+    table, recording = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+    found: dict[str, object] = {}
+    exec(table, found)
+    assert capsys.readouterr().out.splitlines()[-1] == "0.0"
+    exec(recording, found)
+    assert capsys.readouterr().out.splitlines()[-1] == "[1000 rows x 2 columns]"
+    head = read(folder / "lesson.rrd").robots["bea1", "sim"].head
+    loaded = found["head"]["/bea1/sim/head:Scalars:scalars"]  # type: ignore[index]
+    assert [list(row) for row in loaded] == head.tolist()
+
+
+def test_every_column_is_named_on_the_page(folder: Path) -> None:
+    samples = read(folder / "lesson.rrd").robots["bea1", "sim"]
+    for column, _ in every_quantity(samples):
+        axis, kind = column.split("_", 1)
+        first = {"middle": "short", "long": "short", "pitch": "yaw", "roll": "yaw"}.get(axis, axis)
+        assert f"bea1_sim_{first}_{kind}" in TEXT
+        assert axis in TEXT

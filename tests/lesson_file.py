@@ -1,0 +1,40 @@
+"""Recordings that tests write, without robots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.output import RobotSet
+from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.rrd.stream import Stream
+
+BEGAN_NS = 1_763_000_000_000_000_000
+STEP_NS = 20_000_000
+
+
+def write_lesson(path: Path, places: Sequence[Place], rows: int = 300, more: Sequence[Row] = ()) -> None:
+    """Write a recording of robots with random angles, which are float32 in rad as in their messages, every 20 ms."""
+    stream = Stream("one", path.stem)
+    stream.to_file(path)
+    stream.show(RobotSet({place: Figure() for place in places}))
+    angles = np.random.default_rng(1).normal(0.0, 0.5, (rows, 3)).astype(np.float32)
+    for place in places:
+        for what in ("arms", "commanded", "head"):
+            stream.send([
+                Numbers(of_robot(place, what), time_ns, time_ns, tuple(np.degrees(row).tolist()))
+                for time_ns, row in zip(times(rows), angles.astype(np.float64), strict=True)
+            ])  # fmt: skip
+    for row in more:
+        stream.send([row])
+    assert stream.flush(5.0)
+    stream.close()
+
+
+def times(rows: int) -> list[int]:
+    """Return the times of the rows (ns since 1970)."""
+    return [BEGAN_NS + index * STEP_NS for index in range(rows)]

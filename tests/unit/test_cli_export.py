@@ -1,0 +1,100 @@
+"""`beatrix export`: files for pandas and spreadsheets, and refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from lesson_file import BEGAN_NS, write_lesson
+
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording.rrd.read import read
+
+PLACES = ("ada", "sim"), ("ada", "hw"), ("bob", "sim")
+
+
+@pytest.fixture
+def lesson(tmp_path: Path) -> Path:
+    """A recording of 6 s of two robots, one of them without hardware."""
+    path = tmp_path / "lesson.rrd"
+    write_lesson(path, PLACES)
+    return path
+
+
+def test_csv_and_parquet_hold_the_same_table(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    csv, parquet = lesson.with_suffix(".csv"), lesson.with_suffix(".parquet")
+    assert app.run(["export", str(lesson), str(csv)]) == 0
+    assert capsys.readouterr().out == f"{csv}: 300 rows of ada (hw), ada (sim), bob (sim).\n"
+    assert app.run(["export", str(lesson), str(parquet)]) == 0
+    pd.testing.assert_frame_equal(pd.read_csv(csv), pd.read_parquet(parquet), check_exact=True)
+    table = pd.read_csv(csv)
+    assert table.time_s.iloc[0] == 0.0
+    assert table.time_s.iloc[-1] == 5.98
+    last = read(lesson).robots["ada", "hw"].arms[-1, 1]
+    assert table.ada_hw_middle_deg.iloc[-1] == pytest.approx(last, abs=1e-6)
+    text = csv.read_bytes()
+    assert text.startswith(b"time_s,unix_time_s,ada_hw_short_deg,")
+    assert text.isascii()
+    assert b"\r" not in text
+
+
+def test_samples_are_exact(lesson: Path) -> None:
+    samples = {}
+    for suffix, load in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
+        path = lesson.with_suffix(suffix)
+        assert app.run(["export", str(lesson), str(path), "--samples", "--name", "ada"]) == 0
+        samples[suffix] = load(path)
+    pd.testing.assert_frame_equal(samples[".csv"], samples[".parquet"], check_exact=True, check_dtype=False)
+    for (name, twin), recorded in read(lesson).robots.items():
+        rows = samples[".csv"].query(f"robot == '{name}' and twin == '{twin}'")
+        if name == "bob":
+            assert rows.empty
+            continue
+        np.testing.assert_array_equal(rows.time_ns, recorded.time_ns)
+        np.testing.assert_array_equal(rows[["short_deg", "middle_deg", "long_deg"]], recorded.arms)
+        assert rows.seq.isna().all(), "not recorded"
+
+
+def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    csv = lesson.with_suffix(".csv")
+    words = ["export", str(lesson), str(csv), "--from", "1", "--to", "2.5", "--name", "bob", "--json"]
+    assert app.run(words) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "result": True, "file": str(csv), "rows": 76, "robots": ["bob (sim)"]
+    }  # fmt: skip
+    times = pd.read_csv(csv).time_s
+    assert (times.iloc[0], times.iloc[-1]) == (1.0, 2.5)
+    assert pd.read_csv(csv).unix_time_s.iloc[0] == BEGAN_NS / 1e9 + 1
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["lesson.csv"], 2, "lesson.csv is not the name of a recording"),
+        (["lesson.rrd"], 2, "must end with .csv or .parquet"),
+        (["lesson.rrd", "lesson.xlsx"], 2, "must end with .csv or .parquet"),
+        (["new.csv", "lesson.rrd"], 2, "named last"),
+        (["lesson.rrd", "./lesson.rrd", "new.csv"], 2, "given twice"),
+        (["lesson.rrd", "new.csv", "--from", "3", "--to", "2"], 2, "--to 2 is before --from 3"),
+        (["lesson.rrd", "new.csv", "--to", "nan"], 2, "nan is not a finite number"),
+        (["lesson.rrd", "kept.csv"], 1, "kept.csv exists and is not overwritten"),
+        (["lesson.rrd", "new.csv", "--from", "7"], 1, "lasts 6.0 s"),
+        (["lesson.rrd", "new.csv", "--from", "1.001", "--to", "1.002"], 1, "no samples are in this part"),
+        (["lesson.rrd", "new.csv", "--name", "cleo"], 1, "contains ada, bob, and not cleo"),
+        (["lesson.rrd", "missing/new.csv"], 1, "cannot be written: No such file"),
+        (["missing.rrd", "new.csv"], 1, "there is no such file"),
+    ],
+)
+def test_refusals_name_the_cure_and_write_nothing(
+    lesson: Path, words: list[str], code: int, says: str, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(lesson.parent)
+    Path("kept.csv").write_text("mine")
+    assert app.run(["export", *words]) == code
+    assert says in " ".join(capsys.readouterr().err.split())
+    assert sorted(path.name for path in lesson.parent.iterdir()) == ["kept.csv", "lesson.rrd"]
+    assert Path("kept.csv").read_text() == "mine"

@@ -1,0 +1,177 @@
+"""Tables of recordings: points of the grid, gaps, spans, files of a rotated recording."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording import difference
+from beatrix_zenoh.recording.export import Span, Table, at, table
+from beatrix_zenoh.recording.samples import Floats, Recorded, Samples
+
+BEGAN_NS = 1_763_000_000_000_000_000
+STEP_NS = 20_000_000
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+ANGLES = st.floats(-180, 180, allow_nan=False)
+TIMES = st.lists(st.integers(0, 2_000_000_000), min_size=1, max_size=40, unique=True).map(sorted)
+
+
+def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) -> Samples:
+    """Return samples at these times after BEGAN_NS."""
+    n = len(times_ns)
+    angles = np.zeros((n, 3)) if arms is None else arms
+    times = BEGAN_NS + np.array(times_ns, np.int64)
+    made = Samples(times, times - 7, angles, angles + 1, angles + 2, None, np.full((n, 3), 4.0), np.arange(n))
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def recorded(robots: dict[Place, Samples]) -> Recorded:
+    return Recorded(robots, {}, {}, {}, {})
+
+
+def grid(found: Table) -> dict[str, Floats]:
+    """Return all blocks of a grid as one."""
+    blocks = list(found.grid())
+    return {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+
+
+@given(TIMES, st.data())
+def test_points_of_the_grid_are_those_of_the_difference(times_ns: list[int], data: st.DataObject) -> None:
+    """The recorder interpolates the differences in a recording by code of its own; both must agree."""
+    values = data.draw(st.lists(ANGLES, min_size=len(times_ns), max_size=len(times_ns)))
+    waiting: deque[tuple[int, difference.Angles]] = deque(
+        (time, (value,)) for time, value in zip(times_ns, values, strict=True)
+    )
+    points = range(0, times_ns[-1] + 1, STEP_NS)
+    found = at(np.array(times_ns, np.int64), np.array(values), np.array(points, np.int64))
+    for value, point in zip(found, points, strict=True):
+        wanted = difference.at(waiting, point)
+        assert math.isnan(value) if wanted is None else value == pytest.approx(wanted[0], abs=1e-6)
+
+
+@given(TIMES, st.data())
+def test_values_between_samples_lie_on_the_line_and_gaps_stay_empty(
+    times_ns: list[int], data: st.DataObject
+) -> None:
+    values = np.array(data.draw(st.lists(ANGLES, min_size=len(times_ns), max_size=len(times_ns))))
+    points = np.arange(-40_000_000, times_ns[-1] + 200_000_000, STEP_NS, dtype=np.int64)
+    found = at(np.array(times_ns, np.int64), values, points)
+    line = np.interp(points, times_ns, values)
+    covered = np.array([
+        point in times_ns
+        or any(a < point < b and b - a <= 100_000_000 for a, b in itertools.pairwise(times_ns))
+        for point in points
+    ])  # fmt: skip
+    np.testing.assert_array_equal(np.isnan(found), ~covered)
+    np.testing.assert_allclose(found[covered], line[covered], atol=1e-6)
+
+
+def test_a_head_that_turns_through_180_degrees_takes_the_short_way() -> None:
+    times = np.array([0, 40_000_000], np.int64)
+    (value,) = at(times, np.array([179.0, -179.5]), np.array([STEP_NS]), circle=True)
+    assert value == pytest.approx(179.75)
+    (value,) = at(times, np.array([179.5, -179.0]), np.array([STEP_NS]), circle=True)
+    assert value == pytest.approx(-179.75)
+    (value,) = at(times, np.array([179.5, -179.0]), np.array([STEP_NS]))
+    assert value == pytest.approx(0.25), "an arm has no such seam"
+
+
+def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
+    times = [5_000_000 + k * STEP_NS for k in range(11)]
+    arms = np.outer(np.arange(11.0), (1, 2, 3))
+    found = grid(table([recorded({HW: samples(times, arms), SIM: samples(times, -arms)})], Span()))
+    assert list(found) == [
+        "time_s", "unix_time_s",
+        *(
+            f"bea_{twin}_{name}"
+            for twin in ("hw", "sim")
+            for name in (
+                "short_deg", "middle_deg", "long_deg",
+                "short_commanded_deg", "middle_commanded_deg", "long_commanded_deg",
+                "short_velocity_deg_s", "middle_velocity_deg_s", "long_velocity_deg_s",
+                "yaw_deg", "pitch_deg", "roll_deg",
+            )
+        ),
+    ]  # fmt: skip
+    assert found["time_s"].tolist() == [0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.18, 0.2]
+    assert found["unix_time_s"][0] == BEGAN_NS / 1e9 + 0.02
+    np.testing.assert_allclose(found["bea_hw_long_deg"], 3 * (np.arange(10) + 0.75))
+    np.testing.assert_allclose(found["bea_sim_yaw_deg"], -(np.arange(10) + 0.75) + 2)
+
+
+def test_long_recordings_have_one_row_for_each_point_of_the_grid() -> None:
+    """The table is made in blocks of a minute."""
+    times = [k * STEP_NS for k in range(7001)]
+    found = grid(table([recorded({SIM: samples(times, np.outer(np.arange(7001.0), (1, 0, 0)))})], Span()))
+    np.testing.assert_array_equal(found["time_s"], np.round(np.arange(7001) / 50, 2))
+    np.testing.assert_array_equal(found["bea_sim_short_deg"], np.arange(7001.0))
+
+
+@given(st.integers(0, 1200), st.integers(0, 1200))
+def test_both_ends_of_a_span_are_included(one_ms: int, other_ms: int) -> None:
+    begin, end = (bound / 1000 for bound in sorted((one_ms, other_ms)))
+    made = recorded({SIM: samples([k * STEP_NS for k in range(51)])})
+    if begin > 1.0:
+        with pytest.raises(Refused, match="has no samples from"):
+            table([made], Span(begin, end))
+        return
+    found = table([made], Span(begin, end))
+    wanted = [k / 50 for k in range(51) if begin <= k / 50 <= end]
+    rows = [time for block in found.grid() for time in block["time_s"]]
+    assert rows == wanted
+    every = [time for block in found.samples() for time in block["time_s"]]
+    assert every == pytest.approx(wanted, abs=1e-9)
+
+
+def test_spans_count_from_the_start_of_the_recording_for_every_robot() -> None:
+    late = {SIM: samples([0, 20_000_000]), HW: samples([1_000_000_000, 1_020_000_000])}
+    found = grid(table([recorded(late)], Span(1.0), ["bea"]))
+    assert found["time_s"].tolist() == [1.0, 1.02]
+    assert np.isnan(found["bea_sim_short_deg"]).all()
+    np.testing.assert_array_equal(found["bea_hw_short_deg"], 0.0)
+
+
+def test_the_files_of_a_rotated_recording_are_one_table() -> None:
+    times = [k * STEP_NS for k in range(100)]
+    arms = np.outer(np.arange(100.0), (1, 0, 0))
+    whole = samples(times, arms)
+    first, second = (
+        recorded({SIM: replace(
+            whole,
+            **{name: getattr(whole, name)[part] for name in ("time_ns", "robot_ns", "arms", "commanded", "head", "velocity", "seq")},
+        )})
+        for part in (slice(0, 47), slice(47, 100))
+    )  # fmt: skip
+    one = table([recorded({SIM: whole})], Span())
+    for parts in ([first, second], [second, first]):
+        joined = table(parts, Span())
+        for name, values in grid(one).items():
+            np.testing.assert_array_equal(grid(joined)[name], values)
+        np.testing.assert_array_equal(joined.robots[SIM].arms, whole.arms)
+
+
+def test_recordings_of_the_same_time_are_refused() -> None:
+    one = recorded({SIM: samples([0, 2_000_000_000])})
+    with pytest.raises(Refused, match="not parts of one recording"):
+        table([one, one], Span())
+
+
+def test_a_robot_that_is_not_in_the_recording_is_refused() -> None:
+    with pytest.raises(Refused, match="contains bea, and not cleo"):
+        table([recorded({SIM: samples([0])})], Span(), ["bea", "cleo"])
+
+
+def test_an_old_recording_has_no_sequence_numbers() -> None:
+    (block,) = table([recorded({SIM: samples([0, STEP_NS], seq=None)})], Span()).samples()
+    assert list(block["seq"]) == [-1, -1]
+    assert list(block)[:6] == ["robot", "twin", "seq", "time_s", "time_ns", "robot_time_ns"]
+    assert np.isnan(block["yaw_measured_deg"]).all()
