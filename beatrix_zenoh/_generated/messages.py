@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "006ddecf"
+CONTRACT: Final = "89266edd"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -550,6 +550,8 @@ class Positions(Struct, frozen=True, kw_only=True):
     """orientation by forward kinematics of `position` [rad]"""
     head_measured: Head | None = None
     """measured orientation, if the robot measures it [rad]"""
+    repeated: bool = False
+    """true: the node has had no new telemetry since its last publication; the time stamps and positions are those of it"""
 
 
 class BoardStatus(Struct, frozen=True, kw_only=True):

@@ -13,7 +13,7 @@ import typer
 from beatrix_zenoh import names
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
-from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
+from beatrix_zenoh.cli.output import note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.cli.view import leave, open_viewer
 from beatrix_zenoh.client.session import Client
@@ -133,6 +133,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
         NoAnswer: NO_ROUTER.
     """
     program()  # raises before any file is written
+    from beatrix_zenoh.cli.recording_summary import summarise
     from beatrix_zenoh.recording.file_output import FileOutput
     from beatrix_zenoh.recording.live_output import LiveOutput
     from beatrix_zenoh.recording.recorder import Recorder
@@ -159,7 +160,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
             closed = recorder.close()
             if viewer is not None:
                 viewer.end()
-    leave(report(recorder, file, lasted_s, as_json=as_json), closed=closed)
+    leave(summarise(recorder, file, lasted_s, as_json=as_json), closed=closed)
 
 
 def viewer_if_possible(port: int) -> Viewer | None:
@@ -183,34 +184,6 @@ def wait(recorder: Recorder, shutdown: Shutdown, seconds: float, output: FileOut
             if place not in known:
                 known.append(place)
                 note(f"Recording {place[0]} ({place[1]}).")
-
-
-def report(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
-    """Print a summary of the recording, and return the exit code."""
-    robots = [f"{name} ({twin})" for name, twin in recorder.robots]
-    files = [str(path) for path in output.files]
-    good = bool(robots) and not output.full
-    if as_json:
-        print_json({
-            "result": good,
-            "files": files,
-            "robots": robots,
-            "seconds": round(lasted_s, 2),
-            "positions": recorder.samples,
-            "dropped": recorder.dropped,
-            "bytes": output.bytes,
-        })  # fmt: skip
-    elif robots:
-        lost = f"{recorder.dropped} dropped" if recorder.dropped else "nothing dropped"
-        say(
-            f"{', '.join(files)}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {lost}, "
-            f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {files[-1]}"
-        )
-    else:
-        note("No robot was on line: the recording is empty. `beatrix ls` shows the robots on line.")
-    if not robots:
-        return exit_code(Reason.NO_ANSWER)
-    return 0 if good else FAILED
 
 
 def write_motion(

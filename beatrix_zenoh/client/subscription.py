@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections import deque
-from collections.abc import Callable, Iterator
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, Self, TypeVar
 
@@ -69,6 +70,7 @@ class Inbox:
 
     def __init__(self, length: int) -> None:
         self.dropped = 0
+        self.dropped_keys: Counter[str] = Counter()
         self.newest: Sample | None = None
         self.closed = False
         self._waiting: deque[Sample] = deque(maxlen=length)
@@ -79,10 +81,17 @@ class Inbox:
         if self.closed:
             return
         sample = Sample(received, time.monotonic_ns(), time.time_ns())
-        self.dropped += len(self._waiting) == self._waiting.maxlen
+        if len(self._waiting) == self._waiting.maxlen:
+            self._drop()
         self._waiting.append(sample)
         self.newest = sample
         self._wakeup.set()
+
+    def _drop(self) -> None:
+        """Drop the oldest publication; a thread that takes publications may empty the queue at this moment."""
+        with contextlib.suppress(IndexError):
+            self.dropped_keys[self._waiting.popleft().received.key] += 1
+            self.dropped += 1
 
     @value_method
     def next(self, timeout_s: float | None) -> Sample | None:
@@ -147,6 +156,11 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
     def dropped(self) -> int:
         """Number of publications that were dropped because they were not read in time."""
         return self._inbox.dropped
+
+    @property
+    def dropped_keys(self) -> Mapping[str, int]:
+        """Number of dropped publications by key, for a subscription to many robots."""
+        return self._inbox.dropped_keys.copy()
 
     @property
     def latest(self) -> T | None:

@@ -38,34 +38,43 @@ class Snapshot:
         self._head = Head(0.0, 0.0, 0.0)
         self._lock = threading.Lock()
         self._seq = 0
+        self._published_ns = -1, 0
+        """Monotonic and wall time in the last publication."""
 
     def positions(self, *, count: bool = False) -> Positions:
-        """Return the positions, with the sequence number of the last publication; `count`: with the next number.
+        """Return the positions, with the sequence number of the last publication; `count`: for a new publication.
 
-        All values belong to the time `t_mono_ns`; after a loss of the board, hardware keeps its last time.
+        All values belong to the time `t_mono_ns`. Without new telemetry, as after a loss of the board, hardware keeps its
+        last time; `repeated` is then true in a publication.
         """
         sample = self._board.sample or NO_SAMPLE
         telemetry = sample.telemetry
         if not self._board.connected:
             telemetry = telemetry._replace(velocity=(0, 0, 0))
         pose = self._hardware.pose(telemetry, sample.t_mono_ns)
-        wall_minus_mono_ns = time.time_ns() - time.monotonic_ns()
+        t_mono_ns, t_wall_ns = pose.t_mono_ns, pose.t_mono_ns + time.time_ns() - time.monotonic_ns()
         with self._lock:
             self._seq = (self._seq + count) % _SEQS
+            repeated = count and t_mono_ns == self._published_ns[0]
+            if repeated:
+                t_wall_ns = self._published_ns[1]
+            elif count:
+                self._published_ns = t_mono_ns, t_wall_ns
             with contextlib.suppress(
                 BeatrixError
             ):  # publish the last orientation if none is possible; the status reports a fault
                 self._head = Head(*self._planner.neck.forward(pose.position))
             return Positions(
                 seq=self._seq,
-                t_mono_ns=pose.t_mono_ns,
-                t_wall_ns=pose.t_mono_ns + wall_minus_mono_ns,
+                t_mono_ns=t_mono_ns,
+                t_wall_ns=t_wall_ns,
                 position=vector(pose.position),
                 velocity=vector(pose.velocity),
                 commanded=vector(self._planner.gear.to_rad(pose.steps)),
                 steps=Steps(*pose.steps),
                 head=self._head,
                 head_measured=None if pose.head is None else Head(*pose.head),
+                repeated=repeated,
             )
 
     def status(self) -> Status:

@@ -7,6 +7,7 @@ from typing import Self
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.recording.losses import Count, Stream
 from beatrix_zenoh.recording.output import Output, Say
 from beatrix_zenoh.recording.recording_thread import RecordingThread
 from beatrix_zenoh.recording.robot_queries import RobotQueries
@@ -52,9 +53,9 @@ class Recorder:
         self._closed: bool | None = None
 
     @property
-    def dropped(self) -> int:
-        """Number of publications that were dropped so far."""
-        return self._thread.dropped
+    def counts(self) -> dict[Stream, Count]:
+        """Publications of each stream so far: received, lost on the way, dropped here, late."""
+        return self._thread.counts
 
     @property
     def samples(self) -> int:

@@ -55,9 +55,27 @@ class RobotRows:
         self._since_ns = 0
         self.angles: tuple[float, ...] = ()
         """Arms and head of the newest positions (deg)."""
+        self._written: Positions | None = None
+        self._repeats = 0
+
+    def repeats(self, positions: Positions) -> bool:
+        """Return whether positions only repeat those of the last rows: the node had no new telemetry.
+
+        They get no rows, because tools that merge rows of one time would lose sequence numbers; the next rows contain
+        their number. Nodes of earlier versions do not mark them.
+        """
+        last = self._written
+        same = last is not None and positions.t_mono_ns == last.t_mono_ns
+        if last is None or not same or not (positions.repeated or positions.position == last.position):
+            return False
+        self._repeats += 1
+        return True
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
-        """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned."""
+        """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned.
+
+        `repeats` is the number of publications just before that only repeated the rows before them.
+        """
         stamp = (time_ns, positions.t_wall_ns)
         numbers = {
             "arms": arms_deg(positions.position),
@@ -65,7 +83,9 @@ class RobotRows:
             "head": head_deg(positions.head),
             "velocity": arms_deg(positions.velocity),
             "seq": (float(positions.seq),),
+            "repeats": (float(self._repeats),),
         }
+        self._written, self._repeats = positions, 0
         self.angles = numbers["arms"] + numbers["head"]
         body = positions.head
         if positions.head_measured is not None:

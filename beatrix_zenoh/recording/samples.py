@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,8 @@ import numpy.typing as npt
 from beatrix_zenoh._generated.messages import Event
 from beatrix_zenoh.client.request import Place
 
+NUMBERS: Final = 2**32
+"""Sequence numbers are counted modulo this."""
 Floats = npt.NDArray[np.float64]
 Nanoseconds = npt.NDArray[np.int64]
 
@@ -33,7 +36,23 @@ class Samples:
     velocity: Floats
     """(n, 3) velocity of the arms (deg/s); NaN: not recorded"""
     seq: Nanoseconds | None
-    """(n,) sequence numbers; a gap means lost samples; -1: unknown; None: not recorded, a file of an earlier version"""
+    """(n,) sequence numbers; a gap that `repeats` does not explain means lost samples (`lost`); -1: unknown; None: not
+    recorded, a file of an earlier version"""
+    repeats: Nanoseconds | None = None
+    """(n,) number of publications before each sample that only repeated the sample before it and are no samples of their
+    own: the node had no new telemetry; None: not recorded, they are samples with equal times"""
+
+    @property
+    def lost(self) -> int | None:
+        """Number of missing sequence numbers; None: not known.
+
+        The numbers of a restarted node begin again, which is no loss.
+        """
+        if self.seq is None or np.any(self.seq < 0):
+            return None
+        steps = np.diff(self.seq) % NUMBERS
+        steps -= 0 if self.repeats is None else self.repeats[1:]
+        return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
 
 
 @dataclass(frozen=True)

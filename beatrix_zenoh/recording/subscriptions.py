@@ -11,6 +11,7 @@ from beatrix_zenoh.client.camera import CameraImage, images
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.names import EYES
+from beatrix_zenoh.recording.losses import Stream, stream_of_key
 
 Value = Positions | Status | Event | CameraImage
 PICTURES: Final = 64
@@ -51,9 +52,14 @@ class RobotSubscriptions:
         return sorted(arrivals, key=lambda arrival: arrival.t_mono_ns)
 
     @property
-    def dropped(self) -> int:
-        """Number of publications that were dropped because they were not taken in time."""
-        return sum(subscription.dropped for subscription in self._subscriptions)
+    def dropped(self) -> dict[Stream, int]:
+        """Number of publications of each stream that were dropped because they were not taken in time."""
+        found: dict[Stream, int] = {}
+        for subscription in self._subscriptions:
+            for key, dropped in subscription.dropped_keys.items():
+                if (stream := stream_of_key(key)) is not None:
+                    found[stream] = found.get(stream, 0) + dropped
+        return found
 
     def close(self) -> None:
         """End the subscriptions."""

@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+from enum import Enum, auto
+from typing import Final
+
 from beatrix_zenoh.client.request import Place
 
-FAR_NS = 2_000_000_000
-"""A larger difference between sample time and arrival shows a restart of the robot's computer (ns)."""
+LATE_NS: Final = 2_000_000_000
+"""A publication that arrives so long after its time (ns) is late, or the clock of the robot has jumped."""
+LATEST_NS: Final = 120_000_000_000
+"""The queues of network and recorder hold publications for at most about this time (ns)."""
+
+
+class Delay(Enum):
+    """How the time of a publication relates to its arrival."""
+
+    NONE = auto()
+    """less than 2 s before or after it"""
+    LATE = auto()
+    """the publication was under way for more than 2 s, for example because a computer was busy"""
+    IMPOSSIBLE = auto()
+    """the time is in the future, or older than any queue can make it"""
 
 
 class Timebase:
@@ -48,6 +64,9 @@ class Timebase:
         """Convert a time of our monotonic clock to our wall clock."""
         return mono_ns + self._anchor_ns
 
-    def fits(self, place: Place, mono_ns: int, arrived_ns: int) -> bool:
-        """Return whether a sample's time is plausible for its arrival (our monotonic clock)."""
-        return abs(mono_ns - self._offsets[place][0] - arrived_ns) < FAR_NS
+    def delay(self, place: Place, mono_ns: int, arrived_ns: int) -> Delay:
+        """Return how the time of a publication relates to its arrival (our monotonic clock); the offset must be known."""
+        delay_ns = arrived_ns - (mono_ns - self._offsets[place][0])
+        if -LATE_NS < delay_ns < LATE_NS:
+            return Delay.NONE
+        return Delay.LATE if LATE_NS <= delay_ns <= LATEST_NS else Delay.IMPOSSIBLE

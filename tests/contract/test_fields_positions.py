@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import statistics
 import time
@@ -164,6 +165,15 @@ def test_seq_counts_publications_and_a_query_returns_the_newest(robot: Robot) ->
     numbers = [at.seq for at in one_second(positions)]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert set(queried) <= set(numbers)
+
+
+def test_a_publication_repeats_a_time_stamp_only_with_the_mark(robot: Robot) -> None:
+    samples = one_second(published_positions(robot))
+    for before, at in itertools.pairwise(samples):
+        assert at.repeated == (at.t_mono_ns == before.t_mono_ns)
+        if at.repeated:
+            assert (at.t_wall_ns, at.steps) == (before.t_wall_ns, before.steps)
+    assert not ask_positions(robot).repeated
 
 
 @pytest.mark.measures_time

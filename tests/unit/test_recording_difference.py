@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.recording.difference import GRID_NS, WAITING, AngleDifference, Difference
-from beatrix_zenoh.recording.timebase import Timebase
+from beatrix_zenoh.recording.timebase import Delay, Timebase
 
 MS = 1_000_000
 BEA = ("bea", "sim")
@@ -85,11 +85,29 @@ def test_a_much_less_accurate_offset_does_not_replace_an_accurate_one_at_once() 
     assert timebase.time_ns(BEA, 0) == -9 * MS
 
 
-def test_a_restarted_clock_is_detected() -> None:
+@pytest.mark.parametrize(
+    ("mono_ms", "arrived_ms", "delay"),
+    [
+        (1_100, 1_002, Delay.NONE),
+        (2_900, 1_002, Delay.NONE),
+        (1_100, 3_500, Delay.LATE),
+        (1_100, 61_000, Delay.LATE),
+        (1_100, 500_000, Delay.IMPOSSIBLE),
+        (9_000, 1_002, Delay.IMPOSSIBLE),
+        (-(2**63) // MS, 1_002, Delay.IMPOSSIBLE),
+    ],
+)
+def test_late_times_are_told_apart_from_impossible_ones(mono_ms: int, arrived_ms: int, delay: Delay) -> None:
+    """A sample of 3 s ago may have waited in a queue; one of the future, or of an hour ago, shows another clock."""
+    timebase = Timebase(0, 0)
+    timebase.learn(BEA, 100 * MS, 1 * MS)
+    assert timebase.delay(BEA, mono_ms * MS, arrived_ms * MS) is delay
+
+
+def test_an_offset_is_known_until_it_is_forgotten() -> None:
     timebase = Timebase(0, 0)
     assert not timebase.knows(BEA)
     timebase.learn(BEA, 100 * MS, 1 * MS)
-    assert timebase.fits(BEA, mono_ns=1_100 * MS, arrived_ns=1_002 * MS)
-    assert not timebase.fits(BEA, mono_ns=5 * MS, arrived_ns=9_000 * MS)
+    assert timebase.knows(BEA)
     timebase.forget(BEA)
     assert not timebase.knows(BEA)

@@ -58,7 +58,9 @@ def rows_of_robot() -> RobotRows:
 def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     published = msgspec.structs.replace(positions(math.pi / 6), seq=9)
     rows = {row.path: row for row in rows_of_robot.positions(published, NOW_NS) if isinstance(row, Numbers)}
-    assert set(rows) == {f"bea/hw/{what}" for what in ("arms", "commanded", "head", "velocity", "seq")}
+    assert set(rows) == {
+        f"bea/hw/{what}" for what in ("arms", "commanded", "head", "velocity", "seq", "repeats")
+    }
     assert rows["bea/hw/arms"].values == pytest.approx((30.0, 30.0, 30.0))
     assert rows["bea/hw/commanded"].values == pytest.approx(tuple(math.degrees(x) for x in (0.1, 0.2, 0.3)))
     assert rows["bea/hw/head"].values == pytest.approx((30.0, 0.0, 0.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -16,11 +17,13 @@ from beatrix_zenoh._generated.messages import Head, Positions, Status, Steps, Ve
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.recording_thread import WAITING, RecordingThread
+from beatrix_zenoh.recording.recording_thread import RecordingThread
 from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
+from beatrix_zenoh.recording.timed_arrivals import WAITING
 
 BEA = ("bea", "hw")
 ZERO = Vector3(0.0, 0.0, 0.0)
@@ -33,7 +36,7 @@ class FakeSubscriptions:
 
     def __init__(self) -> None:
         self.arrivals: deque[Arrival[Value]] = deque()
-        self.dropped = 0
+        self.dropped: dict[Stream, int] = {}
 
     def take(self) -> list[Arrival[Value]]:
         return [self.arrivals.popleft() for _ in range(len(self.arrivals))]
@@ -114,10 +117,14 @@ def rig() -> Iterator[Rig]:
     made.thread.close()
 
 
+numbers = itertools.count()
+"""Sequence numbers of positions."""
+
+
 def positions(ahead_ns: int = AHEAD_NS) -> Positions:
     """Return positions of this moment, with the time stamp of a clock that is ahead by `ahead_ns`."""
     return Positions(
-        seq=0,
+        seq=next(numbers),
         t_mono_ns=time.monotonic_ns() + ahead_ns,
         t_wall_ns=7,
         position=ZERO,
@@ -162,22 +169,23 @@ def test_the_clock_offset_is_requested_again_after_a_restart_of_the_computer(rig
 
 
 def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
-    rig.subscriptions.dropped = 12
+    rig.subscriptions.dropped = {(BEA, POSITIONS): 12}
     until(lambda: bool(rig.messages), "the message")
     assert rig.messages == [
-        "12 publications were dropped so far: they arrive faster than this computer writes them."
+        "So far: bea (hw): 12 of 12 positions were dropped here: this computer was too slow."
     ]
     recorded = {row.path: row for row in rig.output.rows}
-    line, count = recorded["_recorder/log"], recorded["_recorder/dropped"]
+    line, count, lost = (recorded[f"_recorder/{what}"] for what in ("log", "dropped", "lost"))
     assert isinstance(line, Line)
     assert isinstance(count, Numbers)
-    assert count.values == (12.0,)
+    assert isinstance(lost, Numbers)
+    assert (count.values, lost.values) == ((12.0,), (0.0,))
 
 
 def test_publications_without_a_known_clock_offset_are_bounded(rig: Rig) -> None:
     for _ in range(WAITING + 20):
         rig.subscriptions.publish(positions())
-    until(lambda: rig.thread.dropped == 20, "the oldest are counted")
+    until(lambda: total(rig.thread.counts).dropped == 20, "the oldest are counted")
     rig.answer(AHEAD_NS)
     until(lambda: len(rig.arms()) == WAITING, "the newest are written")
 
@@ -196,10 +204,61 @@ def test_only_publications_with_impossible_time_stamps_are_dropped(
     rig.subscriptions.publish(forged)
     rig.subscriptions.publish(positions())
     until(lambda: len(rig.arms()) == 2, "the correct one is written at once")
-    assert rig.thread.dropped == 1
+    assert total(rig.thread.counts).impossible == 1
     assert rig.queries.requests == []
     until(lambda: bool(rig.messages), "the message")
     assert "impossible time stamps" in rig.messages[0]
+
+
+def test_samples_that_the_network_lost_are_counted_and_named(rig: Rig) -> None:
+    """Every tenth of 200 samples is left out, as a bad network would."""
+    rig.answer(AHEAD_NS)
+    for i in range(200):
+        sample = positions()
+        if i % 10 != 5:
+            rig.subscriptions.publish(sample)
+    until(lambda: len(rig.arms()) == 180, "the others are written")
+    (lost,) = rig.thread.counts.values()
+    assert (lost.published, lost.lost, lost.dropped) == (200, 20, 0)
+    until(lambda: bool(rig.messages), "the message")
+    assert rig.messages[0] == "So far: bea (hw): 20 of 200 positions were lost on the network."
+    written = {row.path: row for row in rig.output.rows}["_recorder/lost"]
+    assert isinstance(written, Numbers)
+    assert written.values == (20.0,)
+
+
+def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
+    rig.answer(AHEAD_NS)
+    rig.subscriptions.publish(positions())
+    until(lambda: len(rig.arms()) == 1, "the robot is known")
+    for _ in range(2):
+        rig.subscriptions.publish(positions(AHEAD_NS - 3_000_000_000))  # under way for 3 s
+    until(lambda: len(rig.queries.requests) == 1, "the clock offset is measured again")
+    rig.answer(AHEAD_NS)
+    until(lambda: len(rig.arms()) == 3, "late samples are written")
+    assert rig.arms()[1].time_ns - rig.arms()[0].time_ns < -2_000_000_000
+    assert total(rig.thread.counts).late == 2
+    assert total(rig.thread.counts).unwritten == 0
+    until(lambda: bool(rig.messages), "the message")
+    assert "2 of 3 positions arrived more than 2 s late" in rig.messages[0]
+
+
+def test_repeated_positions_are_counted_and_not_written_twice(rig: Rig) -> None:
+    rig.answer(AHEAD_NS)
+    first = positions()
+    for sample in (
+        first,
+        msgspec.structs.replace(positions(), t_mono_ns=first.t_mono_ns, repeated=True),
+        positions(),
+    ):
+        rig.subscriptions.publish(sample)
+    until(lambda: len(rig.arms()) == 2, "two samples are written")
+    repeats = [
+        row.values for row in rig.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/repeats"
+    ]
+    assert repeats == [(0.0,), (1.0,)]
+    (one,) = rig.thread.counts.values()
+    assert (one.received, one.repeated, one.lost) == (3, 1, 0)
 
 
 def test_a_robot_that_publishes_no_positions_is_recorded_as_lost(rig: Rig) -> None:

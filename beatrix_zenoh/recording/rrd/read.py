@@ -117,13 +117,13 @@ def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
 def _samples(columns: Columns, root: str) -> Samples:
     """Return the complete samples of one robot; incomplete ones are left out.
 
-    A node without new telemetry publishes the same time stamp twice: both are samples.
+    In files of earlier versions, a node without new telemetry makes two samples of the same time stamp.
     """
     arms, commanded, head = (columns[f"{root}/{what}", SCALARS] for what in ("arms", "commanded", "head"))
     values = [_at(column, arms) for column in (commanded, head)]
     whole = ~np.isnan(np.hstack(values)).any(axis=1)
-    measured, velocity, numbers = (
-        columns.get((f"{root}/{what}", SCALARS)) for what in ("head_measured", "velocity", "seq")
+    measured, velocity, numbers, repeats = (
+        columns.get((f"{root}/{what}", SCALARS)) for what in ("head_measured", "velocity", "seq", "repeats")
     )
     return Samples(
         arms.time_ns[whole],
@@ -134,6 +134,7 @@ def _samples(columns: Columns, root: str) -> Samples:
         None if measured is None else _at(measured, arms)[whole],
         np.full_like(values[0], np.nan)[whole] if velocity is None else _at(velocity, arms)[whole],
         None if numbers is None else np.nan_to_num(_at(numbers, arms)[whole, 0], nan=-1).astype(np.int64),
+        None if repeats is None else np.nan_to_num(_at(repeats, arms)[whole, 0]).astype(np.int64),
     )
 
 

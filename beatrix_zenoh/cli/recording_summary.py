@@ -1,0 +1,56 @@
+"""The summary at the end of `beatrix record`."""
+
+from __future__ import annotations
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
+from beatrix_zenoh.recording.file_output import FileOutput
+from beatrix_zenoh.recording.losses import Count, sentences, total
+from beatrix_zenoh.recording.recorder import Recorder
+
+
+def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
+    """Print a summary of the recording, and return the exit code."""
+    robots = [f"{name} ({twin})" for name, twin in recorder.robots]
+    good, counts = bool(robots) and not output.full, recorder.counts
+    whole = total(counts)
+    if as_json:
+        print_json({
+            "result": good,
+            "files": [str(path) for path in output.files],
+            "robots": robots,
+            "seconds": round(lasted_s, 2),
+            "positions": recorder.samples,
+            **outcome(whole),
+            "streams": [
+                {"robot": name, "on": twin, "stream": what, "published": one.published, **outcome(one)}
+                for ((name, twin), what), one in counts.items()
+            ],
+            "bytes": output.bytes,
+        })  # fmt: skip
+    elif robots:
+        files = ", ".join(map(str, output.files))
+        for text in sentences(counts):
+            note(text)
+        say(
+            f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(whole)}, "
+            f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
+        )
+    else:
+        note("No robot was on line: the recording is empty. `beatrix ls` shows the robots on line.")
+    if not robots:
+        return exit_code(Reason.NO_ANSWER)
+    return 0 if good else FAILED
+
+
+def outcome(one: Count) -> dict[str, int]:
+    """Return what became of publications, as data."""
+    return {"lost": one.lost, "dropped": one.unwritten, "late": one.late, "repeated": one.repeated}
+
+
+def missing(one: Count) -> str:
+    """Return how many publications the recording lacks, in words."""
+    words = [f"{one.lost} lost on the network"] * bool(one.lost) + [f"{one.unwritten} dropped"] * bool(
+        one.unwritten
+    )
+    return " and ".join(words) or "nothing dropped"

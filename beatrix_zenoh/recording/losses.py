@@ -1,0 +1,184 @@
+"""Counts the publications of each robot and stream: received, lost on the way, dropped here, late."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Final
+
+from beatrix_zenoh import names
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Event, Positions, Status
+from beatrix_zenoh.client.camera import CameraImage
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.samples import NUMBERS
+
+POSITIONS: Final = "positions"
+EVENTS: Final = "events"
+STATES: Final = "states"
+_KINDS: Final = {"positions": POSITIONS, "events": EVENTS, "status": STATES}
+
+Stream = tuple[Place, str]
+"""A robot, and one kind of its publications, as in sentences: `positions`, `events`, `pictures of the left eye`."""
+
+
+@dataclass(frozen=True)
+class Count:
+    """The publications of one stream since its first one that was received."""
+
+    received: int = 0
+    """publications that this recorder has received and read"""
+    lost: int = 0
+    """numbers that are missing although no queue of this recorder dropped them"""
+    dropped: int = 0
+    """publications that arrived and were dropped, because this computer was too slow"""
+    impossible: int = 0
+    """received publications that were left out: their time stamps cannot be right"""
+    late: int = 0
+    """received publications that arrived more than 2 s after the time in their stamps"""
+    repeated: int = 0
+    """received positions that repeat those before them, because the node had no new telemetry"""
+
+    @property
+    def published(self) -> int:
+        """Number of publications that the robot has made since the first one that was received."""
+        return self.received + self.lost + self.dropped
+
+    @property
+    def unwritten(self) -> int:
+        """Number of publications that this recorder left out."""
+        return self.dropped + self.impossible
+
+    def __add__(self, other: Count) -> Count:
+        return Count(*(getattr(self, one.name) + getattr(other, one.name) for one in fields(self)))
+
+
+@dataclass
+class _Tally:
+    """The changing counts of one stream."""
+
+    last: int | None = None
+    """newest sequence number; None: none yet, or the node was restarted"""
+    received: int = 0
+    missing: int = 0
+    overflowed: int = 0
+    impossible: int = 0
+    late: int = 0
+    repeated: int = 0
+
+
+class Losses:
+    """Finds missing sequence numbers, and counts what happened to the publications of each stream.
+
+    A subscription that begins late misses nothing: counting begins with the first number. Numbers of a node that was
+    restarted begin again, and a uint32 begins again at 0; neither is a loss.
+    """
+
+    def __init__(self) -> None:
+        self._tallies: defaultdict[Stream, _Tally] = defaultdict(_Tally)
+
+    def received(self, stream: Stream, seq: int | None) -> None:
+        """Count a publication that was received; `seq` is None if publications of this kind have no number."""
+        tally = self._tallies[stream]
+        tally.received += 1
+        if seq is None:
+            return
+        if tally.last is not None:
+            step = (seq - tally.last) % NUMBERS
+            if step >= NUMBERS // 2:
+                self._restart(stream)
+            elif step:
+                tally.missing += step - 1
+        tally.last = seq
+
+    def _restart(self, stream: Stream) -> None:
+        """Begin again with all numbers of a robot whose node was restarted, which its positions show first."""
+        if stream[1] == POSITIONS:
+            for (place, _), tally in self._tallies.items():
+                if place == stream[0]:
+                    tally.last = None
+
+    def overflowed(self, stream: Stream) -> None:
+        """Count a received publication that was dropped while the robot's clock offset was unknown."""
+        self._tallies[stream].overflowed += 1
+
+    def impossible(self, stream: Stream) -> None:
+        """Count a received publication that was left out because its time stamps cannot be right."""
+        self._tallies[stream].impossible += 1
+
+    def late(self, stream: Stream) -> None:
+        """Count a received publication that is more than 2 s old."""
+        self._tallies[stream].late += 1
+
+    def repeated(self, stream: Stream) -> None:
+        """Count received positions that repeat those before them."""
+        self._tallies[stream].repeated += 1
+
+    def counts(self, dropped: Mapping[Stream, int]) -> dict[Stream, Count]:
+        """Return the counts of each stream; `dropped`: publications that the subscriptions have dropped."""
+        return {
+            stream: count(self._tallies.get(stream, _Tally()), dropped.get(stream, 0))
+            for stream in sorted({*self._tallies, *dropped})
+        }
+
+
+def count(tally: _Tally, dropped: int) -> Count:
+    """Return the counts of a stream; what the subscription has dropped was not lost on the way."""
+    return Count(
+        tally.received - tally.overflowed,
+        max(0, tally.missing - dropped),
+        dropped + tally.overflowed,
+        tally.impossible,
+        tally.late,
+        tally.repeated,
+    )
+
+
+def stream_of(place: Place, value: Positions | Status | Event | CameraImage) -> Stream:
+    """Return the stream of a publication."""
+    match value:
+        case Positions():
+            return place, POSITIONS
+        case Event():
+            return place, EVENTS
+        case CameraImage():
+            return place, pictures_of(value.eye)
+    return place, STATES
+
+
+def stream_of_key(key: str) -> Stream | None:
+    """Return the stream of a publication's key; None: the recorder does not subscribe to such keys."""
+    parts = keys.parse(key)
+    what = "" if parts is None else {**_KINDS, "camera": pictures_of(parts.eye)}.get(parts.row, "")
+    return ((parts.robot, parts.twin), what) if parts is not None and what else None
+
+
+def pictures_of(eye: str) -> str:
+    """Return the kind of a camera's publications."""
+    return f"pictures of the {names.view_title(eye)}"
+
+
+def seq_of(value: Positions | Status | Event | CameraImage) -> int | None:
+    """Return the sequence number of a publication; None: it has none."""
+    return None if isinstance(value, Status) else value.seq
+
+
+def total(counts: Mapping[Stream, Count]) -> Count:
+    """Return the sum of all streams."""
+    return sum(counts.values(), Count())
+
+
+def sentences(counts: Mapping[Stream, Count]) -> Iterator[str]:
+    """Yield a sentence for each stream and each cause for which publications are missing or late."""
+    for (place, what), one in counts.items():
+        robot = f"{place[0]} ({place[1]})"
+        if one.lost:
+            cause = " or left out by a router that limits pictures" if what not in (POSITIONS, EVENTS) else ""
+            yield f"{robot}: {one.lost} of {one.published} {what} were lost on the network{cause}."
+        if one.dropped:
+            yield f"{robot}: {one.dropped} of {one.published} {what} were dropped here: this computer was too slow."
+        if one.impossible:
+            yield f"{robot}: {one.impossible} of {one.published} {what} have impossible time stamps and were left out."
+        if one.late:
+            yield f"{robot}: {one.late} of {one.published} {what} arrived more than 2 s late; they have their true times."

@@ -1,0 +1,138 @@
+"""Missing sequence numbers: each true loss is counted once, and nothing else is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh.recording.losses import (
+    EVENTS,
+    POSITIONS,
+    Count,
+    Losses,
+    Stream,
+    pictures_of,
+    sentences,
+    stream_of_key,
+    total,
+)
+from beatrix_zenoh.recording.samples import NUMBERS, Samples
+
+BEA = ("bea", "hw")
+ARMS: Stream = (BEA, POSITIONS)
+NONE = np.empty((0, 3))
+
+
+def counted(*seqs: int, dropped: int = 0) -> Count:
+    """Return the counts after positions with these numbers."""
+    losses = Losses()
+    for seq in seqs:
+        losses.received(ARMS, seq)
+    return losses.counts({ARMS: dropped})[ARMS]
+
+
+def lost_in_file(*seqs: int, repeats: tuple[int, ...] | None = None) -> int | None:
+    """Return the losses that a reader of a file finds in these numbers."""
+    numbers = np.array(seqs, dtype=np.int64)
+    again = np.zeros(len(seqs), np.int64) if repeats is None else np.array(repeats, dtype=np.int64)
+    return Samples(numbers, numbers, NONE, NONE, NONE, None, NONE, numbers, again).lost
+
+
+@given(
+    first=st.integers(0, NUMBERS - 1),
+    arrives=st.lists(st.booleans(), max_size=60),
+)
+def test_each_missing_number_is_one_loss(first: int, arrives: list[bool]) -> None:
+    """The numbers may pass the largest uint32; those before the first and after the last arrival are unknown."""
+    seqs = [(first + i) % NUMBERS for i, there in enumerate([True, *arrives, True]) if there]
+    missing = arrives.count(False)
+    assert counted(*seqs).lost == missing
+    assert counted(*seqs).published == len(arrives) + 2
+    assert lost_in_file(*seqs) == missing
+
+
+@given(st.lists(st.sampled_from(["arrives", "lost", "dropped here"]), max_size=60))
+def test_what_our_queues_drop_is_not_lost_on_the_way(fates: list[str]) -> None:
+    fates = ["arrives", *fates, "arrives"]
+    found = counted(
+        *(i for i, fate in enumerate(fates) if fate == "arrives"), dropped=fates.count("dropped here")
+    )
+    assert (found.lost, found.dropped) == (fates.count("lost"), fates.count("dropped here"))
+    assert found.published == len(fates)
+
+
+@pytest.mark.parametrize(
+    ("seqs", "lost"),
+    [
+        ((), 0),
+        ((7,), 0),
+        ((700, 701, 702), 0),
+        ((5, 6, 0, 1, 2), 0),
+        ((5, 6, 1, 2), 0),
+        ((5, 6, 3, 4, 6), 1),
+        ((5, 5, 6), 0),
+        ((NUMBERS - 1, 0, 1), 0),
+        ((NUMBERS - 2, 1), 2),
+        ((1, 4, 5, 9), 5),
+    ],
+)
+def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
+    assert total({ARMS: counted(*seqs)} if seqs else {}).lost == lost
+    assert lost_in_file(*seqs) == lost
+
+
+def test_a_restart_of_a_node_begins_all_its_numbers_again() -> None:
+    """After the restart this recorder hears event 9 first: those before it were published before it was subscribed."""
+    losses, events = Losses(), (BEA, EVENTS)
+    losses.received(ARMS, 100)
+    losses.received(events, 5)
+    losses.received(ARMS, 1)
+    losses.received(events, 9)
+    losses.received(events, 11)
+    assert [one.lost for one in losses.counts({}).values()] == [1, 0]
+
+
+def test_streams_and_robots_are_counted_apart() -> None:
+    losses = Losses()
+    for stream, seqs in (
+        (ARMS, (1, 2, 5)),
+        ((("bea", "sim"), POSITIONS), (1, 2, 3)),
+        ((BEA, EVENTS), (1, 3)),
+        ((BEA, pictures_of("left")), (1, 3)),
+    ):
+        for seq in seqs:
+            losses.received(stream, seq)
+    assert list(sentences(losses.counts({ARMS: 1}))) == [
+        "bea (hw): 1 of 3 events were lost on the network.",
+        "bea (hw): 1 of 3 pictures of the left eye were lost on the network or left out by a router that limits pictures.",
+        "bea (hw): 1 of 5 positions were lost on the network.",
+        "bea (hw): 1 of 5 positions were dropped here: this computer was too slow.",
+    ]
+
+
+def test_a_repeated_sample_is_no_loss_for_a_reader_of_the_file() -> None:
+    assert lost_in_file(1, 4, 5, repeats=(0, 2, 0)) == 0
+    assert lost_in_file(1, 5, 6, repeats=(0, 2, 0)) == 1
+
+
+def test_a_file_of_an_earlier_version_has_unknown_losses() -> None:
+    assert lost_in_file(1, -1) is None
+    assert (
+        Samples(np.empty(0, np.int64), np.empty(0, np.int64), NONE, NONE, NONE, None, NONE, None).lost is None
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "what"),
+    [
+        (keys.positions("bea", "hw"), POSITIONS),
+        (keys.events("bea", "hw"), EVENTS),
+        (keys.camera("bea", "hw", "left"), "pictures of the left eye"),
+    ],
+)
+def test_each_key_has_its_stream(key: str, what: str) -> None:
+    assert stream_of_key(key) == (BEA, what)
+    assert stream_of_key(keys.info("bea", "hw")) is None
