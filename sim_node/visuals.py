@@ -13,6 +13,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
+from beatrix_zenoh import colours
 from beatrix_zenoh._generated.robot import RobotData
 from sim_node.shapes import Shape, Vector, internal_gear, superellipsoid, twisted_rod
 
@@ -56,13 +57,10 @@ _COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "trim": (0.30, 0.34, 0.39),
     "cheek": (0.95, 0.62, 0.56),
     "rod": (0.98, 0.78, 0.12),
-    "short": (0.86, 0.24, 0.21),
-    "middle": (0.20, 0.65, 0.36),
-    "long": (0.18, 0.42, 0.82),
     "metal": (0.66, 0.68, 0.70),
     "motor": (0.30, 0.31, 0.34),
     "base": (0.24, 0.27, 0.31),
-}
+} | {name: (red / 255, green / 255, blue / 255) for name, (red, green, blue) in colours.ARMS.items()}
 
 
 def ring_height(index: int) -> float:
@@ -73,10 +71,10 @@ def ring_height(index: int) -> float:
 class VisualGeoms:
     """Adds visual geoms to the bodies of a model."""
 
-    def __init__(self, spec: mujoco.MjSpec, colours: Mapping[str, tuple[float, float, float]]) -> None:
-        """Add a material for each of these colours: red, green, blue from 0 to 1."""
+    def __init__(self, spec: mujoco.MjSpec, materials: Mapping[str, tuple[float, float, float]]) -> None:
+        """Add a material of each of these colours: red, green, blue from 0 to 1."""
         self._spec = spec
-        for name, colour in colours.items():
+        for name, colour in materials.items():
             glossy = name in _GLOSSY
             spec.add_material(
                 name=name,

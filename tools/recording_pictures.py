@@ -19,7 +19,7 @@ from bench_node import ROOT, Served
 from PIL import Image
 
 from beatrix_zenoh import Interrupted, Refused, Twin
-from beatrix_zenoh.recording.rrd.picture import TABS, pictures
+from beatrix_zenoh.recording.rrd.picture import FILES, pictures
 
 NAME = "bea1"
 LARGEST = 300_000
@@ -80,7 +80,7 @@ def main() -> None:
         for process in reversed(served):
             process.end()
         drawn = pictures(path, [(0, lead), (1, lead), (2, end), (3, end)])
-    for name, png in zip(TABS, drawn, strict=True):
+    for name, png in zip(FILES, drawn, strict=True):
         (folder / f"recording-{name}.png").write_bytes(small(png))
 
 

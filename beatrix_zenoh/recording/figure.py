@@ -14,13 +14,12 @@ from typing import Final
 
 from beatrix_zenoh._generated.messages import GeometryInfo
 from beatrix_zenoh._generated.robot import ROBOT, Geometry, Head
+from beatrix_zenoh.colours import ARMS, Colour
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation, Vector, cross, dot
 
-ARMS: Final = ("short", "middle", "long")
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w"""
-Colour = tuple[int, int, int]
 
 SHELL: Final = (237, 235, 227)
 VISOR: Final = (33, 41, 51)
@@ -31,8 +30,6 @@ TRIM: Final = (76, 87, 99)
 ROD: Final = (250, 199, 31)
 METAL: Final = (168, 173, 179)
 BASE: Final = (61, 69, 79)
-ARM_COLOURS: Final = {"short": (219, 61, 54), "middle": (51, 166, 92), "long": (46, 107, 209)}
-"""Colours of the arms in 3D views and plots, as in the simulation."""
 
 # Lengths in m.
 RING_RADIUS: Final = 0.046
@@ -144,7 +141,7 @@ class Figure:
     def _arms(self) -> list[Body]:
         reach, bodies = self._size.arm_length, []
         for index, (name, azimuth, elbow) in enumerate(zip(ARMS, self._azimuths, self.elbows, strict=True)):
-            colour, height = ARM_COLOURS[name], -0.068 - 0.019 * index
+            colour, height = ARMS[name], -0.068 - 0.019 * index
             solids = [
                 cylinder((0.0, 0.0, height), (0.0, 0.0, 1.0), RING_RADIUS, RING_HEIGHT, colour),
                 *bar(

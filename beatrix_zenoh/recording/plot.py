@@ -9,15 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from beatrix_zenoh.client.readings import Path
+from beatrix_zenoh.colours import ALL, hexadecimal
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.series import ARMS, AXES, Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS = ("#d55e00", "#009e73", "#0072b2")
-"""Vermilion, green and blue of Okabe and Ito, distinguishable with colour blindness; close to those of the simulated
-arms."""
 NAMES = ("arms", "head")
 WIDTH_IN = 10.0
 
@@ -28,8 +26,8 @@ def path_figure(path: Path) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)
     for panel, name, part in zip(panels, NAMES, (slice(0, 3), slice(3, 6)), strict=True):
-        for column, colour, axis in zip(angles[:, part].T, COLOURS, AXES[part], strict=True):
-            panel.plot(path.t, column, color=colour, label=axis)
+        for column, axis in zip(angles[:, part].T, AXES[part], strict=True):
+            panel.plot(path.t, column, color=hexadecimal(ALL[axis]), label=axis)
         label_panel(panel, f"{name} (°)")
     panels[-1].set_xlabel("time (s)")
     return figure
@@ -44,7 +42,8 @@ def twin_figure(found: Comparison, title: str) -> Figure:
     for panel, name, part in ((arms, "arms", slice(0, 3)), (head, "head", slice(3, 6))):
         draw_both(panel, t, found.first[:, part], found.second[:, part], AXES[part])
         label_panel(panel, f"{name} (°)")
-    for i, (colour, arm) in enumerate(zip(COLOURS, ARMS, strict=True)):
+    for i, arm in enumerate(ARMS):
+        colour = hexadecimal(ALL[arm])
         apart.plot(t, found.second[:, i] - found.first[:, i], color=colour, linewidth=3, alpha=0.3)
         apart.plot(t, found.second_after[:, i] - found.first[:, i], color=colour, linewidth=1, label=arm)
     label_panel(apart, "hardware - simulation (°)")
@@ -56,10 +55,10 @@ def twin_figure(found: Comparison, title: str) -> Figure:
 
 def draw_both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
     """Draw the curves of the second wide and pale and those of the first thin on top, so that both remain visible."""
-    for column, colour in zip(second.T, COLOURS, strict=True):
-        panel.plot(t, column, color=colour, linewidth=6, alpha=0.3, solid_capstyle="round")
-    for column, colour, name in zip(first.T, COLOURS, names, strict=True):
-        panel.plot(t, column, color=colour, linewidth=1.2, label=name)
+    for column, name in zip(second.T, names, strict=True):
+        panel.plot(t, column, color=hexadecimal(ALL[name]), linewidth=6, alpha=0.3, solid_capstyle="round")
+    for column, name in zip(first.T, names, strict=True):
+        panel.plot(t, column, color=hexadecimal(ALL[name]), linewidth=1.2, label=name)
 
 
 def label_panel(panel: Axes, label: str) -> None:

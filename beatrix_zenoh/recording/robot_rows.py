@@ -24,7 +24,7 @@ from beatrix_zenoh.codec import encode_json
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
-from beatrix_zenoh.sentences.events import sentence
+from beatrix_zenoh.sentences.plain import plain_sentence
 
 STILL: Final = 5e-5
 """If all components of a quaternion change by at most this (0.006 deg), there is no new row."""
@@ -115,7 +115,7 @@ class RobotRows:
     def event(self, event: Event, time_ns: int) -> Iterator[Row]:
         """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
-        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {sentence(event)}"
+        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {plain_sentence(event)}"
         yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event), encode_json(event).decode())
         if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
             self._stopped = True

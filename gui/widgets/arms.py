@@ -5,6 +5,7 @@ from __future__ import annotations
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
+from beatrix_zenoh import colours
 from gui.state.intents import ALL_ARMS, ARMS, SetIncrement, SetRelative, SetSpeed
 from gui.state.views import ArmRowView, ArmsView
 from gui.texts import Texts
@@ -19,9 +20,12 @@ LEAST_SPEED = 1.0
 class ArmRow:
     """The controls of one arm, put into a grid."""
 
-    def __init__(self, grid: QGridLayout, row: int) -> None:
+    def __init__(self, grid: QGridLayout, row: int, arm: str) -> None:
         self._view: ArmRowView | None = None
         self.title = label()
+        if arm in colours.ARMS:
+            colour = colours.hexadecimal(colours.ARMS[arm])
+            self.title.setStyleSheet(f"border-left: 4px solid {colour}; padding-left: 4px")
         self.minus, self.plus = IntentButton(), IntentButton()
         self.sim, self.hw = label(role="sim"), label(role="hw")
         for column, widget in enumerate((self.title, self.minus, self.plus, self.sim, self.hw)):
@@ -70,7 +74,7 @@ class Arms(QFrame):
         for column, twin in ((3, "sim"), (4, "hw")):
             grid.addWidget(self._caption(texts(f"label.column_{twin}"), twin), 0, column)
             grid.setColumnStretch(column, 1)
-        self.rows = {arm: ArmRow(grid, row) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
+        self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
         for row in self.rows.values():
             row.minus.intent.connect(self.intent)
             row.plus.intent.connect(self.intent)

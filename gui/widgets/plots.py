@@ -14,6 +14,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QColor, QFont, QPen, QShowEvent
 from PyQt5.QtWidgets import QLabel, QStackedLayout, QVBoxLayout, QWidget
 
+from beatrix_zenoh import colours as table
 from beatrix_zenoh.client import RobotState
 from gui.state.intents import ARMS, Theme
 from gui.state.world import World
@@ -205,7 +206,8 @@ class Plots(QWidget):
         self.arms = [
             Curves(
                 column,
-                texts(f"label.plot_{arm}"),
+                f"<span style='color:{table.hexadecimal(table.ARMS[arm])}'>●</span> "
+                + texts(f"label.plot_{arm}"),
                 LEAST_ARM_DEG,
                 twins if arm == ARMS[0] else dict.fromkeys(twins, ""),
             )
@@ -272,5 +274,9 @@ class Plots(QWidget):
         for curves in self.arms:
             curves.show_theme(pens, colours)
         self.difference.show_theme(
-            [pg.mkPen(colours.text, width=thin, style=style) for style in STYLES], colours
+            [
+                pg.mkPen(table.hexadecimal(table.ARMS[arm]), width=thin, style=style)
+                for arm, style in zip(ARMS, STYLES, strict=True)
+            ],
+            colours,
         )

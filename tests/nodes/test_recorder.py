@@ -107,7 +107,7 @@ def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
 def test_every_view_of_the_recording_has_something_to_draw(lesson: Lesson) -> None:
     tabs = tabs_of(lesson.path)
     assert {name: len(tab.views) for name, tab in tabs.items()} == {
-        "overlay": 1, "side by side": 6, "plots": 4, "log and states": 2
+        "Overlay": 1, "Side by side": 6, "Plots": 4, "Log": 2
     }  # fmt: skip
     for tab in tabs.values():
         assert all(view.draws for view in tab.views), tab
@@ -146,8 +146,8 @@ def test_the_difference_matches_the_samples(lesson: Lesson) -> None:
 
 def test_requests_refusals_and_stops_are_recorded_as_text(lesson: Lesson) -> None:
     sim, hw = (lesson.recorded.lines[place].texts for place in (SIM, HW))
-    assert any("ana asked look yaw" in text for text in sim)
-    assert any("refused OUT_OF_REACH: The head would tilt 60.0°" in text for text in sim)
+    assert any("ana: look left " in text or "ana: look right " in text for text in sim)
+    assert any("refused: The head would tilt 60.0°" in text for text in sim)
     assert any("stop" in text and "ana" in text for text in hw)
     assert any("ended STOPPED" in text for text in hw)
 

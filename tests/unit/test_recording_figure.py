@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
-from beatrix_zenoh.recording.figure import ARMS, Figure, Form, Quaternion, arc, quaternion, scaled, towards
+from beatrix_zenoh.recording.figure import Figure, Form, Quaternion, arc, quaternion, scaled, towards
 from beatrix_zenoh.recording.samples import Floats
 from sim_node.model import build
 

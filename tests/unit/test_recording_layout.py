@@ -25,6 +25,7 @@ from beatrix_zenoh.recording.rows import (
     of_model,
     of_robot,
 )
+from beatrix_zenoh.recording.rrd.layout import TABS
 from beatrix_zenoh.recording.rrd.stream import Stream
 
 Place = tuple[str, str]
@@ -86,24 +87,28 @@ def shape(part: Box | View) -> object:
 
 def test_the_tabs_are_those_of_the_page(twins: Path) -> None:
     seen = PAGE.read_text(encoding="utf-8").partition("## What you see")[2].partition("\n## ")[0]
-    assert [title.lower() for title in re.findall(r"^\*\*(.+?)\*\*:", seen, re.MULTILINE)] == list(
-        tabs_of(twins)
-    )
+    assert re.findall(r"^\*\*(.+?)\*\*:", seen, re.MULTILINE) == list(TABS) == list(tabs_of(twins))
 
 
 def test_overlay_draws_the_hardware_and_the_simulation_as_a_ghost(twins: Path) -> None:
-    (view,) = tabs_of(twins)["overlay"].views
+    (view,) = tabs_of(twins)["Overlay"].views
     assert (view.kind, view.title) == ("3D", "bea: hardware, and the simulation as a blue ghost")
     assert set(solids(HW, "solid", view.draws)) == set(solids(SIM, "ghost", view.draws)) == bodies()
     assert not list(solids(SIM, "solid", view.draws))
 
 
-def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_the_four_eyes_below(twins: Path) -> None:
-    tab = tabs_of(twins)["side by side"]
-    robots = ["bea: simulation", "bea: hardware"]
-    eyes = [f"{side} eye, {twin}" for twin in ("simulation", "hardware") for side in ("left", "right")]
-    assert shape(tab) == ("horizontal", [("vertical", [("horizontal", robots), ("horizontal", eyes)])])
-    sim, hw, *pictures = tab.views
+def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_it(twins: Path) -> None:
+    tab = tabs_of(twins)["Side by side"]
+    sim_eyes, hw_eyes = (
+        ("vertical", [f"{side} eye, {twin}" for side in ("left", "right")])
+        for twin in ("simulation", "hardware")
+    )
+    assert shape(tab) == (
+        "horizontal",
+        [("horizontal", [sim_eyes, "bea: simulation", "bea: hardware", hw_eyes])],
+    )
+    pictures = [*tab.views[:2], *tab.views[4:]]
+    sim, hw = tab.views[2:4]
     assert (sim.kind, hw.kind, {view.kind for view in pictures}) == ("3D", "3D", {"2D"})
     for view, own in ((sim, SIM), (hw, HW)):
         assert set(solids(own, "solid", view.draws)) == bodies()
@@ -117,14 +122,14 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_the_four_eyes_be
 
 
 def test_side_by_side_without_cameras_has_no_place_for_eyes(tmp_path: Path) -> None:
-    tab = tabs_of(recorded(tmp_path, SIM, HW, pictures=False))["side by side"]
+    tab = tabs_of(recorded(tmp_path, SIM, HW, pictures=False))["Side by side"]
     assert shape(tab) == ("horizontal", [("horizontal", ["bea: simulation", "bea: hardware"])])
 
 
 def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(twins: Path) -> None:
-    tab = tabs_of(twins)["plots"]
+    tab = tabs_of(twins)["Plots"]
     assert shape(tab) == ("horizontal", [("horizontal", [
-        ("vertical", ["arms (°): hardware wide, simulation thin", "head (°): hardware wide, simulation thin"]),
+        ("vertical", ["arms (°): hardware wide, simulation thin and pale", "head (°): hardware wide, simulation thin and pale"]),
         ("vertical", ["arms: hardware − simulation (°)", "head: hardware − simulation (°)"]),
     ])])  # fmt: skip
     assert [set(view.draws) for view in tab.views] == [
@@ -144,7 +149,7 @@ def test_curves_of_the_hardware_are_wide_and_those_of_the_simulation_thin(twins:
 
 
 def test_log_and_states_draw_requests_and_states_of_both_robots(twins: Path) -> None:
-    tab = tabs_of(twins)["log and states"]
+    tab = tabs_of(twins)["Log"]
     assert shape(tab) == ("vertical", ["states", "requests, replies and refusals"])
     states, log = tab.views
     assert (states.kind, set(states.draws)) == ("StateTimeline", {"/bea/sim/state", "/bea/hw/state"})
@@ -154,19 +159,19 @@ def test_log_and_states_draw_requests_and_states_of_both_robots(twins: Path) -> 
 @pytest.mark.parametrize("place", [SIM, HW])
 def test_a_robot_alone_is_drawn_solid_and_without_differences(tmp_path: Path, place: Place) -> None:
     tabs = tabs_of(recorded(tmp_path, place))
-    (overlay,) = tabs["overlay"].views
+    (overlay,) = tabs["Overlay"].views
     assert set(solids(place, "solid", overlay.draws)) == bodies()
-    assert [view.title for view in tabs["plots"].views] == ["arms (°)", "head (°)"]
-    assert len(tabs["side by side"].views) == 3
+    assert [view.title for view in tabs["Plots"].views] == ["arms (°)", "head (°)"]
+    assert len(tabs["Side by side"].views) == 3
 
 
 def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:
     places = [(name, twin) for name in ("bea1", "bea2") for twin in ("sim", "hw")]
     tabs = tabs_of(recorded(tmp_path, *places))
-    for name in ("overlay", "side by side"):
+    for name in ("Overlay", "Side by side"):
         assert tabs[name].kind == "grid"
-    assert tabs["plots"].kind == "tabs"
-    for tab in ("overlay", "side by side", "plots"):
+    assert tabs["Plots"].kind == "tabs"
+    for tab in ("Overlay", "Side by side", "Plots"):
         for name, part in zip(("bea1", "bea2"), tabs[tab].parts, strict=True):
             views = [part] if isinstance(part, View) else part.views
             assert views

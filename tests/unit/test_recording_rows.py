@@ -169,7 +169,7 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
             event(
                 EventKind.MOTION, action="pose", seat="ana", phase=Phase.ACCEPTED, message="Accepted: 1.2 s."
             ),
-            "ana motion pose accepted: Accepted: 1.2 s.",
+            "ana: pose (0.0 s)",
             "INFO",
         ),
         (
@@ -181,19 +181,19 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
                 reason=Reason.ARM_GAP,
                 message="Too close.",
             ),
-            "ana motion pose refused ARM_GAP: Too close.",
+            "ana: pose refused: Too close.",
             "WARN",
         ),
         (
             event(
                 EventKind.MOTION, action="motion", phase=Phase.DONE, reason=Reason.STOPPED, message="Stopped."
             ),
-            "motion ended STOPPED: Stopped.",
+            "unknown seat: Stopped.",
             "INFO",
         ),
         (
             event(EventKind.STOP, action="STOP", seat="ben", message="At rest."),
-            "ben stop STOP: At rest.",
+            "ben: STOP: At rest.",
             "ERROR",
         ),
         (
@@ -205,15 +205,15 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
                 count=3,
                 message="Latched.",
             ),
-            "ana command ENABLE refused EMERGENCY (3 times): Latched.",
+            "ana: enable refused: Latched. (3 times)",
             "WARN",
         ),
         (
             event(EventKind.BOARD, reason=Reason.BOARD_LOST, message="Gone."),
-            "board BOARD_LOST: Gone.",
+            "Gone.",
             "WARN",
         ),
-        (event(EventKind.LOG, action="ERROR", message="Oh."), "log ERROR: Oh.", "ERROR"),
+        (event(EventKind.LOG, action="ERROR", message="Oh."), "Oh.", "ERROR"),
     ],
 )
 def test_each_event_is_converted_to_one_line(

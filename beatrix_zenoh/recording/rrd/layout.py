@@ -1,4 +1,4 @@
-"""The viewer's four tabs: overlay of both twins, both side by side, plots, and log with states."""
+"""The viewer's tabs: overlay of both twins, both side by side, plots, and log with states."""
 
 from __future__ import annotations
 
@@ -12,19 +12,23 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME
-from beatrix_zenoh.recording.rrd.scene import solids_of
+from beatrix_zenoh.recording.rrd.scene import TWINS, solids_of
 
 WINDOW_S: Final = 20.0
-"""Time span of the plots."""
+"""Time span of plots and states."""
 BACKGROUND: Final = (236, 239, 243)
-EYE: Final = (0.46, -0.28, 0.13)
+EYE: Final = (0.437, -0.266, 0.124)
 """Position of the viewpoint (m): in front of the head, to its right."""
+ROBOT_SHARE: Final = 3
+"""Share of the width for a robot, which is tall and narrow, beside EYES_SHARE for the pictures of its eyes."""
+EYES_SHARE: Final = 2
 CENTRE: Final = (0.0, 0.0, 0.005)
-TITLES: Final = {"sim": "simulation", "hw": "hardware"}
+TABS: Final = ("Overlay", "Side by side", "Plots", "Log")
+"""Titles of the tabs, which pages use, too."""
 ARMS_DEG: Final = (-60.0, 60.0)
 HEAD_DEG: Final = (-60.0, 60.0)
 APART_DEG: Final = (-2.0, 2.0)
-STYLES: Final = ": hardware wide, simulation thin"
+STYLES: Final = ": hardware wide, simulation thin and pale"
 
 Part = rrb.Container | rrb.View
 
@@ -36,11 +40,11 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
     plots = [plots_of(shown, name) for name in shown.names]
     return rrb.Blueprint(
         rrb.Tabs(
-            tiled(overlays, "overlay"),
-            tiled(besides, "side by side"),
+            tiled(overlays, TABS[0]),
+            tiled(besides, TABS[1]),
             # The plots of one robot fill a screen, so each of several robots gets a tab of its own.
-            rrb.Tabs(*plots, name="plots") if len(plots) > 1 else tiled(plots, "plots"),
-            rrb.Vertical(states(), log(), row_shares=[2, 3], name="log and states"),
+            rrb.Tabs(*plots, name=TABS[2]) if len(plots) > 1 else tiled(plots, TABS[2]),
+            rrb.Vertical(states(), log(), row_shares=[1, 3], name=TABS[3]),
             active_tab=0,
         ),
         rrb.TimePanel(state="collapsed", timeline=TIME, play_state="following"),
@@ -72,18 +76,18 @@ def overlay(shown: RobotSet, name: str) -> rrb.View:
 
 
 def beside(shown: RobotSet, name: str) -> rrb.Container:
-    """Return views of both twins, and below them the pictures of their eyes."""
-    twins = shown.twins(name)
-    robots = []
-    for place in twins:
+    """Return views of both twins in the middle, and beside each the pictures of its eyes."""
+    columns: list[Part] = []
+    shares = []
+    for place in shown.twins(name):
         contents = [f"+ {path}" for path in solids_of(place, shown.robots[place].bodies, "solid")]
-        robots.append(scene_view("/" + of_robot(place), contents, titled(place)))
-    eyes = [
-        eye_view(place, side) for place in twins if place in shown.with_pictures for side in ("left", "right")
-    ]
-    if not eyes:
-        return rrb.Horizontal(*robots, name=name)
-    return rrb.Vertical(rrb.Horizontal(*robots), rrb.Horizontal(*eyes), row_shares=[3, 2], name=name)
+        columns.append(scene_view("/" + of_robot(place), contents, titled(place)))
+        shares.append(ROBOT_SHARE)
+        if place in shown.with_pictures:
+            outside = 0 if place[1] == "sim" else len(columns)
+            columns.insert(outside, rrb.Vertical(*(eye_view(place, side) for side in ("left", "right"))))
+            shares.insert(outside, EYES_SHARE)
+    return rrb.Horizontal(*columns, column_shares=shares, name=name)
 
 
 def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
@@ -101,7 +105,7 @@ def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
 def eye_view(place: Place, side: str) -> rrb.View:
     """Return a view of the pictures of one eye."""
     return rrb.Spatial2DView(
-        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TITLES[place[1]]}"
+        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TWINS[place[1]]}"
     )
 
 
@@ -128,21 +132,26 @@ def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.Vie
         origin="/",
         contents=[f"+ /{path}" for path in paths],
         name=title,
-        axis_x=rrb.TimeAxis(
-            view_range=rrb.TimeRange(
-                start=rrb.TimeRangeBoundary.cursor_relative(seconds=-WINDOW_S),
-                end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.5),
-            )
-        ),
+        axis_x=recent(),
         axis_y=rrb.ScalarAxis(range=span),
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
         background=None,
     )
 
 
+def recent() -> rrb.TimeAxis:
+    """Return a time axis over the last 20 s."""
+    return rrb.TimeAxis(
+        view_range=rrb.TimeRange(
+            start=rrb.TimeRangeBoundary.cursor_relative(seconds=-WINDOW_S),
+            end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.5),
+        )
+    )
+
+
 def states() -> rrb.View:
     """Return a view of the states of all robots as bars."""
-    return rrb.StateTimelineView(origin="/", contents="/**", name="states")
+    return rrb.StateTimelineView(origin="/", contents="/**", name="states", time_view=recent())
 
 
 def log() -> rrb.View:
@@ -161,4 +170,4 @@ def log() -> rrb.View:
 
 def titled(place: Place) -> str:
     """Return the title of a robot."""
-    return f"{place[0]}: {TITLES[place[1]]}"
+    return f"{place[0]}: {TWINS[place[1]]}"

@@ -11,6 +11,7 @@ from rerun.experimental import ViewerClient
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.rrd.layout import TABS
 from beatrix_zenoh.recording.viewer import Viewer, address, free_port
 
 SIZE: Final = "1456x819"
@@ -18,7 +19,8 @@ SETTLE_S: Final = 2.5
 """Pause before each picture: data arrive in a view some time after it is first shown, and no event reports when."""
 NOTICE_S: Final = 5.0
 """Time for which the viewer covers the picture with a notice after its start."""
-TABS: Final = ("overlay", "side-by-side", "plots", "log")
+FILES: Final = tuple(title.lower().replace(" ", "-") for title in TABS)
+"""Names of the tabs in names of files."""
 
 
 def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:

@@ -8,7 +8,8 @@ from dataclasses import replace
 import rerun as rr
 
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.recording.figure import ARM_COLOURS, Body, Figure, Form, Solid
+from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
+from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
 from beatrix_zenoh.recording.robot_rows import State
 from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
 
@@ -19,9 +20,20 @@ GHOST = (20, 120, 255, 120)
 """Colour and opacity of the simulation over the hardware."""
 THINNER_M = 0.001
 """Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
-ARM_NAMES, HEAD_NAMES = ("short", "middle", "long"), ("yaw", "pitch", "roll")
-HEAD_COLOURS = ((230, 159, 0), (204, 121, 167), (86, 180, 233))
-"""Colours of Okabe and Ito, distinguishable with colour blindness; not those of the arms."""
+TWINS = {"sim": "simulation", "hw": "hardware"}
+CURVES = {"arms": ARMS, "commanded": ARMS, "head": AXES, "head_measured": AXES}
+"""Colours of the curves of an entity, by their names."""
+STATE_SIGNS = {
+    State.DISABLED: "○",
+    State.ENABLED: "◐",
+    State.READY: "●",
+    State.MOVING: "▶",
+    State.STOPPED: "■",
+    State.EMERGENCY: "✖",
+    State.FAULT: "⚠",
+    State.LOST: "?",
+}
+"""Signs before the words of the states, which remain when the viewer cuts the word of a short state."""
 STATE_COLOURS = {
     State.DISABLED: (120, 125, 130),
     State.ENABLED: (214, 190, 80),
@@ -53,42 +65,38 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
         of_robot(place, "state"),
         rr.StateConfiguration(
             values=[state.value for state in State],
-            labels=[state.value for state in State],
+            labels=[f"{STATE_SIGNS[state]} {state.value}" for state in State],
             colors=[STATE_COLOURS[state] for state in State],
         ),
     )
 
 
 def curves(place: Place) -> Iterator[Item]:
-    """Yield names and styles of one robot's curves: the hardware wide and pale, the simulation thin and opaque."""
-    twin = place[1]
-    for what, names, colours in (
-        ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
-        ("commanded", ARM_NAMES, tuple(ARM_COLOURS.values())),
-        ("head", HEAD_NAMES, HEAD_COLOURS),
-        ("head_measured", HEAD_NAMES, HEAD_COLOURS),
-    ):
-        label = "" if what in ("arms", "head") else f" {what.removeprefix('head_')}"
+    """Yield names and styles of one robot's curves: the hardware wide, the simulation thin, pale and on top."""
+    hardware = place[1] == "hw"
+    for what, colours in CURVES.items():
+        label = "" if what in ("arms", "head") else f", {what.removeprefix('head_')}"
         yield (
             of_robot(place, what),
-            rr.SeriesLines(
-                names=[f"{name} {twin}{label}" for name in names],
-                colors=[(*colour, 130 if twin == "hw" else 255) for colour in colours],
-                widths=[5.0 if twin == "hw" else 1.8] * len(names),
+            lines(
+                {
+                    f"{name}, {TWINS[place[1]]}{label}": colour if hardware else pale(colour)
+                    for name, colour in colours.items()
+                },
+                width=6.0 if hardware else 2.0,
             ),
         )
 
 
 def of_name(robot: str) -> Iterator[Item]:
     """Yield the names and styles of the curves of the difference between hardware and simulation."""
-    for what, names, colours in (
-        ("arms", ARM_NAMES, tuple(ARM_COLOURS.values())),
-        ("head", HEAD_NAMES, HEAD_COLOURS),
-    ):
-        yield (
-            of_difference(robot, what),
-            rr.SeriesLines(names=list(names), colors=list(colours), widths=[2.0] * 3),
-        )
+    for what in ("arms", "head"):
+        yield of_difference(robot, what), lines(CURVES[what], width=2.5)
+
+
+def lines(colours: dict[str, Colour], width: float) -> rr.SeriesLines:
+    """Return the style of curves of one width (points), by their names."""
+    return rr.SeriesLines(names=list(colours), colors=list(colours.values()), widths=[width] * len(colours))
 
 
 def thinner(solid: Solid) -> Solid:

@@ -1,0 +1,30 @@
+"""The colours of arms and head axes in every picture: models, plots, viewer and window.
+
+All are readable on white and on black, and the three of one plot are distinguishable with colour blindness; a test
+computes both.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+Colour = tuple[int, int, int]
+"""red, green, blue: 0 to 255"""
+
+ARMS: Final[dict[str, Colour]] = {"short": (219, 61, 54), "middle": (0, 158, 115), "long": (46, 107, 209)}
+AXES: Final[dict[str, Colour]] = {"yaw": (190, 120, 0), "pitch": (190, 110, 120), "roll": (0, 160, 200)}
+ALL: Final[dict[str, Colour]] = ARMS | AXES
+
+_PALE: Final = 0.65
+"""Share of white."""
+
+
+def hexadecimal(colour: Colour) -> str:
+    """Return a colour as `#rrggbb`."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def pale(colour: Colour) -> Colour:
+    """Return the same hue mixed with white, for a thin line on a wide one of the colour itself."""
+    red, green, blue = (round(part + (255 - part) * _PALE) for part in colour)
+    return red, green, blue
