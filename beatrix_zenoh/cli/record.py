@@ -65,6 +65,8 @@ View = Annotated[bool, typer.Option("--view", help="Also show the robots in the 
 Motion = Annotated[
     bool, typer.Option("--motion", help="Write a motion file (.csv) of one robot, for `beatrix replay`.")
 ]
+Title = Annotated[str, typer.Option(help="Title of the recording; default: the name of the file.")]
+Remark = Annotated[str, typer.Option("--note", metavar="TEXT", help="A remark about the whole recording.")]
 Repair = Annotated[
     bool, typer.Option("--repair", help="Repair FILE.rrd, whose recorder was killed; records nothing.")
 ]
@@ -85,6 +87,8 @@ class RecordingOptions:
     """pictures per second of each eye; 0: none"""
     viewer_port: int | None
     """None: no viewer"""
+    title: str = ""
+    note: str = ""
 
 
 def record(
@@ -93,6 +97,8 @@ def record(
     seconds: Seconds = 0.0,
     rotate: Rotate = 0.0,
     cameras: Cameras = 5.0,
+    title: Title = "",
+    remark: Remark = "",
     view: View = False,
     port: ViewerPort = PORT,
     motion: Motion = False,
@@ -121,7 +127,9 @@ def record(
         repair_recording(file, as_json=as_json)
         return
     robots = [names.check_name(robot) for robot in name or []]
-    options = RecordingOptions(file, robots, seconds, rotate * 60, cameras, port if view else None)
+    options = RecordingOptions(
+        file, robots, seconds, rotate * 60, cameras, port if view else None, title, remark
+    )
     write_recording(resolve(None, connect, who), options, as_json=as_json)
 
 
@@ -149,7 +157,15 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
         if options.viewer_port is not None:
             viewer = viewer_if_possible(options.viewer_port)
             outputs.append(LiveOutput(options.viewer_port, note))
-        recorder = Recorder(client, outputs, note, names=options.robots, cameras_hz=options.cameras_hz)
+        recorder = Recorder(
+            client,
+            outputs,
+            note,
+            names=options.robots,
+            cameras_hz=options.cameras_hz,
+            title=options.title,
+            note=options.note,
+        )
         began_s = time.monotonic()
         try:
             if not as_json:

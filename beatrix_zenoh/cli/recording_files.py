@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 from beatrix_zenoh._generated.messages import Reason
@@ -27,6 +28,16 @@ def read_recording(path: Path) -> Recorded:
     found = read(path)
     note_if_incomplete(path)
     return found
+
+
+def describe(path: Path) -> None:
+    """Print what a recording says of itself; nothing for a file of an earlier version or a damaged one."""
+    from beatrix_zenoh.recording.rrd.read import read_about
+
+    with contextlib.suppress(Refused):
+        about = read_about(path)
+        for text in about.lines() if about is not None else ():
+            note(text)
 
 
 def note_if_incomplete(path: Path) -> None:

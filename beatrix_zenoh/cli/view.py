@@ -54,12 +54,13 @@ def view(
     shutdown.handle_signals()
     page = web_port if web else None
     if file is not None:
-        from beatrix_zenoh.cli.recording_files import note_if_incomplete
+        from beatrix_zenoh.cli.recording_files import describe, note_if_incomplete
 
         check_recording(file)
         viewer = open_viewer(port, str(file), web_port=page)
         try:
             announce(port, page, str(file))
+            describe(file)
             note_if_incomplete(file)
             wait_for(viewer, shutdown)
         finally:

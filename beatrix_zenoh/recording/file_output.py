@@ -11,6 +11,7 @@ from typing import Final
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet, Say
 from beatrix_zenoh.recording.rows import Row
 from beatrix_zenoh.recording.rrd.stream import Stream
@@ -35,6 +36,7 @@ class FileOutput:
         self._path, self._say, self._rotate_s = path, say, rotate_s
         self._rows: list[Row] = []
         self._robots = RobotSet({})
+        self._about: About | None = None
         self.files: list[Path] = []
         """All files of the recording, the newest last."""
         self._number = 0
@@ -53,6 +55,11 @@ class FileOutput:
         self._robots = robots
         self._stream.show(robots)
 
+    def describe(self, about: About) -> None:
+        """Set what the recording says of itself; each file of it says so."""
+        self._about = about
+        self._stream.describe(about)
+
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows until the next `update`."""
         if not self.full:
@@ -68,6 +75,8 @@ class FileOutput:
             self._stream.close()
             self._stream, self._began_s = self._begin(), now_s
             self._stream.show(self._robots)
+            if self._about is not None:
+                self._stream.describe(self._about)
             return True
         return False
 

@@ -8,6 +8,7 @@ from enum import Enum, auto
 from typing import Final
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet, Say
 from beatrix_zenoh.recording.rows import Row
 from beatrix_zenoh.recording.rrd.stream import Stream
@@ -46,6 +47,7 @@ class LiveOutput:
         self._id = str(uuid.uuid4())
         self._rows: list[Row] = []
         self._robots = RobotSet({})
+        self._about: About | None = None
         self._stream: Stream | None = None
         self.state = ViewerState.MISSING
         self.left_out = 0
@@ -58,6 +60,12 @@ class LiveOutput:
         self._robots = robots
         if self._stream is not None and self.state is ViewerState.CONNECTED:
             self._stream.show(robots)
+
+    def describe(self, about: About) -> None:
+        """Set what the recording says of itself."""
+        self._about = about
+        if self._stream is not None and self.state is ViewerState.CONNECTED:
+            self._stream.describe(about)
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows until the next `update`; without a viewer only count them."""
@@ -86,6 +94,8 @@ class LiveOutput:
         returned = self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
         if returned:
             self.show(self._robots)  # robots may have appeared while the viewer did not respond
+            if self._about is not None:
+                self.describe(self._about)
         return returned
 
     def close(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Row
 
@@ -36,6 +37,10 @@ class Output(Protocol):
 
     def show(self, robots: RobotSet) -> None:
         """Set the robots of the recording."""
+        ...
+
+    def describe(self, about: About) -> None:
+        """Set what the recording says of itself."""
         ...
 
     def write(self, rows: Sequence[Row]) -> None:

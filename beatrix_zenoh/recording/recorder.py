@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Self
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.recording.about import about
 from beatrix_zenoh.recording.losses import Count, Stream
 from beatrix_zenoh.recording.output import Output, Say
 from beatrix_zenoh.recording.recording_thread import RecordingThread
@@ -34,6 +36,8 @@ class Recorder:
         *,
         names: Sequence[str] = (),
         cameras_hz: float = CAMERAS_HZ,
+        title: str = "",
+        note: str = "",
     ) -> None:
         """Start recording.
 
@@ -43,13 +47,16 @@ class Recorder:
             say: shows a sentence to the user; called by the recorder's own thread.
             names: names of robots; empty: all robots.
             cameras_hz: pictures per second of each eye; 0: no pictures.
+            title: title of the recording; empty: the name of its file.
+            note: what the user writes about the recording.
 
         Raises:
             WrongUsage: the client was closed.
         """
         self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0)
         self._queries = RobotQueries(client)
-        self._thread = RecordingThread(self._subscriptions, self._queries, outputs, say, cameras_hz)
+        facts = about(time.time_ns(), title=title, note=note, seat=client.settings.who)
+        self._thread = RecordingThread(self._subscriptions, self._queries, outputs, say, cameras_hz, facts)
         self._closed: bool | None = None
 
     @property

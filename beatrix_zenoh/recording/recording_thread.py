@@ -13,6 +13,7 @@ from beatrix_zenoh._generated.messages import Event, Positions, Status
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import LOST_S
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.difference import Difference
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.loss_report import LossReport
@@ -40,6 +41,7 @@ class RecordingThread:
         outputs: Sequence[Output],
         say: Say,
         cameras_hz: float,
+        about: About,
     ) -> None:
         self._subscriptions, self._queries, self._outputs, self._say = subscriptions, queries, outputs, say
         self._picture_period_ns = round(1e9 / cameras_hz) if cameras_hz else 0
@@ -48,6 +50,9 @@ class RecordingThread:
         self._arrivals = TimedArrivals(self._timebase, queries, self._losses)
         self._report = LossReport(say)
         self._rows: dict[Place, RobotRows] = {}
+        self._about = about
+        for output in outputs:
+            output.describe(about)
         self._differences: defaultdict[str, Difference] = defaultdict(Difference)
         self._last: dict[Place, tuple[int, int]] = {}
         """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
@@ -101,8 +106,9 @@ class RecordingThread:
             output.write(rows)
         restarted = [output.update(now_s) for output in self._outputs]
         if any(restarted):
-            for rows_of_robot in self._rows.values():
-                rows_of_robot.begin_again()
+            again = [row for rows_of_robot in self._rows.values() for row in rows_of_robot.begin_again()]
+            for output in self._outputs:
+                output.write(again)
 
     def _answered(self, answer: RobotAnswer) -> Iterator[Row]:
         """Use the answer of a robot; yield the rows of the publications that were kept until then."""
@@ -110,8 +116,20 @@ class RecordingThread:
         if answer.place not in self._rows:
             self._rows[answer.place] = RobotRows(answer.place, Figure(answer.geometry))
             self._show_robots()
+        if answer.info is not None:
+            self._describe(self._about.with_robot(answer.place, answer.info))
+        if answer.offset is not None:
+            now_ns = self._timebase.own_ns(time.monotonic_ns())
+            yield from self._rows[answer.place].clock(now_ns, *answer.offset)
         for timed in waiting:
             yield from self._convert(timed)
+
+    def _describe(self, about: About) -> None:
+        """Let the outputs say what is new about the recording."""
+        if about != self._about:
+            self._about = about
+            for output in self._outputs:
+                output.describe(about)
 
     def _show_robots(self) -> None:
         robots = RobotSet({place: rows.figure for place, rows in self._rows.items()}, self._with_pictures)
@@ -135,6 +153,7 @@ class RecordingThread:
             case Status():
                 yield from rows.status(value, time_ns)
             case Event():
+                self._describe(self._about.with_seat(value.seat))
                 yield from rows.event(value, time_ns)
             case CameraImage():
                 yield from self._picture(place, value, time_ns)

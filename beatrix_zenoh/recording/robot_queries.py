@@ -25,13 +25,15 @@ ANSWER_S: Final = 1.0
 
 @dataclass(frozen=True)
 class RobotAnswer:
-    """Clock offset and geometry of a robot."""
+    """Clock offset, geometry and description of a robot."""
 
     place: Place
     offset: Offset | None
     """offset of the robot's monotonic clock; None: the robot did not answer"""
     geometry: Geometry
     """the default geometry if the robot did not answer"""
+    info: Info | None = None
+    """what the robot says of itself; None: it did not answer"""
 
 
 class RobotQueries:
@@ -78,14 +80,14 @@ class RobotQueries:
             self._query(place, again=False)
 
     def _query(self, place: Place, *, again: bool) -> None:
+        info = None
         try:
             offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
-            if not again:
-                info = self._client.ask(*place, keys.info(*place), None, Info, ANSWER_S)
-                if info.geometry is not None:
-                    self._geometries[place] = geometry_of(info.geometry)
+            info = self._client.ask(*place, keys.info(*place), None, Info, ANSWER_S)
+            if info.geometry is not None:
+                self._geometries.setdefault(place, geometry_of(info.geometry))
         except BeatrixError:
             if again:  # The robot does not answer now, but its earlier values are still valid.
                 return
             offset = None
-        self._answers.put(RobotAnswer(place, offset, self._geometries.get(place, ROBOT.geometry)))
+        self._answers.put(RobotAnswer(place, offset, self._geometries.get(place, ROBOT.geometry), info))

@@ -55,8 +55,14 @@ class RobotRows:
         self._since_ns = 0
         self.angles: tuple[float, ...] = ()
         """Arms and head of the newest positions (deg)."""
+        self._clock: tuple[int, float, float] | None = None
         self._written: Positions | None = None
         self._repeats = 0
+
+    def clock(self, time_ns: int, offset_s: float, bound_s: float) -> Iterator[Row]:
+        """Yield a measured offset of the robot's clock and its largest error (s); each new file begins with the last."""
+        self._clock = time_ns, offset_s, bound_s
+        yield Numbers(of_robot(self.place, "clock"), time_ns, time_ns, (offset_s, bound_s))
 
     def repeats(self, positions: Positions) -> bool:
         """Return whether positions only repeat those of the last rows: the node had no new telemetry.
@@ -100,10 +106,11 @@ class RobotRows:
                 self._turns[path] = turn
                 yield Orientation(of_model(self.place, path), *stamp, turn)
 
-    def begin_again(self) -> None:
-        """Let the next publications repeat all bodies and the state, for a new file or viewer."""
+    def begin_again(self) -> list[Row]:
+        """Let the next publications repeat all bodies and the state, for a new file or viewer; return the clock again."""
         self._turns.clear()
         self._state = None
+        return [] if self._clock is None else [*self.clock(*self._clock)]
 
     def status(self, status: Status, time_ns: int) -> Iterator[Row]:
         """Yield the state if it has changed."""

@@ -9,6 +9,8 @@ from beatrix_zenoh.recording.figure import Quaternion
 
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""
+NOTES = f"{RECORDER}/notes"
+"""Entity of the users' notes."""
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh._generated.messages import Event
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.recording.about import About
 
 NUMBERS: Final = 2**32
 """Sequence numbers are counted modulo this."""
@@ -73,6 +75,27 @@ class TimedEvent:
 
 
 @dataclass(frozen=True)
+class ClockOffset:
+    """A measurement of a robot's monotonic clock; `time_ns` of its samples has at most this error."""
+
+    time_ns: int
+    """time of the measurement by the clock of the recording computer"""
+    offset_s: float
+    """the robot's clock minus that of the recording computer"""
+    bound_s: float
+    """largest possible error: half the round trip of the query"""
+
+
+class Note(msgspec.Struct, frozen=True):
+    """A remark that a user put into a running recording."""
+
+    time_ns: int
+    """arrival by the clock of the recording computer"""
+    seat: str
+    text: str
+
+
+@dataclass(frozen=True)
 class Recorded:
     """The contents of a recording's file."""
 
@@ -84,3 +107,7 @@ class Recorded:
     states: dict[Place, Texts]
     events: dict[Place, tuple[TimedEvent, ...]]
     """events of each robot in the order of time: what was requested, and what came of it"""
+    clocks: dict[Place, tuple[ClockOffset, ...]] = field(default_factory=dict)
+    notes: tuple[Note, ...] = ()
+    about: About | None = None
+    """title, versions, robots and seats; None: a file of an earlier version"""

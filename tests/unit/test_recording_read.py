@@ -12,10 +12,11 @@ import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
-from beatrix_zenoh._generated.messages import Event, EventKind, MotionQuery, Phase, Vector3
+from beatrix_zenoh._generated.messages import Event, EventKind, Info, LimitInfo, MotionQuery, Phase, Vector3
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.codec import encode_json
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import (
@@ -29,9 +30,9 @@ from beatrix_zenoh.recording.rows import (
     of_model,
     of_robot,
 )
-from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.rrd.stream import Stream
-from beatrix_zenoh.recording.samples import TimedEvent
+from beatrix_zenoh.recording.samples import ClockOffset, TimedEvent
 from beatrix_zenoh.recording.viewer import verify
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
@@ -122,6 +123,45 @@ def test_velocities_and_sequence_numbers_are_read(tmp_path: Path) -> None:
     assert sim.seq.tolist() == [2**32 - 1, -1]
     assert np.isnan(hw.velocity).all(), "a file of an earlier version"
     assert hw.seq is None
+
+
+def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
+    """A later description replaces an earlier one, as robots and seats come."""
+    path = tmp_path / "lesson.rrd"
+    first = About(BEGAN_NS, "0.1.0", "abc", "Lesson 2", "trial 3", "ana")
+    limits = LimitInfo(
+        tilt_max=0.6, gap_min=0.5, yaw_max=3.1, speed_default=1.0, speed_max=1.5, acceleration=3.0
+    )
+    info = Info(
+        robot="bea", twin="sim", version="0.1.0", contract="abc", firmware="1.2.0", steps_per_turn=4184.6,
+        arms=[], limits=limits, fingerprint="0123abcd", commands=[], reasons=[],
+        keys=[], examples=[],
+    )  # fmt: skip
+    last = first.with_seat("ben").with_seat("ana").with_seat("").with_robot(SIM, info).with_robot(SIM, info)
+    stream = Stream("one", path.stem)
+    stream.to_file(path)
+    stream.describe(first)
+    stream.send([*sample(SIM, 0), Numbers(of_robot(SIM, "clock"), BEGAN_NS, BEGAN_NS, (-12.5, 0.25))])
+    assert stream.flush(5.0)
+    stream.describe(last)
+    assert stream.flush(5.0)
+    stream.close()
+    recorded = read(path)
+    assert recorded.about == last
+    assert last.seats == ("ana", "ben")
+    assert [str(robot) for robot in last.robots] == [
+        "bea (sim): beatrix 0.1.0, firmware 1.2.0, contract abc, robot file 0123abcd"
+    ]
+    assert recorded.clocks[SIM] == (ClockOffset(BEGAN_NS, -12.5, 0.25),)
+    assert read_about(path) == last
+
+
+def test_a_file_of_an_earlier_version_describes_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 0)])
+    recorded = read(path)
+    assert (recorded.about, recorded.notes, recorded.clocks) == (None, (), {SIM: ()})
+    assert read_about(path) is None
 
 
 def test_events_are_read_with_what_was_requested(tmp_path: Path) -> None:

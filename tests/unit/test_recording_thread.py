@@ -17,6 +17,7 @@ from beatrix_zenoh._generated.messages import Head, Positions, Status, Steps, Ve
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.recording_thread import RecordingThread
@@ -67,11 +68,15 @@ class FakeOutput:
     def __init__(self) -> None:
         self.rows: list[Row] = []
         self.robot_sets: list[RobotSet] = []
+        self.abouts: list[About] = []
         self.failure: Exception | None = None
         self.closed = False
 
     def show(self, robots: RobotSet) -> None:
         self.robot_sets.append(robots)
+
+    def describe(self, about: About) -> None:
+        self.abouts.append(about)
 
     def write(self, rows: Sequence[Row]) -> None:
         self.rows += rows
@@ -98,6 +103,7 @@ class Rig:
             [self.output],
             self.messages.append,
             0.0,
+            About(7, title="lesson"),
         )
 
     def answer(self, offset_ns: int | None) -> None:

@@ -2,28 +2,43 @@
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from rerun.chunk import RrdReader
+from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
 from beatrix_zenoh._generated.messages import Event, Reason
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.codec import decode_json
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples, Texts, TimedEvent
+from beatrix_zenoh.recording.about import About
+from beatrix_zenoh.recording.rows import NOTES
+from beatrix_zenoh.recording.samples import (
+    ClockOffset,
+    Floats,
+    Nanoseconds,
+    Note,
+    Recorded,
+    Samples,
+    Texts,
+    TimedEvent,
+)
 from beatrix_zenoh.recording.viewer import check_recording
 
 TIME, ROBOT_TIME = "time", "robot_time"
 SCALARS, TEXT, STATE = "Scalars:scalars", "TextLog:text", "StateChange:state"
 EVENT = "event"
 """Component with the events as JSON."""
+PROPERTY, ABOUT = "beatrix", "about"
+"""Property of a recording, and its component with `About` as JSON."""
+ABOUT_ENTITY = f"/__properties/{PROPERTY}"
 
 
 class Column(NamedTuple):
@@ -63,7 +78,17 @@ def read(path: Path) -> Recorded:
         {place: _texts(columns, "/{}/{}/events".format(*place), TEXT) for place in robots},
         {place: _texts(columns, "/{}/{}/state".format(*place), STATE) for place in robots},
         {place: _events(columns, "/{}/{}/events".format(*place)) for place in robots},
+        {place: _clocks(columns, "/{}/{}/clock".format(*place)) for place in robots},
+        _notes(columns),
+        _about(columns),
     )
+
+
+def read_about(path: Path) -> About | None:
+    """Return what a recording says of itself, without reading its data; raises the errors of `read`."""
+    with _opened(path, ABOUT_ENTITY) as chunks:
+        parts = [_static(chunk) for chunk in chunks if chunk.is_static]
+    return _latest(max(parts, key=lambda column: int(column.time_ns[-1]))) if parts else None
 
 
 def holds_samples(path: Path) -> bool:
@@ -87,15 +112,11 @@ def _columns(path: Path) -> Columns:
 
 
 def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
-    """Yield entity, component and rows of each column of each chunk that has times."""
-    if not path.is_file():
-        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
-    check_recording(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
-            chunks = RrdReader(path).stream()
+    """Yield entity, component and rows of each column of each chunk that has times, and of the description."""
+    with _opened(path) as chunks:
         for chunk in chunks:
+            if chunk.is_static and chunk.entity_path == ABOUT_ENTITY:
+                yield ABOUT_ENTITY, ABOUT, _static(chunk)
             if chunk.is_static or TIME not in chunk.timeline_names:
                 continue
             batch = chunk.to_record_batch()
@@ -106,6 +127,19 @@ def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
                 flat = batch.column(component).flatten().to_numpy(zero_copy_only=False)
                 values = flat.reshape(len(times), -1) if component == SCALARS else flat
                 yield chunk.entity_path, component, Column(times, robot, values)
+
+
+@contextlib.contextmanager
+def _opened(path: Path, *entities: str) -> Iterator[Iterable[Chunk]]:
+    """Open the chunks of a recording, or those of some entities; raises the errors of `read` also while they are read."""
+    if not path.is_file():
+        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
+    check_recording(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
+            chunks = RrdReader(path).stream()
+        yield chunks.filter(content=list(entities)) if entities else chunks
     except (ValueError, OSError, RuntimeError) as error:
         raise Refused(
             Reason.BAD_VALUE,
@@ -175,6 +209,36 @@ def _events(columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
         for time_ns, text in zip(column.time_ns.tolist(), column.values, strict=True)
         if text
     )
+
+
+def _clocks(columns: Columns, entity: str) -> tuple[ClockOffset, ...]:
+    column = columns.get((entity, SCALARS))
+    if column is None:
+        return ()
+    rows = zip(column.time_ns.tolist(), column.values.tolist(), strict=True)
+    return tuple(ClockOffset(time_ns, *values) for time_ns, values in rows)
+
+
+def _notes(columns: Columns) -> tuple[Note, ...]:
+    column = columns.get((f"/{NOTES}", EVENT))
+    return () if column is None else tuple(decode_json(str(text).encode(), Note) for text in column.values)
+
+
+def _about(columns: Columns) -> About | None:
+    column = columns.get((ABOUT_ENTITY, ABOUT))
+    return None if column is None else _latest(column)
+
+
+def _latest(column: Column) -> About:
+    return decode_json(str(column.values[-1]).encode(), About)
+
+
+def _static(chunk: Chunk) -> Column:
+    """Return the versions of `About` in a static chunk in the order in which they were written: Rerun keeps the last."""
+    batch = chunk.to_record_batch()
+    numbers = batch.column("rerun.controls.RowId").to_pylist()
+    times = np.array([int.from_bytes(number[:8], "big") for number in numbers], np.int64)
+    return Column(times, times, batch.column(ABOUT).flatten().to_numpy(zero_copy_only=False))
 
 
 def _parts(entity: str) -> tuple[str, str, str]:

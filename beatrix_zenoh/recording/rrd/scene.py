@@ -21,7 +21,7 @@ GHOST = (20, 120, 255, 120)
 THINNER_M = 0.001
 """Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
 TWINS = {"sim": "simulation", "hw": "hardware"}
-CURVES = {"arms": ARMS, "commanded": ARMS, "head": AXES, "head_measured": AXES}
+CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
 STATE_SIGNS = {
     State.DISABLED: "○",
@@ -61,6 +61,7 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
                     thin = [thinner(solid) for solid in solids]
                     yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
     yield from curves(place)
+    yield of_robot(place, "clock"), rr.SeriesLines(names=["clock offset (s)", "its largest error (s)"])
     yield (
         of_robot(place, "state"),
         rr.StateConfiguration(
@@ -75,12 +76,13 @@ def curves(place: Place) -> Iterator[Item]:
     """Yield names and styles of one robot's curves: the hardware wide, the simulation thin, pale and on top."""
     hardware = place[1] == "hw"
     for what, colours in CURVES.items():
+        unit = "°/s" if what == "velocity" else "°"
         label = "" if what in ("arms", "head") else f", {what.removeprefix('head_')}"
         yield (
             of_robot(place, what),
             lines(
                 {
-                    f"{name}, {TWINS[place[1]]}{label}": colour if hardware else pale(colour)
+                    f"{name}, {TWINS[place[1]]}{label} ({unit})": colour if hardware else pale(colour)
                     for name, colour in colours.items()
                 },
                 width=6.0 if hardware else 2.0,
@@ -91,7 +93,8 @@ def curves(place: Place) -> Iterator[Item]:
 def of_name(robot: str) -> Iterator[Item]:
     """Yield the names and styles of the curves of the difference between hardware and simulation."""
     for what in ("arms", "head"):
-        yield of_difference(robot, what), lines(CURVES[what], width=2.5)
+        named = {f"{name} (°)": colour for name, colour in CURVES[what].items()}
+        yield of_difference(robot, what), lines(named, width=2.5)
 
 
 def lines(colours: dict[str, Colour], width: float) -> rr.SeriesLines:

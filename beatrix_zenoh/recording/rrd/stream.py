@@ -5,17 +5,20 @@ from __future__ import annotations
 import contextlib
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.codec import encode_json
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Bar, Frame, Line, Numbers, Orientation, Row
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.layout import layout
-from beatrix_zenoh.recording.rrd.read import ROBOT_TIME, TIME
+from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
 
 APPLICATION = "beatrix"
 
@@ -66,6 +69,24 @@ class Stream:
             for path, item in items:
                 self._stream.log(path, item, static=True)
         self._stream.send_blueprint(layout(robots))
+
+    def describe(self, about: About) -> None:
+        """Write what the recording says of itself: for people as properties, which the viewer shows, and as JSON."""
+        if about.title:
+            self._stream.send_recording_name(about.title)
+        began = datetime.fromtimestamp(about.began_ns / 1e9, UTC).isoformat(timespec="seconds")
+        facts: dict[str, str | list[str]] = {
+            "began": began,
+            "note": about.note,
+            "recorded_by": about.seat,
+            "beatrix": about.version,
+            "contract": about.contract,
+            "robots": [str(one) for one in about.robots],
+            "seats": list(about.seats),
+            ABOUT: encode_json(about).decode(),
+        }
+        known = {name: fact for name, fact in facts.items() if fact}
+        self._stream.send_property(PROPERTY, rr.AnyValues(drop_untyped_nones=True, **known))
 
     def send(self, rows: Sequence[Row]) -> None:
         """Send rows; the rows of each entity keep their order."""
