@@ -69,18 +69,18 @@ def motion_running(holder: str) -> Refused:
     return Refused(Reason.BUSY, detail=Detail(holder=holder))
 
 
-def stopped_pause(seat: str, wait_s: float, *, again: bool = False) -> Refused:
+def stopped_pause(seat: str, wait_s: float, *, again: bool = False, presser: str = "") -> Refused:
     """Return a STOPPED refusal: the seat was stopped and must not send a motion for `wait_s` (s).
 
-    `again`: this also holds for programs that start now.
+    `again`: this also holds for programs that start now; `presser`: seat that pressed STOP, empty if unknown.
     """
     field = "again" if again else ""
-    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s, field=field))
+    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s, field=field, presser=presser))
 
 
-def coming_to_rest() -> Refused:
-    """Return a STOPPED refusal: the arms are still decelerating after STOP."""
-    return Refused(Reason.STOPPED)
+def coming_to_rest(presser: str = "") -> Refused:
+    """Return a STOPPED refusal: the arms are still decelerating after STOP of the seat `presser` (empty: unknown)."""
+    return Refused(Reason.STOPPED, detail=Detail(presser=presser))
 
 
 def queue_full(limit: int) -> Refused:

@@ -31,6 +31,7 @@ DETAIL: dict[str, object] = {
     "field": "",
     "known": [],
     "holder": "",
+    "presser": "",
     "wait_s": None,
     "needs": ["ENABLE", "CALIBRATE"],
     "alternative": {

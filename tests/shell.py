@@ -93,9 +93,11 @@ class Shell:
         document: dict[str, Any] = json.loads(self.run(*words, "--json").stdout)
         return document
 
-    def start(self, *words: str) -> subprocess.Popen[str]:
+    def start(self, *words: str, background: bool = False) -> subprocess.Popen[str]:
+        """Start a command; `background`: as a shell does in a script for a command that ends with `&`."""
+        shell = ("sh", "-c", 'trap "" INT; exec "$@"', "sh") if background else ()
         return subprocess.Popen(
-            [sys.executable, *CLI, *words],
+            [*shell, sys.executable, *CLI, *words],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "89266edd"
+CONTRACT: Final = "279799b2"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -428,6 +428,8 @@ class Detail(Struct, frozen=True, kw_only=True):
     """values that are allowed instead, or the robots on line"""
     holder: Name = ""
     """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not on line, the account that may not start it"""
+    presser: Name = ""
+    """seat that has pressed STOP; empty: unknown, or the reason is not STOPPED"""
     wait_s: Float32 | None = None
     """time after which the same request may succeed [s]"""
     needs: list[Label] = []

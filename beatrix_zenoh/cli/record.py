@@ -67,6 +67,9 @@ Motion = Annotated[
 ]
 Title = Annotated[str, typer.Option(help="Title of the recording; default: the name of the file.")]
 Remark = Annotated[str, typer.Option("--note", metavar="TEXT", help="A remark about the whole recording.")]
+KeepRest = Annotated[
+    bool, typer.Option("--keep-rest", help="With --motion: keep long rests at start and end of the file.")
+]
 Repair = Annotated[
     bool, typer.Option("--repair", help="Repair FILE.rrd, whose recorder was killed; records nothing.")
 ]
@@ -102,6 +105,7 @@ def record(
     view: View = False,
     port: ViewerPort = PORT,
     motion: Motion = False,
+    keep_rest: KeepRest = False,
     on: On = None,
     repair: Repair = False,
     connect: Connect = None,
@@ -115,10 +119,12 @@ def record(
     """
     if motion:
         selection = Selection(name[0] if name else None, connect, who)
-        write_motion(file, name or (), selection, on, seconds, as_json=as_json)
+        write_motion(file, name or (), selection, on, seconds, keep_rest=keep_rest, as_json=as_json)
         return
     if on is not None:
         raise typer.BadParameter("--on needs --motion: a recording contains both simulation and hardware.")
+    if keep_rest:
+        raise typer.BadParameter("--keep-rest needs --motion: a recording contains all rests.")
     if file.suffix != RECORDING:
         raise typer.BadParameter(f"{file} is not the name of a recording: it must end with {RECORDING}.")
     if repair:
@@ -203,9 +209,16 @@ def wait(recorder: Recorder, shutdown: Shutdown, seconds: float, output: FileOut
 
 
 def write_motion(
-    file: Path, names: Sequence[str], selection: Selection, on: Which | None, seconds: float, *, as_json: bool
+    file: Path,
+    names: Sequence[str],
+    selection: Selection,
+    on: Which | None,
+    seconds: float,
+    *,
+    keep_rest: bool,
+    as_json: bool,
 ) -> None:
-    """Record one robot into a motion file until Ctrl-C, or for `seconds` (0: no limit), and print a summary."""
+    """Record one robot into a motion file until a signal, or for `seconds` (0: no limit), and print a summary."""
     from beatrix_zenoh.recording.record_motion import record_motion
 
     if file.suffix != MOTION_FILE:
@@ -219,11 +232,15 @@ def write_motion(
         )
     with open_targets(selection, on) as targets:
         (robot,) = targets.robots()
+        shutdown = Shutdown()
+        shutdown.handle_signals()
         note(f"Recording {robot} into {file}. Move the robot; Ctrl-C ends the recording.")
-        begin_s = time.monotonic()
-        points = record_motion(
-            robot, file, going=lambda _points: not seconds or time.monotonic() - begin_s < seconds
-        )
+        deadline_s = time.monotonic() + seconds if seconds else float("inf")
+
+        def going(_points: int) -> bool:
+            return time.monotonic() < deadline_s and not shutdown.requested(0.0)
+
+        points = record_motion(robot, file, keep_rest=keep_rest, going=going)
     if as_json:
         print_json(
             {"result": True, "file": str(file), "robot": robot.name, "on": robot.twin, "points": points}

@@ -11,7 +11,7 @@ import typer
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
+from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
@@ -19,8 +19,8 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.queries import FASTEST, SLOWEST, checked_factor
 from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.errors import Refused, WrongUsage
-from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.motion.limits import Limits
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.follow import Following
@@ -49,6 +49,12 @@ def replay(
             help="With --on both: the hardware follows this many seconds after the simulation.",
         ),
     ] = 0.0,
+    begin: Annotated[
+        float,
+        typer.Option(
+            "--from", min=0.0, metavar="S", callback=finite, help="Begin at this time of the file, seconds."
+        ),
+    ] = 0.0,
     name: Name = None,
     connect: Connect = None,
     who: Who = None,
@@ -59,8 +65,6 @@ def replay(
 
     docs/how-to/motion-files.md explains the file format.
     """
-    from beatrix_zenoh.recording.follow import robot_of
-    from beatrix_zenoh.recording.path import path_of
     from beatrix_zenoh.recording.replay import replay as perform
 
     checked_factor(speed_factor)
@@ -69,14 +73,10 @@ def replay(
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
         robots = targets.robots()
         infos = [robot.info() for robot in robots]
-
-        def path() -> ArmPath:
-            if read is None:
-                return recorded_path(file, targets.name)
-            return path_of(read, Neck(robot_of(infos[0]).geometry))
-
-        following = plan_path(path().at_speed(speed_factor), infos)
-        with stop_on_interrupt(robots, as_json=as_json), progress(following.duration_s) as passed:
+        path = recorded_path(file, targets.name) if read is None else path_of_file(read, infos[0])
+        path = path.beginning(begin) if begin else path
+        following = plan_path(path.at_speed(speed_factor), infos)
+        with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
             if len(robots) > 1:
                 replay_both(targets, following, passed, lead)
             else:
@@ -92,6 +92,14 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
         raise WrongUsage(
             Reason.BAD_VALUE, f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
         ) from error
+
+
+def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
+    """Return the path of a motion file; raises Refused, which names the line, for a head that tilts too far."""
+    from beatrix_zenoh.recording.follow import robot_of
+    from beatrix_zenoh.recording.path import path_of
+
+    return path_of(read, Limits(robot_of(info)))
 
 
 def recorded_path(file: Path, name: str) -> ArmPath:
@@ -146,15 +154,28 @@ def replay_both(targets: Targets, following: Following, passed: Callable[[float]
 
 
 @contextmanager
-def progress(duration_s: float) -> Iterator[Callable[[float], None]]:
-    """Yield a function that shows the time passed: in a bar or, if stderr is not a terminal, in notes."""
-    next_s = 0.0
+def progress(following: Following) -> Iterator[Callable[[float], None]]:
+    """Yield a function that shows the time passed: in a bar or, if stderr is not a terminal, in notes.
 
-    def show_line(passed_s: float) -> None:
-        nonlocal next_s
-        if passed_s >= next_s:
+    If the block raises, print a note with the option that continues the replay.
+    """
+    duration_s = following.duration_s
+    latest_s = next_s = 0.0
+
+    def show(passed_s: float) -> None:
+        nonlocal latest_s, next_s
+        latest_s = passed_s
+        if bar is not None:
+            bar(passed_s)
+        elif passed_s >= next_s:
             note(f"Replay: {passed_s:.0f} of {duration_s:.0f} s.")
             next_s += PROGRESS_S
 
-    with progress_bar("Replay", duration_s) as bar:
-        yield show_line if bar is None else bar
+    try:
+        with progress_bar("Replay", duration_s) as bar:
+            yield show
+    except (BeatrixError, KeyboardInterrupt):
+        if 0.0 < latest_s < duration_s:
+            given_s = following.path.given_s(latest_s)
+            note(f"The replay ended at {given_s:.1f} s; --from {given_s:.1f} continues there.")
+        raise

@@ -28,10 +28,9 @@ COMMENT: Final = ("#", '"#')
 """First characters of a comment; a spreadsheet quotes comments that contain a comma."""
 LINE_END: Final = re.compile("\r\n|\r|\n")
 NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-FORM: Final = (
-    f"A motion file begins with the names of its columns, {','.join((TIME, *HEAD))} or {','.join((TIME, *ARMS))}. Each "
-    f"further line is one point, for example 0.5,10,-5,0. A choreography also has the column {SPEED}."
-)
+TYPOGRAPHY: Final = str.maketrans({",": ".", "\N{MINUS SIGN}": "-", "\N{EN DASH}": "-"})
+"""Decimal comma, and the minus signs of word processors. A cell with a comma is quoted, or the separator is another."""
+FORM: Final = "docs/how-to/motion-files.md explains the format."
 Place = HeadAngles | ArmAngles
 
 
@@ -79,7 +78,10 @@ def parse(text: str, source: str) -> MotionFile:
     """
     lines = [(number, line) for number, line in enumerate(LINE_END.split(text), 1) if counts(line)]
     if not lines:
-        raise WrongUsage(Reason.BAD_VALUE, f"{source}: the names of the columns are missing. {FORM}")
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"{source}: begin with the names of the columns, {','.join((TIME, *HEAD))}. {FORM}",
+        )
     (number, first), *rest = lines
     separator = next((each for each in SEPARATORS if each in first), ",")
     with refusing(source, number):
@@ -87,11 +89,13 @@ def parse(text: str, source: str) -> MotionFile:
     points: list[Point] = []
     for number, line in rest:
         with refusing(source, number):
-            point = point_of(number, names, cells(line, separator), comma=separator != ",")
+            point = point_of(number, names, cells(line, separator))
             check_order(points[-1].t if points else 0.0, point.t)
         points.append(point)
     if not points:
-        raise WrongUsage(Reason.BAD_VALUE, f"{source}: there are no points. {FORM}")
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{source}: there are no points: add lines such as 0.5,10,-5,0. {FORM}"
+        )
     return MotionFile(source, tuple(points), SPEED in names)
 
 
@@ -137,34 +141,33 @@ def header(names: list[str]) -> list[str]:
     return names
 
 
-def point_of(line: int, names: Sequence[str], given: Sequence[str], *, comma: bool) -> Point:
+def point_of(line: int, names: Sequence[str], given: Sequence[str]) -> Point:
     """Return the point of one line; raises ValueError with a message that names the wrong column."""
     if any(given[len(names) :]):
         raise ValueError(f"it has {len(given)} cells, but the file has {len(names)} columns")
     row = dict(zip(names, [*given, *[""] * len(names)], strict=False))
-    t = number_of(TIME, row[TIME], comma=comma)
+    t = number_of(TIME, row[TIME])
     if not 0 <= t <= DAY_S:
         raise ValueError(f"{TIME} is {t:g}: give a number of seconds from 0 to {DAY_S:.0f}")
     filled = [triple for triple in (HEAD, ARMS) if any(row.get(name) for name in triple)]
     if len(filled) != 1:
         raise ValueError("give the angles of the head or those of the arms" + ", not both" * bool(filled))
-    angles = [number_of(name, row[name], comma=comma) for name in filled[0]]
+    angles = [number_of(name, row[name]) for name in filled[0]]
     place = HeadAngles(*angles) if filled[0] is HEAD else ArmAngles(*angles)
     speed = None
     if row.get(SPEED):
-        speed = number_of(SPEED, row[SPEED], comma=comma)
+        speed = number_of(SPEED, row[SPEED])
         if speed <= 0:
             raise ValueError(f"{SPEED} is {speed:g}: give a number of degrees/s above 0")
     return Point(line, t, place, speed, row.get(FIGURE, ""))
 
 
-def number_of(name: str, text: str, *, comma: bool) -> float:
-    """Convert a cell to a number (`comma`: also with a decimal comma); raises ValueError that names the column."""
-    if comma:
-        text = text.replace(",", ".")
-    if not NUMBER.fullmatch(text):
+def number_of(name: str, text: str) -> float:
+    """Convert a cell to a number; raises ValueError that names the column."""
+    figures = text.translate(TYPOGRAPHY)
+    if not NUMBER.fullmatch(figures):
         raise ValueError(f"{name} is {quoted(text) if text else 'empty'}: give a number")
-    number = float(text)
+    number = float(figures)
     if not (math.isfinite(number) and codec.fits(number)):
         raise ValueError(f"{name} is {number:g}: numbers up to 3.4e38 are allowed")
     return number

@@ -82,6 +82,23 @@ class Teacher:
             raise refusals.frozen()
 
 
+@dataclass
+class LastStop:
+    """The last STOP or EMERGENCY_STOP."""
+
+    presser: Caller = NO_CALLER
+    """its seat or session may be unknown"""
+    sent: bool = True
+    """whether the board has acknowledged it, has refused it or has not answered"""
+    resting: bool = True
+    """whether a motion was authorised since the arms rest"""
+
+    @property
+    def seat(self) -> str:
+        """The seat that has stopped the arms; empty: unknown, or a motion was authorised since then."""
+        return "" if self.resting else self.presser.seat
+
+
 def _locked(method: Callable[Concatenate[Access, P], R]) -> Callable[Concatenate[Access, P], R]:
     """Return `method`, wrapped so that it holds the lock of Access while it runs."""
 
@@ -99,8 +116,7 @@ class Access:
     def __init__(self) -> None:
         self.lock = threading.RLock()
         self.lease, self._pauses = Lease(), Pauses()
-        self._stopped_by = NO_CALLER
-        self._stop_sent = self._resting = True
+        self.last_stop = LastStop()
         self.begun = 0
         """Counts each motion when it is authorised, and again when it begins: while it stays equal, none can begin."""
         self._latched_s: float | None = None
@@ -136,10 +152,11 @@ class Access:
         if action is not Action.MOVE:
             return
         # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.
-        if not self._resting and not self._stopped_by.session == caller.session == TEXT_SESSION:
-            if not (self._stop_sent and resting):
-                raise refusals.coming_to_rest()
-            self._resting = True
+        stop = self.last_stop
+        if not stop.resting and not stop.presser.session == caller.session == TEXT_SESSION:
+            if not (stop.sent and resting):
+                raise refusals.coming_to_rest(stop.seat)
+            stop.resting = True
         if pause is not None:
             raise pause
         self.begun += 1
@@ -152,8 +169,8 @@ class Access:
             Refused: MUTED, EMERGENCY, FROZEN or STOPPED, if this was so after `authorize`.
         """
         self.teacher.check(Action.MOVE, caller.seat, latched=self.latched)
-        if not self._resting and caller.session != TEXT_SESSION:
-            raise refusals.coming_to_rest()
+        if not self.last_stop.resting and caller.session != TEXT_SESSION:
+            raise refusals.coming_to_rest(self.last_stop.seat)
         self.begun += 1
         self.lease.motion.begin(caller)
 
@@ -184,8 +201,7 @@ class Access:
         """
         if presser.seat in self.teacher.muted and not self.lease.motion.moves(presser.seat):
             raise refusals.muted(presser.seat, stop=True)
-        self._stopped_by = presser
-        self._stop_sent = self._resting = False
+        self.last_stop = LastStop(presser, sent=False, resting=False)
         heard_s = self._sessions.heard(presser, now_s)
         self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s, heard_s)
         if emergency:
@@ -198,9 +214,10 @@ class Access:
 
         Also pause the seat of a motion that overtook STOP; under the latch, end the lease by motion.
         """
-        self._stop_sent = True
-        heard_s = self._sessions.heard(self._stopped_by, now_s)
-        self._pauses.begin(self.lease.motion.driver(now_s), self._stopped_by, now_s, heard_s)
+        self.last_stop.sent = True
+        presser = self.last_stop.presser
+        heard_s = self._sessions.heard(presser, now_s)
+        self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s, heard_s)
         if self._latched_s is not None:
             self.lease.motion.release(now_s)
 

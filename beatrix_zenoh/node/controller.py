@@ -178,7 +178,10 @@ class MotionController:
         elif telemetry.motion == self._number != running.number:
             self._end(running, Reason.BOARD_LOST, replies.SUPERSEDED)
         elif telemetry.motion == running.number and telemetry.outcome != Outcome.NONE:
-            self._end(running, *replies.motion_end(telemetry.outcome, self._stop_cause, self.arms()))
+            end = replies.motion_end(
+                telemetry.outcome, self._stop_cause, self.arms(), self._access.last_stop.seat
+            )
+            self._end(running, *end)
         elif self.overdue():
             self._end(running, Reason.BOARD_LOST, replies.NOT_CARRIED_OUT)
 

@@ -85,7 +85,7 @@ class Pauses:
             del self._pauses[caller.seat]
             return None
         pause.requested_s = now_s
-        return refusals.stopped_pause(caller.seat, quiet_s, again=pause.again)
+        return refusals.stopped_pause(caller.seat, quiet_s, again=pause.again, presser=pause.presser.seat)
 
     def end(self, seat: str) -> None:
         """End the pause of a seat."""

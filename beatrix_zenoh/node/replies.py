@@ -116,8 +116,12 @@ def preview_refusal(error: BeatrixError) -> PreviewReply:
     )
 
 
-def motion_end(code: int, cause: StopCause, arms: Arms) -> tuple[Reason, str]:
-    """Return reason and sentence for an outcome other than NONE; `cause`: why the node sent STOP; arms in rad."""
+def motion_end(code: int, cause: StopCause, arms: Arms, presser: str = "") -> tuple[Reason, str]:
+    """Return reason and sentence for an outcome other than NONE.
+
+    `cause`: why the node sent STOP; arms in rad; `presser`: seat that pressed STOP, empty if unknown.
+    """
+    by_seat = f" of {presser}" if presser else ""
     where = degrees(arms)
     if code not in OUTCOME_TEXT:
         return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
@@ -127,12 +131,13 @@ def motion_end(code: int, cause: StopCause, arms: Arms) -> tuple[Reason, str]:
     if outcome in POWERLESS:
         first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
         return OUTCOME_REASON[outcome], (
-            f"Ended {OUTCOME_TEXT[outcome]}. The arms were at {where}; without power the head may have sunk: set it "
+            f"Ended {OUTCOME_TEXT[outcome]}{by_seat if outcome is Outcome.EMERGENCY else ''}. The arms were at {where}; without power the head may have sunk: set it "
             f"upright, {first}, calibrate."
         )
     if outcome is Outcome.STOPPED:
         reason, words = cause.value
-        return reason, f"Ended {words}; the arms rest at {where}."
+        by_seat = by_seat if cause is StopCause.STOP else ""
+        return reason, f"Ended {words}{by_seat}; the arms rest at {where}."
     return OUTCOME_REASON[outcome], f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {where}."
 
 

@@ -36,9 +36,9 @@ def check_choreography(choreography: Choreography, robot: RobotData) -> None:
 def first_arms(step: Step, planner: Planner) -> Arms:
     """Return the arm angles (rad) of the first pose; raises Refused if it exceeds a limit or is out of reach."""
     if isinstance(step, Pose):
-        place = arms_of(HeadAngles(step.yaw, step.pitch, step.roll), planner.neck)
+        place = arms_of(HeadAngles(step.yaw, step.pitch, step.roll), planner.limits)
     else:
-        place = arms_of(ArmAngles(step.short, step.middle, step.long), planner.neck)
+        place = arms_of(ArmAngles(step.short, step.middle, step.long), planner.limits)
     x, y, z = (math.radians(angle) for angle in place)
     planner.limits.check_pose((x, y, z))
     return x, y, z

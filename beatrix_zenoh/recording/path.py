@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point
 from beatrix_zenoh.client.queries import DAY_S, checked_factor
 from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.errors import BeatrixError, WrongUsage
-from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
 
 POINT_S = 0.05
@@ -39,6 +39,8 @@ class ArmPath:
     """the line of each point in its file; empty: no file"""
     factor: float = 1.0
     """speed relative to the file or recording"""
+    begin_s: float = 0.0
+    """time of the first point in the file, or since the start of the recorded motion"""
 
     @property
     def duration_s(self) -> float:
@@ -46,17 +48,39 @@ class ArmPath:
         return float(self.t[-1])
 
     def where(self, t: float) -> str:
-        """Describe a time of the path (s) for a message, with the line of the next point if the path is from a file."""
+        """Describe a time of the path (s) for a message: the time in the file, and the line of the next point there."""
         t = max(0.0, t)
+        given_s = self.given_s(t)
         if not self.lines:
-            return f"{self.source}, t = {t:.2f} s"
+            return f"{self.source}, t = {given_s:.2f} s"
         line = self.lines[min(int(np.searchsorted(self.t, t - 1e-9)), len(self.lines) - 1)]
-        return f"{self.source}, line {line} (t = {t:.2f} s)"
+        return f"{self.source}, line {line} (t = {given_s:.2f} s)"
+
+    def given_s(self, t: float) -> float:
+        """Return the time in the file or recording (s) for a time of the path (s)."""
+        return self.begin_s + t * self.factor
+
+    def beginning(self, given_s: float) -> ArmPath:
+        """Return the path from a time of the file or recording (s) on; raises WrongUsage outside of its times."""
+        begin, end = self.begin_s, self.given_s(self.duration_s)
+        if not begin <= given_s < end:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"{self.source} lasts from {begin:g} to {end:g} s, so a replay cannot begin at {given_s:g} s. "
+                "Give a time between them.",
+            )
+        skipped_s = (given_s - begin) / self.factor
+        later = self.t > skipped_s
+        later[-1] = True  # also after rounding
+        t = np.concatenate(([0.0], self.t[later] - skipped_s))
+        arms = np.concatenate((self.at(np.array([skipped_s])), self.arms[later]))
+        lines = self.lines[-len(t) + 1 :]
+        return replace(self, t=t, arms=arms, lines=lines[:1] + lines, begin_s=given_s)
 
     def at_speed(self, factor: float) -> ArmPath:
         """Return the path at `factor` times its speed; raises WrongUsage if the factor or the duration is invalid."""
         whole = checked_factor(self.factor * checked_factor(factor))
-        path = ArmPath(self.source, self.t / factor, self.arms, self.lines, whole)
+        path = replace(self, t=self.t / factor, factor=whole)
         path.check_length()
         return path
 
@@ -106,12 +130,12 @@ class ArmPath:
         return slopes
 
 
-def path_of(read: MotionFile, neck: Neck) -> ArmPath:
-    """Return the path of a motion file, for a robot with this neck.
+def path_of(read: MotionFile, limits: Limits) -> ArmPath:
+    """Return the path of a motion file, for a robot with these limits.
 
     Raises:
         WrongUsage: BAD_VALUE, the file is a choreography, has only one point, or has two points at the same time.
-        Refused: OUT_OF_REACH, no arm angles reach a head orientation; the message names the line.
+        Refused: OUT_OF_REACH, a head orientation exceeds the tilt limit; the message names the line.
     """
     if read.with_speed:
         raise WrongUsage(
@@ -130,25 +154,26 @@ def path_of(read: MotionFile, neck: Neck) -> ArmPath:
                 f"{read.source}, line {after.line}: t_s is {after.t:g}, the same as in the line before. Times of a path "
                 "must increase from point to point.",
             )
-    arms = np.array([arms_at(read.source, point, neck) for point in points])
+    arms = np.array([arms_at(read.source, point, limits) for point in points])
     t = np.array([point.t for point in points])
-    return ArmPath(read.source, t - t[0], arms, tuple(point.line for point in points))
+    lines = tuple(point.line for point in points)
+    return ArmPath(read.source, t - t[0], arms, lines, begin_s=points[0].t)
 
 
-def arms_at(source: str, point: Point, neck: Neck) -> tuple[float, float, float]:
+def arms_at(source: str, point: Point, limits: Limits) -> tuple[float, float, float]:
     """Return the arm angles (deg) of a point; raises Refused, which names the line, if the point is out of reach."""
     try:
-        return arms_of(point.place, neck)
+        return arms_of(point.place, limits)
     except BeatrixError as error:
         where = f"{source}, line {point.line} (t = {point.t:.2f} s)"
         raise type(error)(error.reason, f"{where}: {error.message}", error.detail) from error
 
 
-def arms_of(place: Place, neck: Neck) -> tuple[float, float, float]:
-    """Return the arm angles (deg) for angles of head or arms (deg); raises Refused if the head cannot turn there."""
+def arms_of(place: Place, limits: Limits) -> tuple[float, float, float]:
+    """Return the arm angles (deg) for angles of head or arms (deg); raises Refused if the head may not tilt so far."""
     if not isinstance(place, HeadAngles):
         return place
-    x, y, z = neck.inverse(*(math.radians(angle) for angle in place))
+    x, y, z = limits.arms_of_head(*(math.radians(angle) for angle in place))
     return math.degrees(x), math.degrees(y), math.degrees(z)
 
 

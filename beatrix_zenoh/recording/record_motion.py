@@ -14,6 +14,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.errors import WrongUsage, naming
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.follow import robot_of
+from beatrix_zenoh.recording.path import STILL_S
 
 POINTS_HZ: Final = 25.0
 """Points per second while the robot moves."""
@@ -26,34 +27,65 @@ Timed = tuple[float, Place]
 
 
 class Thinning:
-    """Reduces points: at most one point in `period_s`, and only the first and the last point of a rest."""
+    """Reduces points: at most one point in `period_s`, and only the first and the last point of a rest.
 
-    def __init__(self, period_s: float) -> None:
-        self._period_s = period_s
+    Rests before the first motion and after the last are shortened to `rest_s` (s); the times of the result begin at 0.
+    """
+
+    def __init__(self, period_s: float, rest_s: float = math.inf) -> None:
+        self._period_s, self._rest_s = period_s, rest_s
         self._kept: Timed | None = None
+        """the last point that was returned; before the first motion, the first point"""
         self._before: Timed | None = None
+        self._begin_s: float | None = None
+        """time of the first point of the result; None before the first motion"""
 
     def add(self, point: Timed) -> list[Timed]:
-        """Add the next point; return the points that are kept and were not returned before."""
+        """Add the next point; return the points that are kept and were not returned before.
+
+        The first point is returned when the robot begins to move.
+        """
         before, self._before = self._before, point
         if self._kept is None or before is None:
             self._kept = point
-            return [point]
+            return []
         if same(self._kept[1], point[1]):
             return []
-        points = []
+        points = self._begin(before)
         if same(self._kept[1], before[1]) and before[0] > self._kept[0] + self._period_s:
             points.append(before)
             self._kept = before
         if point[0] - self._kept[0] >= self._period_s - SLACK_S:
             points.append(point)
             self._kept = point
-        return points
+        return self._shifted(points)
 
     def last(self) -> list[Timed]:
-        """Return the last point, or no point if it was returned already."""
-        left = self._before is not None and self._before is not self._kept
-        return [self._before] if left and self._before is not None else []
+        """Return the last point, after a rest of `rest_s` at most, and the first one if the robot never moved."""
+        if self._kept is None or self._before is None:
+            return []
+        t, place = self._before
+        points = self._begin(self._before)
+        if same(self._kept[1], place):
+            t = min(t, self._kept[0] + self._rest_s)
+        if t > self._kept[0]:
+            points.append((t, place))
+        return self._shifted(points)
+
+    def _begin(self, before: Timed) -> list[Timed]:
+        """Return the first point, with the time at which the rest before the first motion begins; later no point.
+
+        `before`: the last point of that rest.
+        """
+        if self._kept is None or self._begin_s is not None:
+            return []
+        self._begin_s = max(self._kept[0], before[0] - self._rest_s)
+        self._kept = self._begin_s, self._kept[1]
+        return [self._kept]
+
+    def _shifted(self, points: list[Timed]) -> list[Timed]:
+        """Return points with times from the first point of the result on."""
+        return [(t - (self._begin_s or 0.0), place) for t, place in points]
 
 
 def record_motion(
@@ -61,17 +93,20 @@ def record_motion(
     path: Path,
     *,
     head: bool = True,
+    keep_rest: bool = False,
     points_hz: float = POINTS_HZ,
     going: Callable[[int], bool] = lambda _points: True,
 ) -> int:
     """Write the set points of a robot to a motion file; return the number of points.
 
-    The recording ends with Ctrl-C, or when `going` returns False. The file is valid after each point.
+    The recording ends with Ctrl-C, or when `going` returns False. The file is valid after each point; the first is
+    written when the robot begins to move.
 
     Args:
         robot: the robot, which any client may drive.
         path: the file, which is replaced if it exists.
         head: write yaw, pitch, roll; else the angles of the arms.
+        keep_rest: keep the whole rests at start and end, instead of STILL_S each.
         points_hz: points per second during motions, at most 50.
         going: called with the number of points about 50 times a second; False ends the recording.
 
@@ -82,7 +117,7 @@ def record_motion(
     with naming(str(robot)):
         info = robot.info()
     place_of = head_of(info) if head else arm_angles_of
-    thinning, count = Thinning(1 / points_hz), 0
+    thinning, count = Thinning(1 / points_hz, math.inf if keep_rest else STILL_S), 0
     try:
         with path.open("w", encoding="utf-8", newline="\n") as file, robot.positions_stream() as stream:
             try:
@@ -93,7 +128,7 @@ def record_motion(
             except KeyboardInterrupt:
                 pass
             finally:
-                count += write(file, thinning.last(), [])
+                count += write(file, thinning.last(), [] if count else comments(robot, info))
     except OSError as error:
         raise WrongUsage(
             Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror}. Name another file."

@@ -85,6 +85,11 @@ def _seat_case(detail: Detail) -> str:
     return "moving" if detail.wait_s is None else "wait"
 
 
+def _stop_case(detail: Detail) -> str:
+    case = detail.field or ("wait" if detail.holder else "")
+    return " ".join(filter(None, (case, "by" if detail.presser else "")))
+
+
 def _field_case(detail: Detail) -> str:
     if "*" in detail.field and "/" in detail.field:
         return "wildcard"
@@ -125,7 +130,7 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.MUTED, None): lambda detail: detail.field or ("seat" if detail.holder else ""),
     (Reason.TEACHER_ONLY, None): lambda detail: "reset" if detail.needs else "seat" if detail.holder else "",
     (Reason.BUSY, None): _seat_case,
-    (Reason.STOPPED, None): lambda detail: detail.field or _seat_case(detail),
+    (Reason.STOPPED, None): _stop_case,
     (Reason.NO_ANSWER, None): _absence_case,
     (Reason.NO_SUCH_ROBOT, None): lambda _: "absent",
     (Reason.NODE_LOST, None): lambda detail: "back" if detail.field in detail.known else "robot",

@@ -8,6 +8,14 @@ from beatrix_zenoh._generated.messages import Limit, Reason
 from beatrix_zenoh.sentences import silences
 from beatrix_zenoh.sentences.language import Language
 
+_AT_REST = "Try again when the arms are at rest."
+_PAUSE = (
+    "Send no motion for {wait_s}, then try again; each earlier try restarts the wait. A program that you start now need "
+    "not wait."
+)
+_LONG_PAUSE = (
+    "Send no motion for {wait_s}, then try again; each earlier try, also of a new program, restarts the wait."
+)
 _TILT = "at most {high} is allowed."
 _GAP = "at least {low} is required."
 _YAW = "{low} to {high} is allowed."
@@ -180,14 +188,21 @@ ENGLISH: Final = Language(
             None,
             "",
         ): "The session that sent this request has ended, so the robot does not move for it.",
-        (Reason.STOPPED, None, ""): "STOP was pressed. Try again when the arms are at rest.",
-        (Reason.STOPPED, None, "wait"): (
-            "STOP was pressed while {holder} was driving. Send no motion for {wait_s}, then try again; each earlier try "
-            "restarts the wait. A program that you start now need not wait."
-        ),
-        (Reason.STOPPED, None, "again"): (
-            "STOP was pressed again while {holder} was driving. Send no motion for {wait_s}, then try again; each "
-            "earlier try, also of a new program, restarts the wait."
+        (Reason.STOPPED, None, ""): f"STOP was pressed. {_AT_REST}",
+        (Reason.STOPPED, None, "by"): f"STOP was pressed by {{presser}}. {_AT_REST}",
+        (Reason.STOPPED, None, "wait"): f"STOP was pressed while {{holder}} was driving. {_PAUSE}",
+        (
+            Reason.STOPPED,
+            None,
+            "wait by",
+        ): f"STOP was pressed by {{presser}} while {{holder}} was driving. {_PAUSE}",
+        (
+            Reason.STOPPED,
+            None,
+            "again",
+        ): f"STOP was pressed again while {{holder}} was driving. {_LONG_PAUSE}",
+        (Reason.STOPPED, None, "again by"): (
+            f"STOP was pressed again by {{presser}} while {{holder}} was driving. {_LONG_PAUSE}"
         ),
         (Reason.REPLACED, None, ""): "A newer motion of this seat replaced this one before it began.",
         (Reason.FAULT, None, ""): "The robot reports a fault. Look at its status.",

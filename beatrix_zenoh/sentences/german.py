@@ -8,6 +8,15 @@ from beatrix_zenoh._generated.messages import Limit, Reason
 from beatrix_zenoh.sentences import silences
 from beatrix_zenoh.sentences.language import Language
 
+_AT_REST = "Versuche es wieder, wenn die Arme ruhen."
+_PAUSE = (
+    "Sende {wait_s} lang keine Bewegung, dann versuche es wieder; jeder Versuch davor lässt das Warten neu beginnen. Ein "
+    "Programm, das du jetzt startest, muss nicht warten."
+)
+_LONG_PAUSE = (
+    "Sende {wait_s} lang keine Bewegung, dann versuche es wieder; jeder Versuch davor, auch der eines neuen Programms, "
+    "lässt das Warten neu beginnen."
+)
 _TILT = "höchstens {high} sind erlaubt."
 _GAP = "mindestens {low} sind nötig."
 _YAW = "{low} bis {high} sind erlaubt."
@@ -230,14 +239,17 @@ GERMAN: Final = Language(
             None,
             "",
         ): "Die Sitzung, die diese Anfrage gesendet hat, ist beendet; deshalb bewegt sich der Roboter nicht.",
-        (Reason.STOPPED, None, ""): "STOP wurde gedrückt. Versuche es wieder, wenn die Arme ruhen.",
-        (Reason.STOPPED, None, "wait"): (
-            "STOP wurde gedrückt, während {holder} steuerte. Sende {wait_s} lang keine Bewegung, dann versuche es wieder; "
-            "jeder Versuch davor lässt das Warten neu beginnen. Ein Programm, das du jetzt startest, muss nicht warten."
+        (Reason.STOPPED, None, ""): f"STOP wurde gedrückt. {_AT_REST}",
+        (Reason.STOPPED, None, "by"): f"STOP wurde von {{presser}} gedrückt. {_AT_REST}",
+        (Reason.STOPPED, None, "wait"): f"STOP wurde gedrückt, während {{holder}} steuerte. {_PAUSE}",
+        (Reason.STOPPED, None, "wait by"): (
+            f"STOP wurde von {{presser}} gedrückt, während {{holder}} steuerte. {_PAUSE}"
         ),
         (Reason.STOPPED, None, "again"): (
-            "STOP wurde wieder gedrückt, während {holder} steuerte. Sende {wait_s} lang keine Bewegung, dann versuche es "
-            "wieder; jeder Versuch davor, auch der eines neuen Programms, lässt das Warten neu beginnen."
+            f"STOP wurde wieder gedrückt, während {{holder}} steuerte. {_LONG_PAUSE}"
+        ),
+        (Reason.STOPPED, None, "again by"): (
+            f"STOP wurde wieder von {{presser}} gedrückt, während {{holder}} steuerte. {_LONG_PAUSE}"
         ),
         (
             Reason.REPLACED,

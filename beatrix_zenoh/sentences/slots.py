@@ -18,7 +18,7 @@ def slots_of(detail: Detail, language: Language) -> dict[str, str]:
     """Return the fields for the templates of a language, as far as the detail has them.
 
     The fields value, low and high contain their unit, arms the names of the arms. The fields leaves_s, leaves_arms,
-    field, known, holder, wait_s and needs are those of `Detail`; yaw, pitch, roll, position and speed are those of the
+    field, known, holder, presser, wait_s and needs are those of `Detail`; yaw, pitch, roll, position and speed are those of the
     alternative.
     """
     slots = _measured(detail, language)
@@ -28,7 +28,7 @@ def slots_of(detail: Detail, language: Language) -> dict[str, str]:
         slots["leaves_s"] = _decimal(f"{detail.leaves_s:.2f} s", language)
     if detail.leaves_arms is not None:
         slots["leaves_arms"] = _vector(detail.leaves_arms, "rad", language)
-    for name in ("field", "holder"):
+    for name in ("field", "holder", "presser"):
         text: str = getattr(detail, name)
         if text:
             slots[name] = text if len(text) <= _LONGEST else text[:_LONGEST] + "…"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from pathlib import Path
 
@@ -67,26 +68,51 @@ def test_no_lag_is_measured_without_motion(free: Shell) -> None:
     assert "the lag could not be measured" in done.stdout.splitlines()[-1]
 
 
-def test_ctrl_c_ends_a_recording_of_a_motion_and_stops_a_replay(free: Shell, tmp_path: Path) -> None:
+def ended_at(path: Path) -> motion_file.Place:
+    """Return the place (deg) of the last point in a motion file."""
+    return motion_file.read(path).points[-1].place
+
+
+@pytest.mark.parametrize(
+    ("number", "background"), [(signal.SIGINT, False), (signal.SIGINT, True), (signal.SIGTERM, True)]
+)
+def test_signals_end_a_recording_of_a_motion_with_its_summary(
+    free: Shell, tmp_path: Path, number: signal.Signals, *, background: bool
+) -> None:
     path = tmp_path / "mine.csv"
-    record = free.start("record", "--motion", str(path), "--on", "hw")
+    free.good("home", "--on", "hw", "--who", "cleo")
+    record = free.start("record", "--motion", str(path), "--on", "hw", background=background)
     until(path.exists, "it records", 10.0)
     free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw", "--who", "cleo")
-    record.send_signal(signal.SIGINT)
+    until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file", 10.0)
+    record.send_signal(number)
     output, _ = record.communicate(timeout=END_S)
     assert record.returncode == 0, output
     assert f"To replay it: beatrix replay {path}" in output
-    points = motion_file.read(path).points
-    assert points[-1].place == pytest.approx((8, 0, 0), abs=0.2)
+    assert ended_at(path) == pytest.approx((8, 0, 0), abs=0.2)
 
-    slow = free.start("replay", str(path), "--on", "hw", "--who", "cleo", "--speed-factor", "0.05")
+
+def test_a_replay_that_was_stopped_is_continued(free: Shell, tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n10,0,0,0\n30,40,0,0\n", encoding="utf-8")
+    slow = free.start("replay", str(path), "--on", "hw", "--who", "cleo", "--from", "14")
     with free.robot("hw") as hardware:
-        until(lambda: 1 < hardware.positions().commanded.short < 7, "it moves", 20.0)
+        until(lambda: 9 < hardware.positions().commanded.short < 30, "it moves", 20.0)
         slow.send_signal(signal.SIGINT)
         output, _ = slow.communicate(timeout=END_S)
         assert slow.returncode == 130
         assert "(hw): Stopped;" in output
-        assert hardware.positions().commanded.short < 7.9
+        assert hardware.positions().commanded.short < 30
+    found = re.search(r"The replay ended at (\S+) s; --from (\S+) continues there\.", output)
+    assert found is not None, output
+    assert 14 <= float(found[1]) < 30
+    slow = free.start("replay", str(path), "--on", "hw", "--who", "cleo", "--from", found[2])
+    with free.robot("hw") as hardware:
+        until(lambda: hardware.status().moving, "it goes on", 20.0)
+        free.good("stop", "--who", "ben")
+    output, _ = slow.communicate(timeout=END_S)
+    assert slow.returncode == 1, output
+    assert re.search("ben pressed STOP|STOP of ben|STOP was pressed by ben", output), output
 
 
 @pytest.mark.parametrize(
@@ -98,6 +124,8 @@ def test_ctrl_c_ends_a_recording_of_a_motion_and_stops_a_replay(free: Shell, tmp
         (("compare", "--max-rms", "-1"), 2, "give a number, 0 or more"),
         (("record", "--motion", "mine.rrd"), 2, "must end with .csv"),
         (("record", "mine.rrd", "--on", "hw"), 2, "--on needs --motion"),
+        (("record", "mine.rrd", "--keep-rest"), 2, "--keep-rest needs --motion"),
+        (("replay", "none.csv", "--from", "-1"), 2, "'--from': -1.0 is not in the range"),
     ],
 )
 def test_the_error_for_wrong_arguments_names_the_cause(words: tuple[str, ...], code: int, what: str) -> None:

@@ -17,10 +17,10 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Positions, Source, Steps
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.follow import Following, follow
-from beatrix_zenoh.recording.path import path_of
+from beatrix_zenoh.recording.path import STILL_S, path_of
 from beatrix_zenoh.recording.record_motion import record_motion
 from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
 from beatrix_zenoh.recording.replay import LATE_S, Progress
@@ -60,7 +60,7 @@ def replay(
 
 def following(text: str) -> Following:
     """Return the targets that follow the path of a motion file."""
-    return follow(path_of(motion_file.parse(text, "nod.csv"), Neck()), ROBOT)
+    return follow(path_of(motion_file.parse(text, "nod.csv"), Limits()), ROBOT)
 
 
 def steps(robot: Robot) -> Steps:
@@ -128,17 +128,19 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
     with ThreadPoolExecutor(1) as pool:
         moved: list[Future[None]] = []
 
-        def going(points: int) -> bool:
-            """Begin the motion after the first point; return False when it has ended."""
-            if points and not moved:
+        def going(_points: int) -> bool:
+            """Begin the motion when the recording has begun; return False when it has ended."""
+            if not moved:
                 moved.append(pool.submit(turn_and_return))
             return not (moved and moved[0].done())
 
         points = record_motion(other, path, going=going)
     assert points == len(path.read_text(encoding="utf-8").splitlines()) - 3
     recorded = motion_file.read(path)
+    assert recorded.points[0].t == 0
+    assert recorded.points[1].t <= STILL_S, "the rest before the motion is left out"
     assert max(point.place[0] for point in recorded.points) == pytest.approx(20, abs=0.2)
-    played = follow(path_of(recorded, Neck()), ROBOT)
+    played = follow(path_of(recorded, Limits()), ROBOT)
     sim, _ = recorded_during(stage, played.duration_s + 3.0, lambda: replay(twin.sim, played))
     assert off_path(sim, played) < OFF_DEG
 
@@ -172,7 +174,10 @@ def test_stop_by_another_seat_ends_the_replay_on_both_robots(stage: Stage, twin:
         played = pool.submit(replay, twin, following(SLOW))
         until(lambda: other.positions().commanded.short > 2, "the simulation moves", 10.0)
         other.stop()
-        with pytest.raises((Interrupted, Refused), match=r"bea \(sim\)"):
+        with pytest.raises(
+            (Interrupted, Refused),
+            match=r"bea \(sim\): .*(ben pressed STOP|STOP of ben|STOP was pressed by ben)",
+        ):
             played.result(10)
     for robot in (twin.sim, twin.hw):
         until(lambda robot=robot: not robot.status().moving, "it rests")  # type: ignore[misc]

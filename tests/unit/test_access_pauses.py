@@ -35,6 +35,20 @@ def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> 
     with pytest.raises(Refused) as refused:
         access.take(ANA)
     assert refused.value.reason is Reason.STOPPED
+    assert refused.value.message == "STOP was pressed by ben. Try again when the arms are at rest."
+
+
+def test_a_motion_that_ends_after_stop_names_the_seat_until_the_next_motion(access: Access) -> None:
+    begin_motion(access, ANA, 0)
+    assert access.last_stop.seat == ""
+    access.stop_pressed(BEN, 1)
+    access.stop_sent(1.1)
+    assert access.last_stop.seat == "ben"
+    access.rested(1.5)
+    with pytest.raises(Refused, match="STOP was pressed by ben while ana was driving"):
+        access.authorize(Action.MOVE, ANA, 1.6)
+    begin_motion(access, BOSS, 1.7)
+    assert access.last_stop.seat == ""
 
 
 def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> None:

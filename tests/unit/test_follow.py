@@ -17,7 +17,7 @@ from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.follow import LEAD_IN_S, STEP_S, Following, follow
 from beatrix_zenoh.recording.path import ArmPath, path_of, path_of_recording
@@ -27,12 +27,12 @@ from beatrix_zenoh.recording.series import Floats, Recording
 REST: Arms = (0.0, 0.0, 0.0)
 HEADER = "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n"
 ANGLES = st.floats(-400, 400)
-NECK = Neck()
+LIMITS = Limits()
 
 
 def path(text: str) -> ArmPath:
     """Return a path of the head; each line of `text` is a point: time (s), yaw, pitch and roll (deg)."""
-    return path_of(motion_file.parse(HEADER + text, "mine.csv"), NECK)
+    return path_of(motion_file.parse(HEADER + text, "mine.csv"), LIMITS)
 
 
 # -- paths --------------------------------------------------------------------------------------
@@ -64,12 +64,37 @@ def test_the_times_of_a_path_begin_at_zero_and_its_points_keep_their_line_number
     found = path("5,0,0,0\n6,10,0,0\n\n8,0,5,0\n")
     assert found.t.tolist() == [0, 1, 3]
     assert [found.where(t) for t in (0.0, 0.5, 1.0, 2.5, 9.0)] == [
-        f"mine.csv, line {line} (t = {t:.2f} s)" for line, t in ((3, 0), (4, 0.5), (4, 1), (6, 2.5), (6, 9))
+        f"mine.csv, line {line} (t = {t:.2f} s)" for line, t in ((3, 5), (4, 5.5), (4, 6), (6, 7.5), (6, 14))
     ]
     assert found.at_speed(2.0).duration_s == 1.5
+    assert found.at_speed(2.0).where(0.5) == found.where(1.0), "messages show the times of the file"
     for factor in (0.0, -1.0, 1e-300, 0.009, 101.0, math.nan, math.inf):
         with pytest.raises(WrongUsage, match=r"speed factor is .* from 0\.01 to 100"):
             found.at_speed(factor)
+
+
+@pytest.mark.no_cover
+@given(points(), st.floats(0.0, 0.99), st.sampled_from([1.0, 0.5, 3.0]))
+def test_a_path_that_begins_later_leads_through_the_same_points(
+    given_points: tuple[Floats, Floats], part: float, factor: float
+) -> None:
+    t, arms = given_points
+    whole = ArmPath("mine", t, arms, tuple(range(2, len(t) + 2)), begin_s=7.0).at_speed(factor)
+    given_s = 7.0 + part * t[-1]
+    found = whole.beginning(given_s)
+    skipped_s = whole.duration_s - found.duration_s
+    assert whole.given_s(skipped_s) == pytest.approx(given_s)
+    assert found.arms[0] == pytest.approx(whole.at(np.array([skipped_s]))[0])
+    assert found.where(0.0) == whole.where(skipped_s + 1e-6)
+    left = t[t > given_s - 7.0]
+    assert found.at((left - given_s + 7.0) / factor) == pytest.approx(arms[-len(left) :], abs=1e-6)
+    assert found.where(found.duration_s) == whole.where(whole.duration_s)
+
+
+@pytest.mark.parametrize("given_s", [4.9, 8.0, 100.0, math.nan])
+def test_a_path_cannot_begin_outside_of_its_times(given_s: float) -> None:
+    with pytest.raises(WrongUsage, match=r"mine\.csv lasts from 5 to 8 s, so a replay cannot begin at"):
+        path("5,0,0,0\n6,10,0,0\n8,0,5,0\n").beginning(given_s)
 
 
 def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
@@ -91,7 +116,13 @@ def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
     [
         ("0,0,0,0\n", "has one point"),
         ("0,0,0,0\n1,5,0,0\n1,6,0,0\n", "mine.csv, line 5: t_s is 1, the same as in the line before"),
-        ("0,0,0,0\n1,0,60,0\n", "mine.csv, line 4 (t = 1.00 s): The head would tilt"),
+        *(
+            (
+                f"0,0,0,0\n1,0,{-tilt},0\n",
+                f"mine.csv, line 4 (t = 1.00 s): The head would tilt {tilt}.0°; at most 35.0° is allowed.",
+            )
+            for tilt in (36, 44, 46, 60, 89, 120)
+        ),
     ],
 )
 def test_an_invalid_path_is_refused(text: str, what: str) -> None:
@@ -103,7 +134,7 @@ def test_an_invalid_path_is_refused(text: str, what: str) -> None:
 def test_a_choreography_is_refused_as_a_path() -> None:
     text = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,1,2,3,60\n"
     with pytest.raises(WrongUsage, match="play it with `beatrix play`"):
-        path_of(motion_file.parse(text, "mine.csv"), NECK)
+        path_of(motion_file.parse(text, "mine.csv"), LIMITS)
 
 
 def test_a_replay_leaves_out_long_rests_of_the_recording() -> None:
@@ -151,7 +182,7 @@ def recorded(heads: list[tuple[float, float, float]], speed: float) -> ArmPath:
     """Return the path of a robot that looks in several directions at `speed` (deg/s), 20 points a second."""
     here, arms = REST, [REST] * 10
     for head in [*heads, (0.0, 0.0, 0.0)]:
-        goal = NECK.inverse(*(math.radians(angle) for angle in head))
+        goal = LIMITS.arms_of_head(*(math.radians(angle) for angle in head))
         way = plan(here, REST, goal, (math.radians(speed),) * 3, math.radians(180), straight=True)
         arms += [way.at(k * 0.05)[0] for k in range(math.ceil(way.duration / 0.05) + 8)]
         here = goal

@@ -39,12 +39,13 @@ def test_a_written_path_is_read_again(path: list[tuple[float, Place]], comments:
     st.text(max_size=300)
     | st.text(st.sampled_from('t_s,yawdegpitchroll0123456789.;-+e#"\n\r\t '), max_size=300)
 )
-def test_any_text_is_read_or_refused_with_a_description_of_the_format(text: str) -> None:
+def test_any_text_is_read_or_refused_in_one_line_with_the_page_of_the_format(text: str) -> None:
     for content in (text, HEADER + text):
         times, refusal = times_or_refusal(content)
         assert times == sorted(times)
         assert bool(times) != bool(refusal)
-        assert not refusal or (refusal.startswith("mine.csv") and refusal.endswith(FORM))
+        assert not refusal or (refusal.startswith("mine.csv") and refusal.endswith(f". {FORM}"))
+        assert "\n" not in refusal
 
 
 def times_or_refusal(content: str) -> tuple[list[float], str]:
@@ -73,6 +74,10 @@ def test_a_file_of_random_bytes_is_refused_with_its_name(
         "t_s\tyaw_deg\tpitch_deg\troll_deg\n0\t1\t2\t3\n.5\t1.5\t-2\t3",
         "roll_deg, t_s, pitch_deg, yaw_deg\n3, 0, 2, 1\n\n3, 5e-1, -2, 1.5\n",
         "t_s,yaw_deg,pitch_deg,roll_deg,,\n0,1,2,3,,\n0.5,1.5,-2,3,,\n",
+        't_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n"0,5","1,5",-2,3\n',
+        '"t_s","yaw_deg","pitch_deg","roll_deg"\n"0","1","2","3"\n"0,50","1,5","-2,0","3"\n',
+        "t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n5e\N{MINUS SIGN}1,1.5,\N{MINUS SIGN}2,3\n",
+        't_s;yaw_deg;pitch_deg;roll_deg\n0;1;2;3\n"0,5";1,5;\N{EN DASH}2;3\n',
     ],
 )
 def test_formats_of_spreadsheets_are_accepted(text: str, tmp_path: Path) -> None:
@@ -96,8 +101,8 @@ BOTH = ",".join(("t_s", *HEAD, *ARMS)) + "\n"
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("", "mine.csv: the names of the columns are missing"),
-        ("# nothing\n", "mine.csv: the names of the columns are missing"),
+        ("", "mine.csv: begin with the names of the columns, t_s,yaw_deg,pitch_deg,roll_deg"),
+        ("# nothing\n", "mine.csv: begin with the names of the columns, t_s,yaw_deg,pitch_deg,roll_deg"),
         (HEADER, "mine.csv: there are no points"),
         ("0,1,2,3\n", "line 1: '0' is not a column; choose from t_s, yaw_deg"),
         ("t_s,yaw_deg,pitch_deg\n", "line 1: the columns lack roll_deg"),
@@ -107,6 +112,7 @@ BOTH = ",".join(("t_s", *HEAD, *ARMS)) + "\n"
         (HEADER + "0,1,2\n", "line 2: roll_deg is empty: give a number"),
         (HEADER + "0,1,2,3,4\n", "line 2: it has 5 cells, but the file has 4 columns"),
         (HEADER + "0,1,nan,3\n", "line 2: pitch_deg is 'nan': give a number"),
+        (HEADER + '0,1,"1,000.5",3\n', "line 2: pitch_deg is '1,000.5': give a number"),
         (HEADER + "0,1,1_0,3\n", "line 2: pitch_deg is '1_0': give a number"),
         (HEADER + "0,1,1e300,3\n", "line 2: pitch_deg is 1e+300: numbers up to 3.4e38 are allowed"),
         (HEADER + "-1,1,2,3\n", "line 2: t_s is -1: give a number of seconds from 0"),

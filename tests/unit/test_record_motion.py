@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh.client.readings import ArmAngles
@@ -47,6 +47,33 @@ def test_omitted_points_lie_between_kept_points(turns: list[tuple[float, int, in
 def test_the_first_and_the_last_point_of_a_rest_are_kept() -> None:
     kept = thinned(published([(10.0, 10, 100), (-10.0, 10, 0)]), 0.04)
     assert [t for t, _ in kept if 0.2 <= t <= 2.2] == pytest.approx([0.2, 2.2])
+
+
+@pytest.mark.no_cover
+@given(TURNS, st.integers(0, 2000), st.integers(0, 2000))
+def test_rests_at_start_and_end_are_shortened(
+    turns: list[tuple[float, int, int]], before: int, after: int
+) -> None:
+    assume(any(abs(by) > 1 for by, _, _ in turns))
+    whole = published([(0.0, before + 1, 0), *turns, (0.0, after + 1, 0)])
+    thinning = Thinning(0.04, 0.5)
+    kept = [point for given in whole for point in thinning.add(given)] + thinning.last()
+    moved = [t for t, place in whole if abs(place[0]) > 0.01]
+    begin_s = max(0.0, moved[0] - 0.02 - 0.5)
+    assert kept[0] == (0.0, whole[0][1])
+    expected = [(t - begin_s, place) for t, place in thinned(whole, 0.04) if t >= begin_s]
+    places = {round(t, 6): place for t, place in kept}
+    assert all(places.get(round(t, 6), place) == place for t, place in expected)
+    assert kept[-1][1] == whole[-1][1]
+    still = [t for t, place in kept if abs(place[0] - kept[-1][1][0]) <= 0.01]
+    assert kept[-1][0] <= whole[-1][0] - begin_s + 1e-9
+    assert still[-1] - still[max(0, len(still) - 2)] <= 0.5 + 1e-9
+
+
+def test_without_a_motion_two_points_of_the_rest_are_kept() -> None:
+    thinning = Thinning(0.04, 0.5)
+    assert [kept for point in published([(0.0, 900, 0)]) for kept in thinning.add(point)] == []
+    assert [t for t, _ in thinning.last()] == pytest.approx([0.0, 0.5])
 
 
 def test_a_motion_has_about_the_requested_number_of_points() -> None:

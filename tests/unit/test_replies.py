@@ -59,6 +59,24 @@ def test_the_sentence_about_arms_without_power_does_not_claim_that_they_rest(out
     assert f"The arms were at {WHERE}; without power the head may have sunk: set it upright, {first}" in text
 
 
+@pytest.mark.parametrize(
+    ("outcome", "cause", "named"),
+    [
+        (Outcome.STOPPED, StopCause.STOP, "Ended by STOP of ben; "),
+        (Outcome.EMERGENCY, StopCause.STOP, "of ben. The arms were at"),
+        (Outcome.STOPPED, StopCause.FROZEN, ""),
+        (Outcome.DONE, StopCause.STOP, ""),
+        (Outcome.DISABLED, StopCause.STOP, ""),
+    ],
+)
+def test_the_sentence_names_the_seat_that_pressed_stop(
+    outcome: Outcome, cause: StopCause, named: str
+) -> None:
+    _, text = replies.motion_end(outcome, cause, ARMS, "ben")
+    assert named in text
+    assert bool(named) == ("ben" in text)
+
+
 def test_an_unknown_outcome_is_a_contract_mismatch() -> None:
     reason, text = replies.motion_end(99, StopCause.STOP, ARMS)
     assert reason is Reason.CONTRACT_MISMATCH

@@ -112,6 +112,15 @@ class Limits:
         except BeatrixError:
             raise self._refusals.of_start(arms) from None
 
+    def arms_of_head(self, yaw: float, pitch: float, roll: float) -> Arms:
+        """Return the arm angles (rad) for a head orientation (rad), whose yaw and arm gaps are not checked.
+
+        Raises Refused: BAD_VALUE, OUT_OF_REACH.
+        """
+        if self._tilts_too_far(pitch, roll):
+            raise self._refusals.of_tilt(pitch, roll)
+        return self._neck.inverse(yaw, pitch, roll)
+
     def arms_for(self, pose: Arms, start: Arms, velocity: Arms, speed: Arms) -> Arms:
         """Return the arm angles (rad) for a head orientation (yaw, pitch, roll in rad).
 
@@ -119,7 +128,7 @@ class Limits:
         Raises Refused (BAD_VALUE, OUT_OF_REACH, YAW_LIMIT) if no motion can reach this orientation.
         """
         _, pitch, roll = pose
-        if math.isfinite(pitch + roll) and tilt_of(pitch, roll) > self.tilt_max + _POSE_ROUNDING:
+        if self._tilts_too_far(pitch, roll):
             margin = TILT
         else:
             arms = self._neck.inverse(*pose)
@@ -165,6 +174,10 @@ class Limits:
             return self._checker.first_violation(trajectory) is None
         except BeatrixError:
             return False
+
+    def _tilts_too_far(self, pitch: float, roll: float) -> bool:
+        """Return whether a head orientation (rad) exceeds the tilt limit; False for NaN and infinity."""
+        return math.isfinite(pitch + roll) and tilt_of(pitch, roll) > self.tilt_max + _POSE_ROUNDING
 
     def _too_far(self, arms: Arms, start: Arms = (0.0, 0.0, 0.0)) -> bool:
         """Return whether an arm is further from home than in any allowed pose, and further than at the start.

@@ -47,6 +47,10 @@ class RefusalBuilder:
         """Return the refusal of arm angles (rad) at which a head at rest exceeds the limit of this index."""
         return _refused(index, self._detail(index, arms, at_goal=True))
 
+    def of_tilt(self, pitch: float, roll: float) -> Refused:
+        """Return the refusal of a head orientation (rad) that tilts too far, for a motion with an unknown start."""
+        return _refused(TILT, self._detail(TILT, (0.0, 0.0, 0.0), value=tilt_of(pitch, roll), at_goal=True))
+
     def of_pose(self, index: int, pose: Arms, motion: PlannedMotion) -> Refused:
         """Return the refusal of a head orientation (rad) that exceeds the limit of this index.
 
