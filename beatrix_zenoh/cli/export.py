@@ -1,4 +1,4 @@
-"""`beatrix export`: write a recording as a table."""
+"""`beatrix export`: write a recording as a table, a film, or both."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.cli.options import Json, Names, finite
+from beatrix_zenoh.cli.film import EyeName, check_video, written_film
+from beatrix_zenoh.cli.options import Json, Names, Which, finite
 from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.errors import Refused
 
@@ -22,7 +23,7 @@ TABLES = (".csv", ".parquet")
 Files = Annotated[
     list[Path],
     typer.Argument(
-        metavar="RECORDING.rrd... FILE",
+        metavar="RECORDING.rrd... [FILE]",
         help="The recording, all its files if it was rotated, then the table: .csv or .parquet.",
     ),
 ]
@@ -40,6 +41,14 @@ To = Annotated[
     typer.Option("--to", min=0.0, metavar="S", help="End S seconds after the recording's start."),
 ]
 
+Video = Annotated[
+    Path | None, typer.Option(metavar="FILE.mp4", help="A film of simulation and hardware, or of an eye.")
+]
+Eye = Annotated[EyeName | None, typer.Option("--eye", help="With --video: the pictures of this eye.")]
+On = Annotated[
+    Which | None, typer.Option("--on", help="With --eye: of the simulation (sim) or the hardware (hw).")
+]
+
 
 def export(
     files: Files,
@@ -47,38 +56,59 @@ def export(
     begin: From = 0.0,
     end: To = None,
     name: Names = None,
+    video: Video = None,
+    eye: Eye = None,
+    on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Write a recording as a table (CSV or Parquet).
+    """Write a recording as a table (CSV or Parquet), or as a film.
 
     A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
-    columns; docs/how-to/analyse.md lists them.
+    columns; docs/how-to/analyse.md lists them. --video shows the models of both robots with the pictures of their eyes, or
+    with --eye one eye.
     """
-    recordings, out = sources_and_table(files)
+    check_video(video, eye, on)
+    recordings, out = sources_and_table(files, film=video is not None)
     if end is not None and finite(end) < begin:
         raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
-    check_new(out)
+    for path in (out, video):
+        if path is not None:
+            check_new(path)
     found = opened(recordings, begin, end, name or ())
-    rows = written(out, found, samples=samples)
+    document: dict[str, object] = {"result": True, "robots": robots_of(found)}
+    lines = []
+    if out is not None:
+        rows = written(out, found, samples=samples)
+        document |= {"file": str(out), "rows": rows}
+        lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
+    if video is not None:
+        film = written_film(video, recordings, found, eye, on)
+        document |= {"video": str(video), "frames": film.frames}
+        lines.append(f"{video}: {film.frames} frames, {film.lasts_s:.1f} s of {film.shows}.")
     if as_json:
-        print_json({"result": True, "file": str(out), "rows": rows, "robots": robots_of(found)})
+        print_json(document)
     else:
-        say(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
+        say("\n".join(lines))
 
 
-def sources_and_table(files: Sequence[Path]) -> tuple[list[Path], Path]:
-    """Return the recordings and the name of the table among the arguments; raises BadParameter."""
+def sources_and_table(files: Sequence[Path], *, film: bool) -> tuple[list[Path], Path | None]:
+    """Return the recordings and the name of the table among the arguments; raises BadParameter.
+
+    With `film` there may be no table.
+    """
     recordings = [path for path in files if path.suffix == RECORDING]
     others = [path for path in files if path.suffix != RECORDING]
     if not recordings:
         raise typer.BadParameter(f"{files[0]} is not the name of a recording: it must end with {RECORDING}.")
+    if len({path.resolve() for path in recordings}) < len(recordings):
+        raise typer.BadParameter("A recording is given twice: give each file once.")
+    if film and not others:
+        return recordings, None
     if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
         given = ", ".join(map(str, others)) or "none is given"
         raise typer.BadParameter(
             f"One table is written, and named last: it must end with {' or '.join(TABLES)} ({given})."
         )
-    if len({path.resolve() for path in recordings}) < len(recordings):
-        raise typer.BadParameter("A recording is given twice: give each file once.")
     return recordings, others[0]
 
 

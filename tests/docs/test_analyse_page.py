@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import re
 import shlex
 from pathlib import Path
 
 import pytest
-from lesson_file import BEGAN_NS, STEP_NS, write_lesson
+from lesson_file import BEGAN_NS, STEP_NS, times, write_lesson
+from PIL import Image
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.export import every_quantity
-from beatrix_zenoh.recording.rows import Numbers
+from beatrix_zenoh.recording.rows import Frame, Numbers
 from beatrix_zenoh.recording.rrd.read import read
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/analyse.md"
@@ -23,7 +25,10 @@ PLACES = ("bea1", "sim"), ("bea1", "hw")
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with the recordings of the page."""
     monkeypatch.chdir(tmp_path)
-    write_lesson(tmp_path / "lesson.rrd", PLACES, rows=1000)
+    file = io.BytesIO()
+    Image.new("RGB", (64, 48)).save(file, "JPEG")
+    pictures = [Frame("bea1/sim/camera/left", at_ns, at_ns, file.getvalue()) for at_ns in times(2)]
+    write_lesson(tmp_path / "lesson.rrd", PLACES, rows=100, more=pictures)
     later = [
         Numbers(f"bea1/hw/{what}", time_ns, time_ns, (1.0, 2.0, 3.0))
         for what in ("arms", "commanded", "head")
@@ -34,19 +39,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def commands() -> list[str]:
-    (block,) = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
-    return [line for line in block.splitlines() if "video" not in line]
-
-
-def test_the_commands_of_the_page_write_its_tables(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for line in commands():
+def test_the_commands_of_the_page_write_its_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
+    for line in "".join(blocks).splitlines():
         words = shlex.split(line, comments=True)
         assert words[0] == "beatrix"
         assert app.run(words[1:]) == 0, line
-    assert [int(rows) for rows in re.findall(r": (\d+) rows", capsys.readouterr().out)] == [
-        1000, 500, 2000, 302
-    ]  # fmt: skip
+    out = capsys.readouterr().out
+    assert [int(rows) for rows in re.findall(r": (\d+) rows", out)] == [100, 50, 200, 302, 50]
+    assert [int(frames) for frames in re.findall(r": (\d+) frames", out)] == [50, 2, 25]
 
 
 def test_the_python_of_the_page_loads_a_recording(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -56,7 +57,7 @@ def test_the_python_of_the_page_loads_a_recording(folder: Path, capsys: pytest.C
     exec(table, found)
     assert capsys.readouterr().out.splitlines()[-1] == "0.0"
     exec(recording, found)
-    assert capsys.readouterr().out.splitlines()[-1] == "[1000 rows x 2 columns]"
+    assert capsys.readouterr().out.splitlines()[-1] == "[100 rows x 2 columns]"
     head = read(folder / "lesson.rrd").robots["bea1", "sim"].head
     loaded = found["head"]["/bea1/sim/head:Scalars:scalars"]  # type: ignore[index]
     assert [list(row) for row in loaded] == head.tolist()

@@ -1,0 +1,162 @@
+"""The frames of films: the pictures of an eye, or simulation and hardware beside each other."""
+
+from __future__ import annotations
+
+import bisect
+import io
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from beatrix_zenoh.names import EYES, TWINS
+from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
+from beatrix_zenoh.recording.export import ARMS, HEAD, Block, Table
+from beatrix_zenoh.recording.figure import Figure
+
+STEPS: Final = 2
+"""Steps of the grid of 20 ms between two frames: 25 frames a second."""
+PANEL: Final = (640, 480)
+"""Size of the drawing of one robot (pixels)."""
+EYE: Final = (320, 240)
+OLD_NS: Final = 1_500_000_000
+"""An eye whose last picture is older than this is shown without one."""
+INK: Final = (45, 52, 60)
+EMPTY: Final = (70, 76, 84)
+PALE: Final = (200, 205, 210)
+TITLES: Final = {"sim": "simulation", "hw": "hardware"}
+
+
+class Picture(NamedTuple):
+    """A picture of an eye, and its time (ns since 1970) by the clock of the recording computer."""
+
+    time_ns: int
+    jpeg: bytes
+
+
+EyePictures = dict[tuple[str, str, str], list[Picture]]
+"""Pictures in the order of time, by robot, twin and eye."""
+
+
+class Frame(NamedTuple):
+    """A picture of a film, and its time (ns since 1970)."""
+
+    time_ns: int
+    pixels: Pixels
+
+
+def eye_frames(pictures: Sequence[Picture]) -> Iterator[Frame]:
+    """Yield the pictures of an eye in the size of the first one; leaves out damaged pictures and repeated times."""
+    size: tuple[int, int] | None = None
+    last_ns = -1
+    for picture in pictures:
+        image = decoded(picture.jpeg)
+        if image is None or picture.time_ns <= last_ns:
+            continue
+        last_ns = picture.time_ns
+        size = size or (image.width // 2 * 2, image.height // 2 * 2)  # H.264 halves the resolution of colours
+        yield Frame(picture.time_ns, np.asarray(image if image.size == size else image.resize(size)))
+
+
+def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[Frame]:
+    """Yield the drawings of simulation and hardware of a robot, with the pictures of their eyes below, if there are any.
+
+    The robots have the geometry of the project. A robot without samples at a time is not drawn.
+    """
+    twins = [twin for twin in TWINS if (name, twin) in table.robots]
+    drawings = {twin: Drawing(Figure(), *PANEL) for twin in twins}
+    with_eyes = any(key[:1] == (name,) for key in eyes)
+    shown = {key: EyeTile(pictures) for key, pictures in eyes.items()}
+    canvas = Image.new("RGB", (PANEL[0] * len(twins), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
+    for time_ns, time_s, block, row in frame_rows(table):
+        for column, twin in enumerate(twins):
+            left = column * PANEL[0]
+            canvas.paste(
+                panel(drawings[twin], block, row, f"{name}_{twin}_", f"{name}, {TITLES[twin]}"), (left, 0)
+            )
+            for index, eye in enumerate(EYES if with_eyes else ()):
+                tile = shown.get((name, twin, eye))
+                picture = no_picture(eye) if tile is None else tile.at(time_ns, eye)
+                canvas.paste(picture, (left + index * EYE[0], PANEL[1]))
+        write(canvas, (canvas.width - 16, 12), f"{time_s:.2f} s", anchor="ra")
+        yield Frame(time_ns, np.asarray(canvas))
+
+
+def frame_rows(table: Table) -> Iterator[tuple[int, float, Block, int]]:
+    """Yield the time of each frame (ns since 1970, s from the start), and its row in a block of the grid."""
+    for block in table.grid():
+        times_s = np.asarray(block["time_s"], np.float64)
+        for row in range(0, len(times_s), STEPS):
+            time_s = float(times_s[row])
+            yield table.start_ns + round(time_s * 1e9), time_s, block, row
+
+
+def panel(drawing: Drawing, block: Block, row: int, robot: str, title: str) -> Image.Image:
+    """Return the drawing of one robot with its title."""
+    arms, head = (
+        np.array([value(block, row, f"{robot}{axis}_deg") for axis in axes]) for axes in (ARMS, HEAD)
+    )
+    if np.isnan(arms).any() or np.isnan(head).any():
+        image = Image.new("RGB", PANEL, BACKGROUND)
+        write(image, (PANEL[0] // 2, PANEL[1] // 2), "no samples", anchor="mm")
+    else:
+        image = Image.fromarray(drawing.picture(arms, head))
+    write(image, (16, 12), title)
+    return image
+
+
+def value(block: Block, row: int, column: str) -> float:
+    """Return a number of a block; NaN if it has no such column."""
+    values: Array = np.asarray(block[column], np.float64) if column in block else np.array([])
+    return float(values[row]) if row < len(values) else float("nan")
+
+
+class EyeTile:
+    """The pictures of one eye, of which the newest is shown."""
+
+    def __init__(self, pictures: Sequence[Picture]) -> None:
+        self._pictures = pictures
+        self._times = [picture.time_ns for picture in pictures]
+        self._index = -1
+        self._image: Image.Image | None = None
+
+    def at(self, time_ns: int, eye: str) -> Image.Image:
+        """Return the newest picture at a time, in the size EYE."""
+        index = bisect.bisect_right(self._times, time_ns) - 1
+        if index < 0 or time_ns - self._times[index] > OLD_NS:
+            return no_picture(eye)
+        if index != self._index:
+            image = decoded(self._pictures[index].jpeg)
+            self._index, self._image = index, None if image is None else image.resize(EYE)
+        if self._image is None:
+            return no_picture(eye)
+        return self._image
+
+
+def no_picture(eye: str) -> Image.Image:
+    """Return the tile of an eye without a picture."""
+    image = Image.new("RGB", EYE, EMPTY)
+    write(image, (EYE[0] // 2, EYE[1] // 2), f"no picture of the {eye} eye", anchor="mm", colour=PALE)
+    return image
+
+
+def decoded(jpeg: bytes) -> Image.Image | None:
+    """Return a picture; None if it is damaged."""
+    try:
+        return Image.open(io.BytesIO(jpeg)).convert("RGB")
+    except OSError:
+        return None
+
+
+def write(
+    image: Image.Image,
+    at: tuple[int, int],
+    text: str,
+    *,
+    anchor: str = "la",
+    colour: tuple[int, int, int] = INK,
+) -> None:
+    """Write text into a picture; the anchor is Pillow's."""
+    font = ImageFont.load_default(size=20)
+    ImageDraw.Draw(image).text(at, text, fill=colour, font=font, anchor=anchor)

@@ -1,0 +1,181 @@
+"""Films of recordings: decoded again, they have the frames, the size and the times of the recording."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from lesson_file import BEGAN_NS, write_lesson
+from PIL import Image
+
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording.drawing import BACKGROUND, Drawing, Pixels
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL
+from beatrix_zenoh.recording.rows import Frame, of_robot
+from beatrix_zenoh.recording.rrd.read import read
+
+SIM, HW = ("ada", "sim"), ("ada", "hw")
+TIMES_MS = (0, 210, 400, 1450, 1500)
+"""Times of the pictures: as irregular as those of a camera."""
+COLOURS = ((200, 30, 30), (30, 200, 30), (30, 30, 200), (200, 200, 30), (30, 200, 200))
+
+
+@dataclass(frozen=True)
+class Decoded:
+    """A film that was read again."""
+
+    codec: str
+    form: str
+    times_s: list[float]
+    pictures: list[Pixels]
+
+
+def decoded(path: Path) -> Decoded:
+    with av.open(str(path)) as container:
+        (stream,) = container.streams.video
+        assert stream.time_base is not None
+        frames = list(container.decode(stream))
+        return Decoded(
+            stream.codec_context.name,
+            str(stream.codec_context.pix_fmt),
+            [float(frame.pts * stream.time_base) for frame in frames if frame.pts is not None],
+            [frame.to_ndarray(format="rgb24").astype(np.uint8) for frame in frames],
+        )
+
+
+def jpeg(colour: tuple[int, int, int], size: tuple[int, int] = (64, 48)) -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", size, colour).save(file, "JPEG")
+    return file.getvalue()
+
+
+def eye(place: tuple[str, str], which: str, pictures: Sequence[bytes] = ()) -> list[Frame]:
+    """Return the rows of an eye's pictures at TIMES_MS."""
+    path = of_robot(place, "camera", which)
+    return [
+        Frame(path, BEGAN_NS + ms * 1_000_000, BEGAN_NS, picture)
+        for ms, picture in zip(TIMES_MS, pictures or map(jpeg, COLOURS), strict=True)
+    ]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a recording of 2 s of both robots, of which the simulation has an eye."""
+    monkeypatch.chdir(tmp_path)
+    write_lesson(tmp_path / "lesson.rrd", (SIM, HW), rows=101, more=eye(SIM, "left"))
+    return tmp_path
+
+
+def test_the_pictures_of_an_eye_keep_their_times(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert app.run(["export", "lesson.rrd", "--video", "eye.mp4", "--eye", "left"]) == 0
+    assert capsys.readouterr().out == "eye.mp4: 5 frames, 1.5 s of the left eye of ada (sim).\n"
+    film = decoded(folder / "eye.mp4")
+    assert (film.codec, film.form) == ("h264", "yuv420p")
+    assert film.times_s == pytest.approx([ms / 1000 for ms in TIMES_MS], abs=1 / 45_000)
+    for picture, colour in zip(film.pictures, COLOURS, strict=True):
+        assert picture.shape == (48, 64, 3)
+        assert np.abs(picture[24, 32].astype(int) - colour).max() < 12
+
+
+def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["export", "lesson.rrd", "lesson.csv", "--video", "both.mp4", "--to", "0.8", "--json"]
+    assert app.run(words) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 41, "video": "both.mp4",
+        "frames": 21,
+    }  # fmt: skip
+    film = decoded(folder / "both.mp4")
+    assert film.times_s == pytest.approx([k / 25 for k in range(21)], abs=1 / 45_000)
+    last = film.pictures[-1]
+    assert last.shape == (PANEL[1] + EYE[1], 2 * PANEL[0], 3)
+    samples = read(folder / "lesson.rrd").robots[SIM]
+    wanted = Drawing(Figure(), *PANEL).picture(samples.arms[40], samples.head[40])
+    for column in (0, PANEL[0]):
+        shown = last[60 : PANEL[1], column : column + PANEL[0]]
+        assert np.abs(shown.astype(int) - wanted[60:]).mean() < 3
+    left, right = last[PANEL[1] + 40, 40], last[PANEL[1] + 40, EYE[0] + 40]
+    assert np.abs(left.astype(int) - COLOURS[2]).max() < 12, "the newest picture"
+    assert np.abs(right.astype(int) - EMPTY).max() < 12
+
+
+def test_a_robot_without_samples_is_not_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_lesson(tmp_path / "a.rrd", (SIM,), rows=26)
+    write_lesson(tmp_path / "b.rrd", (HW,), rows=11)
+    assert app.run(["export", "a.rrd", "b.rrd", "--video", "both.mp4"]) == 0
+    film = decoded(tmp_path / "both.mp4")
+    assert len(film.times_s) == 13
+    last = film.pictures[-1]
+    assert last.shape == (PANEL[1], 2 * PANEL[0], 3), "no eyes were recorded"
+
+    def drawn(picture: Pixels, column: int) -> bool:
+        face = picture[120, column + PANEL[0] // 2 - 60 : column + PANEL[0] // 2 + 60]
+        return bool((np.abs(face.astype(int) - BACKGROUND).max(axis=1) > 20).mean() > 0.2)
+
+    assert drawn(film.pictures[0], 0)
+    assert drawn(film.pictures[0], PANEL[0])
+    assert drawn(last, 0)
+    assert not drawn(last, PANEL[0])
+
+
+def test_damaged_pictures_and_other_sizes_are_survived(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first picture has an odd size, which H.264 cannot hold."""
+    monkeypatch.chdir(tmp_path)
+    pictures = [jpeg(COLOURS[0], (65, 49)), b"\xff\xd8 no picture", *map(jpeg, COLOURS[2:])]
+    write_lesson(tmp_path / "lesson.rrd", (HW,), more=eye(HW, "right", pictures))
+    assert app.run(["export", "lesson.rrd", "--video", "eye.mp4", "--eye", "right", "--on", "hw"]) == 0
+    film = decoded(tmp_path / "eye.mp4")
+    assert film.times_s == pytest.approx([0, 0.4, 1.45, 1.5], abs=1 / 45_000)
+    assert {picture.shape for picture in film.pictures} == {(48, 64, 3)}
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (["--video", "new.avi"], 2, "must end in .mp4"),
+        (["--eye", "left"], 2, "give --video FILE.mp4, too"),
+        (["--video", "new.mp4", "--on", "hw"], 2, "give --eye left or --eye right, too"),
+        (["--video", "new.mp4", "--eye", "left", "--on", "both"], 2, "Give sim or hw"),
+        (["--video", "new.mp4", "--eye", "right"], 1, "it has pictures of: left (ada, sim)"),
+        (["--video", "new.mp4", "--eye", "left", "--from", "1.6"], 1, "it has pictures of: none"),
+        (["--video", "kept.mp4"], 1, "kept.mp4 exists and is not overwritten"),
+        (["--video", "missing/new.mp4"], 1, "cannot be written: No such file"),
+    ],
+)
+def test_refusals_name_the_cure_and_write_nothing(
+    folder: Path, words: list[str], code: int, says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("kept.mp4").write_text("mine")
+    assert app.run(["export", "lesson.rrd", *words]) == code
+    assert says in " ".join(capsys.readouterr().err.split())
+    assert sorted(path.name for path in folder.iterdir()) == ["kept.mp4", "lesson.rrd"]
+
+
+def test_the_robot_of_a_film_is_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    both = tmp_path / "both.rrd"
+    write_lesson(both, (SIM, ("bob", "sim")), more=[*eye(SIM, "left"), *eye(("bob", "sim"), "left")])
+    assert app.run(["export", str(both), "--video", str(tmp_path / "new.mp4")]) == 1
+    assert "contains ada, bob: choose the robot of the film with --name" in capsys.readouterr().err
+    twins = tmp_path / "twins.rrd"
+    write_lesson(twins, (SIM, HW), more=[*eye(SIM, "left"), *eye(HW, "left")])
+    assert app.run(["export", str(twins), "--video", str(tmp_path / "new.mp4"), "--eye", "left"]) == 1
+    assert "choose --on sim or --on hw" in capsys.readouterr().err
+
+
+def test_the_sentence_for_a_missing_library_contains_the_command(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "beatrix_zenoh.recording.video", None)
+    assert app.run(["export", "lesson.rrd", "--video", "new.mp4"]) == 1
+    assert 'pip install ".[video]"' in capsys.readouterr().err
+    assert not (folder / "new.mp4").exists()
