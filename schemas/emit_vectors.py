@@ -218,6 +218,18 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "repeated": True,
         },
     ),
+    ("NoteQuery", {"text": "trial 3 begins"}),
+    (
+        "NoteReply",
+        {
+            "result": True,
+            "reason": "OK",
+            "message": "",
+            "file": "lesson.rrd",
+            "title": "Lesson 2",
+            "t_wall_ns": 1700000000123456789,
+        },
+    ),
     ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
     (
         "ProgramInfo",

@@ -305,6 +305,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.",
     ),
+    "note": KeyRow(
+        "beatrix/@note/{who}/{session}",
+        "query",
+        "NoteQuery",
+        "NoteReply",
+        ("hw", "sim"),
+        "queries",
+        "",
+        "data",
+        "drop",
+        "Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.",
+    ),
 }
 
 
@@ -482,6 +494,14 @@ def program(who: str, session: str) -> str:
     What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.
     """
     return f"beatrix/@program/{who}/{session}"
+
+
+def note(who: str, session: str) -> str:
+    """Return the key `beatrix/@note/{who}/{session}`.
+
+    Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.
+    """
+    return f"beatrix/@note/{who}/{session}"
 
 
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")

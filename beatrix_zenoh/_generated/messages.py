@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "279799b2"
+CONTRACT: Final = "4a2d359e"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -390,6 +390,13 @@ class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """above the neck's centre [m]"""
 
 
+class NoteQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Put a note into a recording."""
+
+    text: Text
+    """the note, one line"""
+
+
 class Alternative(Struct, frozen=True, kw_only=True):
     """A request to send instead of the refused one. The node has checked it and would accept it in the present state."""
 
@@ -677,6 +684,23 @@ class TargetReply(Struct, frozen=True, kw_only=True):
     """above the neck's centre [m]"""
     detail: Detail | None = None
     """the refusal as data"""
+
+
+class NoteReply(Struct, frozen=True, kw_only=True):
+    """Whether a recording has taken a note."""
+
+    result: bool
+    """true: the note is in the recording"""
+    reason: Reason
+    """OK, or the reason of the refusal"""
+    message: Text
+    """the reason as a sentence"""
+    file: Label
+    """name of the recording's file, without its folder"""
+    title: Label = ""
+    """title of the recording; empty: none"""
+    t_wall_ns: int
+    """time of the note by the wall clock of the recording computer, since 1970 [ns]"""
 
 
 class FrameHeader(Struct, frozen=True, kw_only=True):

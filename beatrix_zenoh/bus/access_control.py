@@ -15,6 +15,7 @@ EVERYTHING = (
     keys.claim("*", "*", "*"),
     keys.seat("*", "*"),
     keys.program("*", "*"),
+    keys.note("*", "*"),
 )
 """All keys of BEATRIX; some are listed separately, because `**` matches no chunk that begins with @."""
 MESSAGES = {
@@ -99,6 +100,6 @@ def low_pass_filter() -> list[dict[str, object]]:
     requests = {"messages": ["query"], "size_limit": LARGEST_REQUEST}
     messages = {"messages": ["put", "delete", "reply"], "size_limit": LARGEST_MESSAGE}
     return [
-        {"id": name, "flows": ["ingress"], "key_exprs": ["**", keys.program("*", "*")], **rule}
+        {"id": name, "flows": ["ingress"], "key_exprs": ["**", *EVERYTHING[1:]], **rule}
         for name, rule in {"requests": requests, "messages": messages}.items()
     ]

@@ -17,6 +17,7 @@ from beatrix_zenoh._generated.messages import (
     LeaseAction,
     LeaseQuery,
     MotionQuery,
+    NoteQuery,
     PoseQuery,
     Reason,
     TargetQuery,
@@ -31,6 +32,11 @@ MODES = {"absolute": "true", "relative": "false"}
 AXES: Final = ("x", "y", "z")
 ANGLES: Final = ("yaw", "pitch", "roll")
 SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
+OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
+    NoteQuery: 'Send the text, parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
+    TargetQuery: 'Send words `x y z`, parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
+}
+"""Forms of requests that move no arm."""
 LENGTH_MAX: Final = 4096
 """Longest payload (bytes) and longest parameters (characters); requests have about two hundred."""
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -132,9 +138,7 @@ def usage(kind: type[msgspec.Struct]) -> str:
             'Send one word, parameters `?action=take` or JSON {"action":"take"}; `limit 0.5` limits the speed, rad/s. '
             f"Words: {actions}."
         )
-    if kind is TargetQuery:
-        return 'Send words `x y z`, parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.'
-    return f"Its fields: {codec.outline(kind)}."
+    return OTHER_FORMS.get(kind) or f"Its fields: {codec.outline(kind)}."
 
 
 def _with_angle(message: M, raw: RawQuery) -> M:
@@ -156,6 +160,8 @@ def _field_names(raw: RawQuery) -> frozenset[str]:
 
 def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
     """Return the parameters, by name, of a request that is written in plain words."""
+    if kind is NoteQuery:
+        return {"text": text}
     words = text.replace(",", " ").split()
     if kind is not CommandQuery:
         words = [word.lower() for word in words]

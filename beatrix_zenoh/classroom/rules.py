@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from beatrix_zenoh import names
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
@@ -43,9 +45,14 @@ def account(name: str, drives: tuple[str, ...] = ()) -> Grant:
 
 
 def student(seat: str, robots: tuple[str, ...]) -> Grant:
-    """Return the grant of `account`, and to drive the robots of the class under this seat and change their scenes."""
+    """Return the grant of `account`, and to drive the robots of the class under this seat and change their scenes.
+
+    A student may also record, and send notes to all recordings under this seat.
+    """
     scenes = tuple(keys.target(robot) for robot in robots)
-    return account(seat, (*(_commands(robot, seat) for robot in robots), *scenes))
+    notes = keys.note(seat, ANY)
+    own = account(seat, (*(_commands(robot, seat) for robot in robots), *scenes, notes))
+    return replace(own, serves=(*own.serves, keys.note(ANY, ANY)))
 
 
 def teacher() -> Grant:

@@ -171,6 +171,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
             cameras_hz=options.cameras_hz,
             title=options.title,
             note=options.note,
+            file=lambda: file.files[-1].name,
         )
         began_s = time.monotonic()
         try:

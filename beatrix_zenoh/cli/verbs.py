@@ -42,6 +42,7 @@ VERBS = {
     "mute": "lease",
     "unmute": "lease",
     "record": "record",
+    "note": "note",
     "export": "export",
     "view": "view",
     "doctor": "doctor",

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Self
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.recording.about import about
 from beatrix_zenoh.recording.losses import Count, Stream
+from beatrix_zenoh.recording.notes import NoteInbox
 from beatrix_zenoh.recording.output import Output, Say
 from beatrix_zenoh.recording.recording_thread import RecordingThread
 from beatrix_zenoh.recording.robot_queries import RobotQueries
@@ -38,6 +39,7 @@ class Recorder:
         cameras_hz: float = CAMERAS_HZ,
         title: str = "",
         note: str = "",
+        file: Callable[[], str] | None = None,
     ) -> None:
         """Start recording.
 
@@ -49,6 +51,7 @@ class Recorder:
             cameras_hz: pictures per second of each eye; 0: no pictures.
             title: title of the recording; empty: the name of its file.
             note: what the user writes about the recording.
+            file: returns the name of the present file; the recorder then takes notes of all seats. None: it takes none.
 
         Raises:
             WrongUsage: the client was closed.
@@ -56,7 +59,12 @@ class Recorder:
         self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0)
         self._queries = RobotQueries(client)
         facts = about(time.time_ns(), title=title, note=note, seat=client.settings.who)
-        self._thread = RecordingThread(self._subscriptions, self._queries, outputs, say, cameras_hz, facts)
+        self._notes = None if file is None else NoteInbox(client, file, title)
+        if self._notes is not None and note:
+            self._notes.add(client.settings.who, note)
+        self._thread = RecordingThread(
+            self._subscriptions, self._queries, outputs, say, cameras_hz, facts, self._notes
+        )
         self._closed: bool | None = None
 
     @property
@@ -82,6 +90,8 @@ class Recorder:
     def close(self) -> bool:
         """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
         if self._closed is None:
+            if self._notes is not None:
+                self._notes.close()
             self._closed = self._thread.close()
             self._subscriptions.close()
             self._queries.close()

@@ -18,10 +18,12 @@ from beatrix_zenoh.recording.difference import Difference
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.loss_report import LossReport
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, Stream
+from beatrix_zenoh.recording.notes import NoteInbox, rows_of
 from beatrix_zenoh.recording.output import Output, RobotSet, Say
 from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
 from beatrix_zenoh.recording.robot_rows import RobotRows
 from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_difference, of_robot
+from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions
 from beatrix_zenoh.recording.timebase import Timebase
 from beatrix_zenoh.recording.timed_arrivals import Timed, TimedArrivals
@@ -42,6 +44,7 @@ class RecordingThread:
         say: Say,
         cameras_hz: float,
         about: About,
+        notes: NoteInbox | None = None,
     ) -> None:
         self._subscriptions, self._queries, self._outputs, self._say = subscriptions, queries, outputs, say
         self._picture_period_ns = round(1e9 / cameras_hz) if cameras_hz else 0
@@ -50,7 +53,7 @@ class RecordingThread:
         self._arrivals = TimedArrivals(self._timebase, queries, self._losses)
         self._report = LossReport(say)
         self._rows: dict[Place, RobotRows] = {}
-        self._about = about
+        self._about, self._notes = about, notes
         for output in outputs:
             output.describe(about)
         self._differences: defaultdict[str, Difference] = defaultdict(Difference)
@@ -99,6 +102,7 @@ class RecordingThread:
         for arrival in self._subscriptions.take():
             for timed in self._arrivals.arrived(arrival):
                 rows += self._convert(timed)
+        rows += self._noted()
         rows += self._lost_robots()
         now_s = time.monotonic()
         rows += self._report.rows(self.counts, self._timebase.own_ns(time.monotonic_ns()), now_s, last=last)
@@ -123,6 +127,11 @@ class RecordingThread:
             yield from self._rows[answer.place].clock(now_ns, *answer.offset)
         for timed in waiting:
             yield from self._convert(timed)
+
+    def _noted(self) -> Iterator[Row]:
+        """Yield the rows of new notes."""
+        for seat, text, mono_ns in self._notes.take() if self._notes is not None else ():
+            yield from rows_of(Note(self._timebase.own_ns(mono_ns), seat, text))
 
     def _describe(self, about: About) -> None:
         """Let the outputs say what is new about the recording."""

@@ -10,7 +10,9 @@ from beatrix_zenoh.recording.figure import Quaternion
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""
 NOTES = f"{RECORDER}/notes"
-"""Entity of the users' notes."""
+"""Entity of the users' notes as lines."""
+MARK = f"{RECORDER}/note"
+"""Entity of the users' notes as bars on the time line."""
 
 
 @dataclass(frozen=True)

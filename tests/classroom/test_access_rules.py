@@ -209,6 +209,16 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("bea1", asks, keys.program("ana", "abc"), True),
     ("ana", serves, keys.program("ana", "def"), True),
     ("bea1", serves, keys.program("bea1", "def"), True),
+    # a seat sends notes under its own name, to all recordings; seats record, robots do not
+    ("ben", serves, keys.note(ANY, "abc"), True),
+    ("teacher", asks, keys.note("teacher", ANY), True),
+    ("ana", asks, keys.note("ana", ANY), True),
+    ("ana", asks, keys.note("ben", ANY), False),
+    ("ana", asks, keys.note("teacher", ANY), False),
+    ("ana", asks, keys.note(ANY, ANY), False),
+    ("bea1", asks, keys.note("bea1", ANY), False),
+    ("bea1", serves, keys.note(ANY, "def"), False),
+    ("teacher", serves, keys.note(ANY, "ghi"), True),
     # robots may serve and publish under their own names only
     ("bea1", puts, keys.positions("bea1", HW), True),
     ("ana", puts, keys.positions("ana", SIM), True),

@@ -13,16 +13,19 @@ import pytest
 from stage import until
 from statuses import READY
 
-from beatrix_zenoh._generated.messages import Head, Positions, Status, Steps, Vector3
+from beatrix_zenoh._generated.messages import Event, EventKind, Head, Positions, Status, Steps, Vector3
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.codec import decode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
+from beatrix_zenoh.recording.notes import Arrived, NoteInbox
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.recording_thread import RecordingThread
 from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
+from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
 from beatrix_zenoh.recording.timed_arrivals import WAITING
 
@@ -42,7 +45,7 @@ class FakeSubscriptions:
     def take(self) -> list[Arrival[Value]]:
         return [self.arrivals.popleft() for _ in range(len(self.arrivals))]
 
-    def publish(self, value: Positions | Status) -> None:
+    def publish(self, value: Positions | Status | Event) -> None:
         """Deliver a publication now."""
         self.arrivals.append(Arrival[Value](value, *BEA, time.monotonic_ns(), time.time_ns()))
 
@@ -60,6 +63,16 @@ class FakeQueries:
     def answers(self) -> list[RobotAnswer]:
         answers, self.pending = self.pending, []
         return answers
+
+
+class FakeNotes:
+    """Delivers the notes of the test."""
+
+    def __init__(self) -> None:
+        self.waiting: deque[Arrived] = deque()
+
+    def take(self) -> list[Arrived]:
+        return [self.waiting.popleft() for _ in range(len(self.waiting))]
 
 
 class FakeOutput:
@@ -97,6 +110,7 @@ class Rig:
     def __init__(self) -> None:
         self.subscriptions, self.queries, self.output = FakeSubscriptions(), FakeQueries(), FakeOutput()
         self.messages: list[str] = []
+        self.notes = FakeNotes()
         self.thread = RecordingThread(
             cast("RobotSubscriptions", self.subscriptions),
             cast("RobotQueries", self.queries),
@@ -104,6 +118,7 @@ class Rig:
             self.messages.append,
             0.0,
             About(7, title="lesson"),
+            cast("NoteInbox", self.notes),
         )
 
     def answer(self, offset_ns: int | None) -> None:
@@ -265,6 +280,31 @@ def test_repeated_positions_are_counted_and_not_written_twice(rig: Rig) -> None:
     assert repeats == [(0.0,), (1.0,)]
     (one,) = rig.thread.counts.values()
     assert (one.received, one.repeated, one.lost) == (3, 1, 0)
+
+
+def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:
+    rig.notes.waiting.append(Arrived("ana", "trial 3 begins", time.monotonic_ns()))
+    until(lambda: len(rig.output.rows) == 2, "both rows")
+    line, mark = rig.output.rows
+    assert isinstance(line, Line)
+    assert isinstance(mark, Bar)
+    assert line.path == "_recorder/notes"
+    assert line.text.endswith("  note by ana:  trial 3 begins")
+    assert decode_json(line.json.encode(), Note) == Note(line.time_ns, "ana", "trial 3 begins")
+    assert abs(line.time_ns - time.time_ns()) < 5_000_000_000
+    assert (mark.state, mark.time_ns) == ("trial 3 begins", line.time_ns)
+
+
+def test_a_recording_is_described_again_when_it_knows_more(rig: Rig) -> None:
+    rig.answer(AHEAD_NS)
+    rig.subscriptions.publish(positions())
+    asked = Event(
+        seq=1, t_mono_ns=time.monotonic_ns() + AHEAD_NS, t_wall_ns=7, kind=EventKind.STOP, seat="ben"
+    )
+    for event in (asked, msgspec.structs.replace(asked, seq=2)):
+        rig.subscriptions.publish(event)
+    until(lambda: len(rig.output.abouts) > 1, "the seat is known")
+    assert [about.seats for about in rig.output.abouts] == [(), ("ben",)]
 
 
 def test_a_robot_that_publishes_no_positions_is_recorded_as_lost(rig: Rig) -> None:
