@@ -20,7 +20,7 @@ from pathlib import Path
 import msgspec
 
 from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.errors import Refused, WrongUsage
 
 LETTERS = 80
 """Number of first bytes by which text in UTF-16 without byte order mark is recognised: every second one is 0."""
@@ -117,6 +117,29 @@ def write_private(path: Path, text: str) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+@contextlib.contextmanager
+def locked(path: Path, busy: str) -> Iterator[None]:
+    """Lock a file, which is made if it is missing and stays; the lock ends with the block or with the process.
+
+    Raises:
+        OSError: the file cannot be made.
+        Refused: BUSY, another process has locked it; the message begins with `busy`.
+    """
+    with path.open("a", encoding="utf-8") as file:
+        try:
+            if sys.platform == "win32":
+                import msvcrt  # noqa: PLC0415  # only Windows has it
+
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            else:
+                import fcntl  # noqa: PLC0415  # Windows does not have it
+
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise Refused(Reason.BUSY, f"{busy}. Try again when it has ended.") from error
+        yield
 
 
 @contextlib.contextmanager

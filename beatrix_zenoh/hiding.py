@@ -17,8 +17,8 @@ OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
 def hidden(names: Iterable[str], first: Sequence[str], later: Sequence[str]) -> dict[str, str]:
     """Return the modules of these names that a file in the folders `first` hides from `later`, each with the file.
 
-    A second copy of a package may be there on purpose, so a package is hidden by a single file only, and a package of
-    BEATRIX also by another package, unless that is part of a copy of BEATRIX. Frozen modules cannot be hidden.
+    A second copy of a package may be there on purpose, so a folder that contains a file of the package does not hide it,
+    nor does one that is part of a copy of BEATRIX. Frozen modules cannot be hidden.
     """
     found = {}
     for name in names:
@@ -34,7 +34,16 @@ def _is_copy(name: str, mine: str, others: Sequence[str]) -> bool:
         return False
     if name in OURS and _is_package(mine):
         return os.path.isdir(os.path.join(os.path.dirname(mine), os.pardir, OURS[0]))
-    return _is_package(mine) or not any(map(_is_package, others))
+    packages = [file for file in others if _is_package(file)]
+    return not packages or (_is_package(mine) and any(_have_common_files(mine, file) for file in packages))
+
+
+def _have_common_files(mine: str, other: str) -> bool:
+    """Return whether the folders of two packages have a file of the same name besides their first files."""
+    mine, other = os.path.dirname(mine), os.path.dirname(other)
+    return any(
+        os.path.isfile(os.path.join(mine, name)) for name in os.listdir(other) if not _is_package(name)
+    )
 
 
 def _files(name: str, folders: Iterable[str]) -> Iterator[str]:

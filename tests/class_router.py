@@ -113,7 +113,9 @@ class ClassRouter:
 
     def start(self) -> Process:
         """Start the router; return when it is ready."""
-        process = Process(*CLI, "router", "--class", str(self.class_file), inside=self._inside)
+        # cli.child ends with its parent, even if that is killed.
+        words = ("-m", "beatrix_zenoh.cli.child", "router", "--class", str(self.class_file))
+        process = Process(*words, listens=True, inside=self._inside)
         process.expect("ready")
         return process
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from beatrix_zenoh import printable
 from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.output import columns, print_json, say
@@ -20,6 +21,10 @@ from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.settings import resolve
 
 HEADS = ("robot", "on", "state", "driver", "version", "firmware")
+CELL, PROBLEM = 60, 400
+"""Largest number of characters of a cell and of a line about a problem: any program may send a status."""
+NAMES, WARNINGS = 12, 12
+"""Largest number of names in a line about a robot, and of lines with warnings."""
 BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
 """Faults that the warnings in a status describe in more detail, if there are any."""
 
@@ -76,7 +81,7 @@ def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
 def show(found: list[ListedRobot]) -> None:
     """Print a table of robots, and their warnings below it."""
     rows = [
-        (
+        short(
             *robot.place,
             "does not answer" if robot.status is None else state(robot.status),
             "-" if robot.status is None else robot.status.holder or "-",
@@ -91,6 +96,17 @@ def show(found: list[ListedRobot]) -> None:
             say(f"{robot}: {problem}")
     for line in unfrozen_note({robot.place: robot.status.frozen for robot in found if robot.status}):
         say(line)
+
+
+def short(*cells: str) -> tuple[str, ...]:
+    """Return the cells of a row, each cut to CELL characters."""
+    return tuple(printable.line(cell, CELL) for cell in cells)
+
+
+def some(names: Sequence[str], most: int = NAMES) -> str:
+    """Return the first names, and the number of the others."""
+    others = len(names) - most
+    return ", ".join([*names[:most], *([f"and {others} more"] if others > 0 else [])])
 
 
 def state(status: Status) -> str:
@@ -110,10 +126,13 @@ def problems(status: Status | None) -> list[str]:
     """Return sentences about fault, warnings and lease of a robot; `status` is None if it did not answer."""
     if status is None:
         return ["is on line but does not answer: its node hangs, or its connection is interrupted."]
-    if status.fault is Fault.NONE or (status.fault in BOARD_FAULTS and status.warnings):
-        return [*status.warnings, *lease_notes(status)]
-    fault = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which is unknown in this version.")
-    return [fault, *status.warnings, *lease_notes(status)]
+    found = [*status.warnings[:WARNINGS], *lease_notes(status)]
+    if len(status.warnings) > WARNINGS:
+        found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
+    if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
+        text = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which is unknown in this version.")
+        found.insert(0, text)
+    return [printable.line(problem, PROBLEM) for problem in found]
 
 
 def lease_notes(status: Status) -> list[str]:
@@ -124,12 +143,12 @@ def lease_notes(status: Status) -> list[str]:
     if status.frozen:
         notes.append("The teacher has frozen it; only the teacher ends this: beatrix unfreeze")
     if status.muted:
-        seats = ", ".join(status.muted)
+        seats = some(status.muted)
         notes.append(f"The teacher has muted {seats}; only the teacher ends this: beatrix unmute SEAT")
     if status.lease:
         notes.append(f"{status.holder} has taken it.")
     if status.waiting:
-        notes.append(f"Waiting for it: {', '.join(status.waiting)}.")
+        notes.append(f"Waiting for it: {some(status.waiting)}.")
     if status.speed_limit:
         notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
     return notes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh.cli.listing import lease_row, problems, state, unfrozen_note
+from beatrix_zenoh.cli.listing import lease_row, problems, short, some, state, unfrozen_note
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.client.monitor import Monitor
@@ -31,6 +31,8 @@ TABLE_S = 1.2
 REFRESH_S = 0.2
 EVENTS = 200
 """Number of events kept for each robot, to count STOPs."""
+SEATS_SHOWN = 40
+"""Largest number of seats in the line about seats."""
 STOPS_SHOWN = 8
 """Largest number of seats in the line about STOPs."""
 
@@ -103,7 +105,7 @@ def cells(settings: Settings, row: Row) -> tuple[str, ...]:
     """Return the cells of a row as text."""
     head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
     silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
-    return (*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
+    return short(*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
 
 
 def notes(rows: list[Row]) -> list[str]:
@@ -121,7 +123,7 @@ def messages(client: Client, rows: list[Row]) -> list[str]:
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
     """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
-    lines = [f"seats: {', '.join(map(settings.shown, seats.names()))}"]
+    lines = [f"seats: {some([settings.shown(seat) for seat in seats.names()], SEATS_SHOWN)}"]
     stops = stops_by_seat(monitor.robots())
     if stops:
         words = [stop_words(settings, one) for one in stops[:STOPS_SHOWN]]
@@ -132,7 +134,7 @@ def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
 
 def stop_words(settings: Settings, stops: SeatStops) -> str:
     """Return the STOPs of one seat as words: `ben 3 times (bea1 hw 2, bea2 hw 1)`."""
-    robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
+    robots = some([f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items()])
     times = "once" if stops.total == 1 else f"{stops.total} times"
     return f"{settings.shown(stops.seat) or 'an unknown seat'} {times} ({robots})"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import subprocess
 import sys
@@ -104,10 +105,25 @@ def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) 
     assert "hidden modules" not in findings
 
 
+@pytest.mark.parametrize("name", ["zenoh", "msgspec", "logging"])
+def test_a_folder_that_hides_a_package_is_named(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "__init__.py").touch()
+    (tmp_path / name / "my_lesson.py").touch()
+    (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
+    last = python(tmp_path, "prog.py").stderr.strip().splitlines()[-1]
+    assert last.startswith(f"ImportError: {tmp_path / name} hides ")
+    assert last.endswith(f"rename it, for example to my_{name}.")
+
+
 def test_a_copy_of_beatrix_or_of_a_package_hides_nothing(tmp_path: Path) -> None:
     for name in ("beatrix_zenoh", "gui", "zenoh"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").touch()
+    spec = importlib.util.find_spec("zenoh")
+    assert spec is not None
+    for copied in Path(spec.origin or "").parent.glob("*.py"):
+        (tmp_path / "zenoh" / copied.name).touch()
     first, later = hiding.search_path()
     assert hiding.hidden(["beatrix_zenoh", "gui", "zenoh"], [str(tmp_path), *first], later) == {}
 
