@@ -31,6 +31,7 @@ from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 
+HOSTILE: Final = str(ROOT / "tools/hostile.py")
 NAME: Final = "bea1"
 RESTING: Final = "bea2"
 """Robots with real nodes; the others only publish."""
@@ -147,20 +148,15 @@ def recording(school: School) -> bytes:
 
 
 def stop_rows(school: School, count: int) -> Iterator[Row]:
-    """Yield the times of STOP without load, beside a flooding seat, under attack, and while all seats subscribe."""
-    hostile, recorded = str(ROOT / "tools/hostile.py"), school.folder / "recorded"
-    recorded.write_bytes(recording(school))
-    attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
+    """Yield the times of STOP without load, beside a flooding seat, and while all seats subscribe."""
     with school.robot("teacher") as robot, bench_class_load.bare_router() as (_, endpoint):
         bare = Bare(endpoint)
         try:
             robot.make_ready()
             with robot.lease():  # so that the flooding seat moves nothing, and STOP is answered at once
                 yield from stops("without load", robot, bare)
-                with program(hostile, "flood", NAME, account=school.path("seat01")):
+                with program(HOSTILE, "flood", NAME, account=school.path("seat01")):
                     yield from stops("beside a flooding seat", robot, bare)
-                with program(hostile, *attack):
-                    yield from stops("under hostile traffic", robot, bare)
                 yield "hostile traffic ends -> the next session opens [s]", f"{opens_s(school):.2f}", ""
                 with bench_class_load.crowd(school.router, school.folder, count) as crowd:
                     crowd.begin(all_robots=True, lasts_s=CROWD_S)
@@ -181,6 +177,21 @@ def opens_s(school: School) -> float:
         except BeatrixError:
             if time.monotonic() - began > REFUSED_S:
                 raise
+
+
+def hostile_rows(school: School) -> Iterator[Row]:
+    """Yield the times of STOP under attack. Afterwards the router opens no session for minutes (decision 0045)."""
+    recorded = school.folder / "recorded"
+    recorded.write_bytes(recording(school))
+    attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
+    with school.robot("teacher") as robot, bench_class_load.bare_router() as (_, endpoint):
+        bare = Bare(endpoint)
+        try:
+            robot.make_ready()
+            with robot.lease(), program(HOSTILE, *attack):
+                yield from stops("under hostile traffic", robot, bare)
+        finally:
+            bare.close()
 
 
 # -- leases --------------------------------------------------------------------------------------
@@ -326,6 +337,7 @@ def rows(folder: Path, counts: tuple[int, ...]) -> Iterator[Row]:
         yield from stop_rows(school, counts[-1])
         yield from lease_rows(school)
         yield from restart_rows(school)
+        yield from hostile_rows(school)
 
 
 def main() -> None:
