@@ -53,7 +53,7 @@ class About(msgspec.Struct, frozen=True):
     """seat that recorded"""
     robots: tuple[RobotAbout, ...] = ()
     seats: tuple[str, ...] = ()
-    """seats that have sent requests, sorted"""
+    """seats that have sent requests or notes, sorted"""
 
     def lines(self) -> list[str]:
         """Return these facts as sentences for people; the first names the title."""
@@ -63,7 +63,7 @@ class About(msgspec.Struct, frozen=True):
         found = [f"{first}{by} with beatrix {self.version}.", *(f"{robot}." for robot in self.robots)]
         if self.note:
             found.insert(1, f"Note: {self.note}")
-        return [*found, f"Requests came from {', '.join(self.seats)}."] if self.seats else found
+        return [*found, f"Requests and notes came from {', '.join(self.seats)}."] if self.seats else found
 
     def with_robot(self, place: Place, info: Info) -> About:
         """Return these facts with those of a robot, in place of earlier ones."""

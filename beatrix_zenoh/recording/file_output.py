@@ -82,7 +82,8 @@ class FileOutput:
 
     def close(self) -> bool:
         """Write the remaining rows and the end of the file; return False if writing fails or takes too long."""
-        self._write()
+        if not self.full:  # otherwise everything that will be written is, and the user knows
+            self._write()
         done = self._stream.flush(CLOSE_S)
         if done:
             self._stream.close()

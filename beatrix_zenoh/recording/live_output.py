@@ -12,7 +12,7 @@ from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet, Say
 from beatrix_zenoh.recording.rows import Row
 from beatrix_zenoh.recording.rrd.stream import Stream
-from beatrix_zenoh.recording.viewer import HOST, address, answers
+from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 
 PERIOD_S: Final = 0.1
 PROBE_S: Final = 1.0
@@ -140,7 +140,10 @@ class LiveOutput:
             return
         self._reported = self.state
         what = {
-            ViewerState.MISSING: f"No viewer answers on {HOST}:{self._port}. Start one; the robots then appear in it.",
+            ViewerState.MISSING: (
+                f"No viewer answers on {HOST}:{self._port}. Start one with "
+                f"`beatrix view{'' if self._port == PORT else f' --port {self._port}'}`; the robots then appear in it."
+            ),
             ViewerState.FROZEN: "The viewer does not respond, or is too slow. Data are left out until it responds.",
             ViewerState.CONNECTED: f"The viewer receives data again; it missed {self.left_out} rows.",
         }

@@ -131,6 +131,7 @@ class RecordingThread:
     def _noted(self) -> Iterator[Row]:
         """Yield the rows of new notes."""
         for seat, text, mono_ns in self._notes.take() if self._notes is not None else ():
+            self._describe(self._about.with_seat(seat))
             yield from rows_of(Note(self._timebase.own_ns(mono_ns), seat, text))
 
     def _describe(self, about: About) -> None:

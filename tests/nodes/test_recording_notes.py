@@ -61,6 +61,7 @@ def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path)
         ("bea", "hw", True),
         ("bea", "sim", True),
     ]
+    assert about.seats == ("ana", "ben", "cem", "teacher")
     assert len({robot.fingerprint for robot in about.robots}) == 1
     for offsets in one.clocks.values():
         assert abs(offsets[0].offset_s) <= max(offsets[0].bound_s, 0.01)

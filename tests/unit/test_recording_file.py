@@ -92,5 +92,6 @@ def test_a_full_disk_ends_the_recording_with_a_complete_file(
     assert "MB are left on this disk" in messages[0]
     output.write(sample(1))
     assert output.close()
+    assert len(messages) == 1, "the end does not repeat it with another figure"
     assert verify(tmp_path / "lesson.rrd") == ""
     assert len(read(tmp_path / "lesson.rrd").robots[SIM].time_ns) == 1
