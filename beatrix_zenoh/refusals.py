@@ -49,6 +49,11 @@ def frozen() -> Refused:
     return Refused(Reason.FROZEN)
 
 
+def following() -> Refused:
+    """Return a FOLLOWING refusal: the simulation follows the hardware."""
+    return Refused(Reason.FOLLOWING)
+
+
 def muted(seat: str, *, stop: bool = False) -> Refused:
     """Return a MUTED refusal: the teacher has muted the seat; `stop`: of a STOP while no motion of the seat runs."""
     return Refused(Reason.MUTED, detail=Detail(holder=seat, field="stop" if stop else ""))

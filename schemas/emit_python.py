@@ -23,7 +23,7 @@ FLOAT32_MAX: Final = 3.4028234663852886e38
 Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
 '''
-ENUMS = ("Reason", "Source")
+ENUMS = ("Reason", "Source", "FollowState")
 """Enumerations that have defaults in messages."""
 TEXT = """
 {alias} = Annotated[str, Meta(extra={{"wire": "{kind}", "longest": {longest}}})]

@@ -118,6 +118,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
     ),
     ("CommandQuery", {"command": 1, "value": True, "source": "page"}),
     ("CommandQuery", {"command": -2, "value": False, "source": "zenoh"}),
+    ("FollowQuery", {"follow": True, "source": "cli"}),
     (
         "CommandReply",
         {

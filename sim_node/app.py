@@ -19,6 +19,12 @@ from sim_node.viewer import Viewer
 def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
+    follow: Annotated[
+        bool,
+        typer.Option(
+            "--follow", help="Follow the hardware of this name in real time; starts ready (--ready)."
+        ),
+    ] = False,
     eyes_hz: Annotated[
         float,
         typer.Option(
@@ -47,10 +53,12 @@ def sim(
     viewer = Viewer(robot) if view else None
     raise typer.Exit(
         serve(
-            lambda: Simulation(settings.robot, robot, eyes_hz=eyes_hz, target=target, viewer=viewer),
+            lambda: Simulation(
+                settings.robot, robot, eyes_hz=eyes_hz, target=target, viewer=viewer, follow=follow
+            ),
             settings,
             robot=robot,
-            ready=ready,
+            ready=ready or follow,
             legacy=legacy,
             log_file=log_file,
         )

@@ -14,6 +14,7 @@ from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.node import Component, Context, Pose, Preview, PreviewHandler
 from sim_node.clock import StepClock
 from sim_node.eyes import Eyes
+from sim_node.following.handler import FollowHandler
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
@@ -43,6 +44,7 @@ class Simulation:
         eyes_hz: float = EYES_HZ,
         target: TargetPath = TargetPath.STILL,
         viewer: Viewer | None = None,
+        follow: bool = False,
     ) -> None:
         """Create the robot and start its physics.
 
@@ -52,8 +54,9 @@ class Simulation:
             eyes_hz: pictures a second of each eye while a client subscribes; 0: no eyes.
             target: movement of the person in front of the eyes.
             viewer: a window that shows the robot; closed with the simulation.
+            follow: follow the hardware of this name from the start on, as soon as the motors are on and home is known.
         """
-        self._robot, self._eyes_hz, self._viewer = robot, eyes_hz, viewer
+        self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
         self._target = Target(target, time.monotonic())
         self._plant = Plant(robot)
         self._firmware = Firmware(boot=1, name=name)
@@ -121,9 +124,10 @@ class Simulation:
             self._plant.straighten()
 
     def components(self, context: Context) -> list[Component]:
-        """Return the components that only a simulation has: previews, the person, rendered eyes, and the viewer."""
+        """Return the components that only a simulation has: previews, following, the person, rendered eyes, and the viewer."""
         parts: list[Component] = [
             PreviewHandler(context, self.preview),
+            FollowHandler(context, at_start=self._follow),
             TargetHandler(context, self._target, time.monotonic),
         ]
         if self._eyes_hz > 0:

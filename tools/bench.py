@@ -94,6 +94,7 @@ def main() -> None:
         "bench_plant.py",
         "bench_poses.py",
         "bench_mega.py",
+        "bench_following.py",
         "bench_twin.py",
         "bench_window.py",
         "bench_classroom.py",

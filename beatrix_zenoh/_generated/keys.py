@@ -125,6 +125,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Try a motion on a copy of the simulation.",
     ),
+    "follow": KeyRow(
+        "beatrix/{robot}/sim/cmd/{who}/follow",
+        "query",
+        "FollowQuery",
+        "CommandReply",
+        ("sim",),
+        "control",
+        "",
+        "interactive_high",
+        "drop",
+        "Let the simulation follow the hardware of its name, or end this. While it follows, its arms take the set points that the hardware publishes, and its own motions and previews are refused. STOP of the simulation also ends it.",
+    ),
     "positions": KeyRow(
         "beatrix/{robot}/{twin}/state/positions",
         "publication and query",
@@ -374,6 +386,14 @@ def preview(robot: str, who: str) -> str:
     Try a motion on a copy of the simulation.
     """
     return f"beatrix/{robot}/sim/cmd/{who}/preview"
+
+
+def follow(robot: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/sim/cmd/{who}/follow`.
+
+    Let the simulation follow the hardware of its name, or end this. While it follows, its arms take the set points that the hardware publishes, and its own motions and previews are refused. STOP of the simulation also ends it.
+    """
+    return f"beatrix/{robot}/sim/cmd/{who}/follow"
 
 
 def positions(robot: str, twin: str) -> str:

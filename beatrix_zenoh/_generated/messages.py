@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "4a2d359e"
+CONTRACT: Final = "d69871a1"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -50,6 +50,8 @@ class Reason(StrEnum):
     """Another seat holds the robot."""
     FROZEN = "FROZEN"
     """The teacher has frozen the robot: only the teacher moves it."""
+    FOLLOWING = "FOLLOWING"
+    """The simulation follows the hardware and takes no motions of its own."""
     MUTED = "MUTED"
     """The teacher has muted this seat: it watches only."""
     TEACHER_ONLY = "TEACHER_ONLY"
@@ -111,6 +113,7 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.SPEED_LIMIT: "The speed is zero, negative or above the limit.",
     Reason.NOT_HOLDER: "Another seat holds the robot.",
     Reason.FROZEN: "The teacher has frozen the robot: only the teacher moves it.",
+    Reason.FOLLOWING: "The simulation follows the hardware and takes no motions of its own.",
     Reason.MUTED: "The teacher has muted this seat: it watches only.",
     Reason.TEACHER_ONLY: "Only the seat `teacher` may send this request.",
     Reason.NOT_AT_REST: "The arms are moving.",
@@ -169,6 +172,21 @@ FAULT_TEXT: Final[dict[Fault, str]] = {
     Fault.CONTRACT_MISMATCH: "The board's firmware is of another version, or was built for another robot: end the programs that use the board, then run `beatrix flash`.",
     Fault.ASSEMBLY_LEFT: "The simulated neck snapped out of its home assembly and was put back.",
 }
+
+
+class FollowState(StrEnum):
+    """Whether a simulation follows the hardware of its name."""
+
+    OFF = "off"
+    """It does not follow: it carries out its own motions."""
+    WAITING = "waiting"
+    """The hardware publishes no set points, or its motors are off, or its home is not known; the simulation holds its place."""
+    APPROACHING = "approaching"
+    """The simulation moves to the place of the hardware, within its limits."""
+    FOLLOWING = "following"
+    """The simulation is where the hardware is."""
+    PARTED = "parted"
+    """The simulation has the set points of the hardware, but their arms or heads are in different places."""
 
 
 class Limit(StrEnum):
@@ -395,6 +413,15 @@ class NoteQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     text: Text
     """the note, one line"""
+
+
+class FollowQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Let the simulation follow the hardware of its name, or end this."""
+
+    follow: bool
+    """true: follow; false: end this"""
+    source: Source = Source.ZENOH
+    """program that sends the request, as it says; only recorded in events"""
 
 
 class Alternative(Struct, frozen=True, kw_only=True):
@@ -661,6 +688,8 @@ class Status(Struct, frozen=True, kw_only=True):
     """the teacher has pressed EMERGENCY_STOP: only the teacher may send RESET"""
     board: BoardStatus
     """the board"""
+    following: FollowState = FollowState.OFF
+    """whether this simulation follows the hardware of its name; `motion` is 0 meanwhile"""
     plant: PlantStatus | None = None
     """the physics; only of a simulation"""
     cameras: list[CameraStatus] = []

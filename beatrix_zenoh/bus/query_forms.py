@@ -14,6 +14,7 @@ from beatrix_zenoh._generated.messages import (
     Command,
     CommandQuery,
     Detail,
+    FollowQuery,
     LeaseAction,
     LeaseQuery,
     MotionQuery,
@@ -33,10 +34,11 @@ AXES: Final = ("x", "y", "z")
 ANGLES: Final = ("yaw", "pitch", "roll")
 SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
 OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
+    FollowQuery: 'Send `on` or `off`, parameters `?follow=true`, JSON {"follow":true} or msgpack.',
     NoteQuery: 'Send the text, parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
     TargetQuery: 'Send words `x y z`, parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
 }
-"""Forms of requests that move no arm."""
+"""Forms of requests that name no angle of the arms or the head."""
 LENGTH_MAX: Final = 4096
 """Longest payload (bytes) and longest parameters (characters); requests have about two hundred."""
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -186,6 +188,8 @@ def _names_of(count: int, kind: type[msgspec.Struct]) -> tuple[str, ...] | None:
         return {1: ("command",), 2: ("command", "value")}.get(count)
     if kind is LeaseQuery:
         return {1: ("action",), 2: ("action", "speed")}.get(count)
+    if kind is FollowQuery:
+        return ("follow",) if count == 1 else None
     if kind is TargetQuery:
         return AXES if count == len(AXES) else None
     angles = AXES if kind is MotionQuery else ANGLES
@@ -213,6 +217,8 @@ def _nested(flat: dict[str, str], kind: type[msgspec.Struct]) -> dict[str, objec
     """Return parameters in the structure of the message: x, y, z inside `position`, text converted to numbers."""
     if kind is CommandQuery:
         return _command(flat)
+    if kind is FollowQuery:
+        return {name: SWITCH.get(value.lower(), value) for name, value in flat.items()}
     fields: dict[str, object] = {
         name: value if name in ("absolute", "source") else _number(value) for name, value in flat.items()
     }

@@ -52,9 +52,9 @@ class Sessions:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
         self.session(_row(key).session).serve(key, handle)
 
-    def subscribe(self, key: str, handle: Callable[[Received], None]) -> None:
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
-        self.session(_row(key).session).subscribe(key, handle)
+        return self.session(_row(key).session).subscribe(key, handle)
 
     def subscribe_newest(
         self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]

@@ -1,8 +1,12 @@
-"""Verbs that send a command: enable, disable, calibrate, reset."""
+"""Verbs that send a command: enable, disable, calibrate, reset, follow."""
 
 from __future__ import annotations
 
 from contextlib import nullcontext
+from enum import StrEnum
+from typing import Annotated
+
+import typer
 
 from beatrix_zenoh._generated.messages import Command
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
@@ -42,6 +46,35 @@ def reset(
     upright, enable and calibrate.
     """
     command(Selection(name, connect, who), on, Command.RESET, as_json=as_json)
+
+
+class Switch(StrEnum):
+    """The argument of `follow`."""
+
+    ON = "on"
+    OFF = "off"
+
+
+def follow(
+    switch: Annotated[Switch, typer.Argument(help="`on` begins, `off` ends.")],
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Let the simulation follow the hardware, or end this.
+
+    While it follows, its own motions and previews are refused; STOP of the simulation also ends it.
+    """
+    with open_targets(Selection(name, connect, who), Which.SIM, acts=True) as targets:
+        robot = targets.robots()[0]
+        reply = robot.follow(switch is Switch.ON)
+    if as_json:
+        print_json(
+            {"result": True, "robots": [{"robot": robot.name, "on": robot.twin, "message": reply.message}]}
+        )
+    else:
+        say(f"{robot}: {reply.message}")
 
 
 def command(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from beatrix_zenoh import printable
-from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Info, Status
+from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
@@ -27,6 +27,13 @@ NAMES, WARNINGS = 12, 12
 """Largest number of names in a line about a robot, and of lines with warnings."""
 BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
 """Faults that the warnings in a status describe in more detail, if there are any."""
+
+FOLLOWING = {
+    FollowState.WAITING: "waits for hw",
+    FollowState.APPROACHING: "moves to hw",
+    FollowState.FOLLOWING: "follows hw",
+    FollowState.PARTED: "parted from hw",
+}
 
 
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
@@ -119,6 +126,8 @@ def state(status: Status) -> str:
         return "not calibrated"
     if status.frozen:
         return "frozen"
+    if status.following is not FollowState.OFF:
+        return FOLLOWING.get(status.following, status.following)
     return "moving" if status.moving else "ready"
 
 
@@ -189,6 +198,7 @@ def state_row(status: Status) -> dict[str, object]:
         "enabled": status.enabled,
         "calibrated": status.calibrated,
         "moving": status.moving,
+        "following": status.following,
         **lease_row(status),
         "fault": status.fault,
         "warnings": status.warnings,

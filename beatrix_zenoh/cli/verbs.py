@@ -35,6 +35,7 @@ VERBS = {
     "calibrate": "commands",
     "stop": "stop",
     "reset": "commands",
+    "follow": "commands",
     "lease": "lease",
     "freeze": "lease",
     "unfreeze": "lease",

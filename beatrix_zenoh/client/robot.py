@@ -14,6 +14,7 @@ from beatrix_zenoh._generated.messages import (
     CommandQuery,
     CommandReply,
     Fault,
+    FollowQuery,
     MotionQuery,
     MotionReply,
     PoseQuery,
@@ -142,6 +143,17 @@ class Robot(RobotBase):
             Refused: NOT_HOLDER if another seat holds the robot, or the robot's reason, such as FROZEN.
         """
         return Lease(self, wait_seconds("wait_s", wait_s))
+
+    @value_method
+    def follow(self, on: bool = True) -> CommandReply:  # noqa: FBT001, FBT002 - `follow(False)` reads well
+        """Let the simulation of this name follow the hardware, or end this.
+
+        While it follows, its own motions and previews are refused; see `status().following`. STOP of the simulation
+        also ends it. Raises Refused with the simulation's reason, or NoAnswer.
+        """
+        query = FollowQuery(follow=true_or_false("on", on), source=self.client.source)
+        key = keys.follow(self.name, self.client.settings.who)
+        return checked(self.client.ask(self.name, "sim", key, query, CommandReply, self.timeout_s))
 
     # -- scene of the simulation ----------------------------------------------------------------
 

@@ -11,7 +11,8 @@
 5. RESET is allowed.
 6. A request with the number of an ended lease is refused. While a seat holds the robot, requests of all other seats
    except the teacher are refused.
-7. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
+7. While a simulation follows the hardware, motions and CALIBRATE are refused.
+8. After STOP a motion is refused until the arms rest, and a motion of the stopped seat until its pause is over.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ class Action(Enum):
     CALIBRATE = auto()
     RESET = auto()
     LEASE = auto()
+    FOLLOW = auto()
+    """Let a simulation follow the hardware, or end this."""
     GOVERN = auto()
     """Freeze the robot, limit its speed, or mute a seat."""
     STOP = auto()
@@ -52,7 +55,7 @@ class Action(Enum):
 
 
 ALWAYS = (Action.STOP, Action.EMERGENCY_STOP)
-MOVING = (Action.MOVE, Action.ENABLE, Action.CALIBRATE)
+MOVING = (Action.MOVE, Action.FOLLOW, Action.ENABLE, Action.CALIBRATE)
 """Actions that are refused under the emergency latch."""
 FROZEN = (*MOVING, Action.DISABLE, Action.RESET)
 """Actions that are refused while the robot is frozen; DISABLE too, because without motor power the head may sink."""
@@ -121,6 +124,8 @@ class Access:
         """Counts each motion when it is authorised, and again when it begins: while it stays equal, none can begin."""
         self._latched_s: float | None = None
         self.teacher = Teacher()
+        self.following = False
+        """Whether this simulation follows the hardware; STOP ends it."""
         self._sessions = KnownSessions()
 
     @_locked
@@ -133,7 +138,8 @@ class Access:
         during a pause restarts the pause, even if the request is refused for another reason.
 
         Raises:
-            Refused: CLIENT_LOST, TEACHER_ONLY, MUTED, EMERGENCY, FROZEN, NOT_HOLDER or STOPPED, in this order.
+            Refused: CLIENT_LOST, TEACHER_ONLY, MUTED, EMERGENCY, FROZEN, NOT_HOLDER, FOLLOWING or STOPPED, in this
+                order.
         """
         if action in ALWAYS:
             return
@@ -149,7 +155,9 @@ class Access:
         if action is Action.RESET:
             return
         self.lease.check(caller, lease, now_s)
-        if action is not Action.MOVE:
+        if self.following and action in (Action.MOVE, Action.CALIBRATE):
+            raise refusals.following()
+        if action not in (Action.MOVE, Action.FOLLOW):
             return
         # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.
         stop = self.last_stop
@@ -202,6 +210,7 @@ class Access:
         if presser.seat in self.teacher.muted and not self.lease.motion.moves(presser.seat):
             raise refusals.muted(presser.seat, stop=True)
         self.last_stop = LastStop(presser, sent=False, resting=False)
+        self.following = False
         heard_s = self._sessions.heard(presser, now_s)
         self._pauses.begin(self.lease.motion.driver(now_s), presser, now_s, heard_s)
         if emergency:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh._generated.serial import FrameType, Outcome, State, Telemetry
+from beatrix_zenoh._generated.serial import FrameType, Move, MoveStraight, Outcome, State, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
@@ -60,6 +60,8 @@ class MotionController:
         program has moved the arms, or home was set."""
         self.text_moves = False
         """Whether a motion of the text port is running or about to begin."""
+        self.follows = False
+        """Whether the arms of this simulation move because it follows the hardware; `FollowHandler` sets it."""
 
     def arms(self) -> Arms:
         """Return the firmware's set points (rad); zeros before the first telemetry."""
@@ -78,8 +80,8 @@ class MotionController:
 
     @property
     def driven(self) -> bool:
-        """Whether a motion of a query or of the text port is running."""
-        return self._running is not None or self.text_moves
+        """Whether this node moves the arms: a motion of a query or the text port, or because it follows the hardware."""
+        return self._running is not None or self.text_moves or self.follows
 
     @property
     def moving(self) -> bool:
@@ -107,7 +109,7 @@ class MotionController:
         goal = self._planner.goal(query, ready_telemetry(self._board), self.last_goal)
         self._access.take(caller)
         try:
-            number, boot = self._send(goal)
+            number, boot = self.send(goal.frame)
         except BeatrixError:
             self._access.undo_take()
             raise
@@ -120,13 +122,18 @@ class MotionController:
             text = f"A newer motion ({number}, of {caller.seat}) replaced this one."
             replaced.ended(replaced.number, Reason.REPLACED, text, now_s - replaced.began_s)
 
-    def _send(self, goal: Goal) -> tuple[int, int]:
-        """Send a goal to the board; return the number of the motion and the boot number of the board."""
+    def send(self, frame: Callable[[int], Move | MoveStraight]) -> tuple[int, int]:
+        """Send a motion to the board; `frame` returns it by its number. Return this number and the board's boot number.
+
+        Raises:
+            BeatrixError: the firmware refused the motion, and the last one continues; or the board did not answer, and
+                this node has sent STOP.
+        """
         telemetry = self._board.telemetry
         # Use a new number even after a failure: a board that received the failed motion ignores a repeated number.
         self._number = next_number(self._number, 0 if telemetry is None else telemetry.motion)
         try:
-            self._board.move(goal.frame(self._number))
+            self._board.move(frame(self._number))
         except NoAnswer:
             # The client gets a refusal, but the board may have received the motion: stop it.
             self.last_goal = None

@@ -163,7 +163,7 @@ class LeaseHandler(Component):
         if caller.seat in now.waiting:
             place = now.waiting.index(caller.seat) + 1
             return f"{now.holder} holds the robot; you are number {place} of {len(now.waiting)} in the queue."
-        if controller.driven and not self._drives(caller.seat):
+        if controller.driven and not (controller.follows or self._drives(caller.seat)):
             controller.stop(StopCause.TAKEN)
         return f"{caller.seat} holds the robot until it is given back."
 

@@ -56,6 +56,8 @@ class PreviewHandler(Component):
 
     def _preview(self, raw: RawQuery) -> Preview:
         query = query_forms.read_motion_or_pose(raw)
+        if self._context.access.following:
+            raise refusals.following()
         last = self._context.controller.last_goal
         goal = self._context.planner.goal(query, ready_telemetry(self._context.board_watch.board), last)
         if goal.duration > PREVIEW_MAX_S:

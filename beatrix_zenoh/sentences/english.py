@@ -120,6 +120,10 @@ ENGLISH: Final = Language(
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",
+        (Reason.FOLLOWING, None, ""): (
+            "The simulation follows the hardware and takes no motions of its own. Move the hardware (--on hw), or end this "
+            "with `beatrix follow off`."
+        ),
         (
             Reason.MUTED,
             None,

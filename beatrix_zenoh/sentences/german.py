@@ -162,6 +162,10 @@ GERMAN: Final = Language(
             None,
             "",
         ): "Die Lehrkraft hat diesen Roboter angehalten. Warte, bis sie ihn freigibt.",
+        (Reason.FOLLOWING, None, ""): (
+            "Die Simulation folgt dem Roboter und führt keine eigenen Bewegungen aus. Bewege den Roboter (--on hw), oder "
+            "beende das mit `beatrix follow off`."
+        ),
         (
             Reason.MUTED,
             None,

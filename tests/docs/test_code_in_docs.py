@@ -22,6 +22,7 @@ PAGES = (
     "docs/how-to/cameras.md",
     "docs/how-to/share-a-robot.md",
     "docs/how-to/processes.md",
+    "docs/how-to/follow.md",
 )
 FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
 """Files that a page shows; the first line of each is its name."""

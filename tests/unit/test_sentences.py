@@ -65,6 +65,7 @@ REFUSALS: list[BeatrixError] = [
     refusals.taken_by("ana"),
     refusals.lease_ended(3, "ana"),
     refusals.frozen(),
+    refusals.following(),
     refusals.muted("ana"),
     refusals.muted("ana", stop=True),
     Refused(Reason.MUTED),

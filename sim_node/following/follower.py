@@ -1,0 +1,203 @@
+"""The decisions of a simulation that follows: what it does next, and what its status says. No I/O, no clock."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from beatrix_zenoh._generated.messages import FollowState, Positions, Status
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node.planner import tuple3
+from sim_node.following.course import Course, SetPoint, advanced, course_to, distance, resting_place
+from sim_node.following.parting import Parting, Places
+
+SILENT_S: Final = 0.5
+"""Time (s) without positions after which the hardware counts as lost."""
+UNKNOWN_S: Final = 1.5
+"""Time (s) without a status, which is published once a second, after which a robot without one is followed."""
+NEAR: Final = math.radians(3.0)
+"""At this distance (rad) the simulation has reached the hardware."""
+FAR: Final = math.radians(12.0)
+"""At this distance (rad) the hardware has jumped, or the simulation was late: it approaches along a checked path."""
+MOVED: Final = math.radians(1.0)
+"""A target that has moved by this angle (rad) needs another path."""
+PATH_S: Final = 0.1
+"""Shortest time (s) between two paths."""
+RETRY_S: Final = 1.0
+"""Time (s) after which a refused path is planned again."""
+AGE_MAX_S: Final = 0.1
+"""Longest time (s) for which the hardware is taken to move on without a sample."""
+SAMPLES: Final = 50
+"""Number of the newest samples, one second, whose smallest delay gives the offset between the clocks."""
+
+NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation holds its place and waits."
+NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
+
+
+class Sample(NamedTuple):
+    """Positions of the hardware, as received at `arrived_s` (monotonic clock of this computer)."""
+
+    arrived_s: float
+    t_s: float
+    """monotonic clock of the hardware's computer"""
+    commanded: SetPoint
+    places: Places
+
+    @classmethod
+    def of(cls, positions: Positions, arrived_s: float) -> Sample:
+        """Return the sample of a message."""
+        head = positions.head_measured or positions.head
+        commanded = SetPoint(tuple3(positions.commanded), tuple3(positions.velocity))
+        places = Places(tuple3(positions.position), commanded.velocity, (head.yaw, head.pitch, head.roll))
+        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits (rad/s, rad/s2) of the simulation's arms."""
+
+    speed_default: float
+    speed_max: float
+    acceleration: float
+
+
+@dataclass(frozen=True)
+class Step:
+    """The next motion; `straight`: along a path that must be checked."""
+
+    course: Course
+    straight: bool
+
+
+class Follower:
+    """The state of one simulation that follows; all times are of this computer's monotonic clock (s)."""
+
+    def __init__(self, now_s: float) -> None:
+        self._status_due_s = now_s + UNKNOWN_S
+        self._sample: Sample | None = None
+        self._before: Arms = (0.0, 0.0, 0.0)
+        self._delays: deque[float] = deque(maxlen=SAMPLES)
+        self._unready = NO_STATUS
+        """why the set points of the hardware mean nothing; empty: they are valid"""
+        self._reached = False
+        self._planned: Arms | None = None
+        self._plan_due_s = now_s
+        self._refusal = ""
+        self._parting = Parting()
+
+    # -- what is received ---------------------------------------------------------------------------
+
+    def hear(self, sample: Sample) -> bool:
+        """Record the newest positions of the hardware; return whether it was silent before."""
+        last = self._sample
+        silent = last is None or sample.arrived_s - last.arrived_s > SILENT_S
+        if last is not None and silent:
+            # The node may have been started again, on another computer, and its home may be lost.
+            self._delays.clear()
+            self._unready, self._status_due_s = NO_STATUS, sample.arrived_s + UNKNOWN_S
+        self._before = (0.0, 0.0, 0.0) if last is None else last.commanded.velocity
+        self._sample = sample
+        self._delays.append(sample.arrived_s - sample.t_s)
+        return silent
+
+    def hear_status(self, status: Status) -> None:
+        """Record whether the set points of the hardware are valid."""
+        self._unready = why_unready(status)
+
+    # -- what follows from it -----------------------------------------------------------------------
+
+    def waits_for(self, now_s: float) -> str:
+        """Return why the simulation cannot follow now, as a sentence; empty if it can."""
+        sample = self._sample
+        if sample is None and now_s <= self._status_due_s:
+            return NO_STATUS
+        if sample is None or now_s - sample.arrived_s > SILENT_S:
+            return NO_SET_POINTS
+        if self._unready == NO_STATUS and now_s > self._status_due_s:
+            return ""
+        return self._unready
+
+    def state(self, now_s: float) -> FollowState:
+        """Return the state of following."""
+        if self.waits_for(now_s) or self._refusal:
+            return FollowState.WAITING
+        if not self._reached:
+            return FollowState.APPROACHING
+        return FollowState.PARTED if self._parting.text else FollowState.FOLLOWING
+
+    def warnings(self, now_s: float) -> list[str]:
+        """Return the sentences for the status."""
+        return [text for text in (self.waits_for(now_s) or self._refusal or self._parting.text,) if text]
+
+    def step(self, now_s: float, own: SetPoint, limits: Limits) -> Step | None:
+        """Return the next motion, None to continue the last one; `own`: set points of the simulation now."""
+        sample = self._sample
+        if sample is None or self.waits_for(now_s):
+            self.hold()
+            return None
+        hardware = advanced(sample.commanded, self._age_s(now_s))
+        away = distance(hardware.place, own.place)
+        if away < (FAR if self._reached else NEAR):
+            self._reached, self._planned, self._refusal = True, None, ""
+            course = course_to(
+                hardware,
+                self._before,
+                own,
+                acceleration=limits.acceleration,
+                speed_max=limits.speed_max,
+            )
+            return Step(course, straight=False)
+        self._reached = False
+        self._parting.reset()
+        return self._path(now_s, hardware, limits)
+
+    def _path(self, now_s: float, hardware: SetPoint, limits: Limits) -> Step | None:
+        """Return a path to the place at which the hardware would rest, if the last path does not lead there."""
+        target = resting_place(hardware, limits.acceleration)
+        if now_s < self._plan_due_s or (
+            self._planned is not None and distance(target, self._planned) < MOVED
+        ):
+            return None
+        self._planned, self._plan_due_s = target, now_s + PATH_S
+        speed = min(limits.speed_max, limits.speed_default + max(map(abs, hardware.velocity)))
+        return Step(Course(target, (speed, speed, speed)), straight=True)
+
+    def accepted(self) -> None:
+        """Record that the last path is within the limits."""
+        self._refusal = ""
+
+    def refused(self, now_s: float, message: str) -> None:
+        """Record why the simulation cannot take the last path; it is planned again after RETRY_S."""
+        self._refusal = f"The simulation cannot move to the place of the hardware: {message}"
+        self._planned, self._plan_due_s = None, now_s + RETRY_S
+
+    def compare(self, now_s: float, own: Places) -> None:
+        """Compare the measured places of the simulation at `now_s` with those of the hardware."""
+        sample = self._sample
+        if sample is not None and self._reached and not self.waits_for(now_s):
+            self._parting.compare(now_s, own, sample.places.after(self._age_s(now_s)))
+
+    def hold(self) -> None:
+        """Forget the path: the simulation holds its place until the hardware is back."""
+        self._reached, self._planned, self._refusal = False, None, ""
+        self._parting.reset()
+
+    def _age_s(self, now_s: float) -> float:
+        """Return the age (s) of the newest sample, apart from the smallest delay of the last second."""
+        sample = self._sample
+        if sample is None:
+            return 0.0
+        return min(AGE_MAX_S, max(0.0, now_s - sample.t_s - min(self._delays)))
+
+
+def why_unready(status: Status) -> str:
+    """Return why the set points in this state of the hardware mean nothing, as a sentence; empty if they are valid."""
+    if not status.board.connected:
+        return "The board of the hardware is not connected. The simulation holds its place and waits."
+    if not status.enabled:
+        return "The motors of the hardware are off. The simulation holds its place and waits."
+    if not status.calibrated:
+        return "The hardware is not calibrated. The simulation holds its place and waits."
+    return ""

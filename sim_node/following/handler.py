@@ -1,0 +1,216 @@
+"""The component that lets a simulation follow the hardware of its name, and answers the queries that switch it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Final
+
+from beatrix_zenoh import names, refusals
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.motion.robot_file import fingerprint
+from beatrix_zenoh.node import Component, Context, StatusFields, replies
+from beatrix_zenoh.node.access import Action
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.own_key import check_own_key
+from beatrix_zenoh.node.readiness import ready_telemetry
+from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_queue import Task
+from sim_node.following.arms import OwnArms, follows
+from sim_node.following.follower import NO_STATUS, Follower, Sample
+from sim_node.following.hardware import HardwareMessages
+
+CHECK_S: Final = 0.1
+"""Period (s) of the check whether the simulation may still follow, and whether the hardware is silent."""
+FILES_DIFFER: Final = (
+    "Hardware and simulation were started with different robot files: start both with the same --robot-file."
+)
+FOLLOWS: Final = (
+    "The simulation follows the hardware and takes no motions of its own until `beatrix follow off` or STOP."
+)
+ENDED: Final = "The simulation does not follow the hardware; it carries out its own motions."
+
+
+class FollowHandler(Component):
+    """Moves the simulation to the set points of the hardware, on the controller's thread."""
+
+    def __init__(self, context: Context, *, at_start: bool) -> None:
+        """`at_start`: follow from the start on, as soon as the simulation is ready."""
+        self._context, self._at_start = context, at_start
+        self._key = keys.follow(context.name, "*")
+        self._messages = HardwareMessages(context.name, self._hear_sample, self._hear_status)
+        self._sessions: Sessions | None = None
+        self._follower: Follower | None = None
+        self._arms = OwnArms(context)
+        self._sample: Sample | None = None
+        self._was_ready = self._files_differ = False
+        self._state = FollowState.OFF
+        self._warnings: list[str] = []
+
+    def start(self, sessions: Sessions) -> None:
+        self._sessions = sessions
+        sessions.serve(self._key, self._query)
+        if self._at_start:
+            self._context.queue.post_event(lambda: self._begin(sessions))
+
+    def contribute(self, status: StatusFields) -> None:
+        # STOP ends following at once, before this component notices it.
+        following = self._context.access.following
+        status.values["following"] = self._state if following else FollowState.OFF
+        if following:
+            status.values["motion"] = 0
+            status.warnings += self._warnings
+
+    def close(self) -> None:
+        """End the subscriptions."""
+        self._messages.close()
+
+    # -- on Zenoh's threads -------------------------------------------------------------------------
+
+    def _query(self, incoming: Incoming) -> None:
+        handle = request_handle(incoming, self._key, "FOLLOW", self._context.events, EventKind.COMMAND)
+
+        def decline(error: BeatrixError) -> None:
+            handle.end(replies.command_refusal(error, self._context.controller.arms()))
+
+        try:
+            names.check_seat(handle.caller.seat)
+            check_own_key(incoming.key, self._key)
+            query = query_forms.read(incoming.raw, FollowQuery)
+        except BeatrixError as error:
+            decline(error)
+            return
+        self._context.queue.post(Task(lambda: self._run(query, handle), decline))
+
+    def _hear_sample(self, sample: Sample) -> None:
+        self._sample = sample
+        self._context.queue.post_latest("follow", Task(self._step, lambda _: None))
+
+    def _hear_status(self, status: Status) -> None:
+        def hear() -> None:
+            if self._follower is not None:
+                self._follower.hear_status(status)
+
+        self._context.queue.post_event(hear)
+
+    def _hear_file(self, file: str) -> None:
+        def hear() -> None:
+            differ = file not in ("", fingerprint(self._context.planner.robot))
+            if differ and not self._files_differ:
+                self._context.events.add(EventKind.WARNING, message=FILES_DIFFER)
+            self._files_differ = differ
+
+        self._context.queue.post_event(hear)
+
+    # -- switching, on the controller's thread ------------------------------------------------------
+
+    def _run(self, query: FollowQuery, handle: RequestHandle) -> None:
+        action = "FOLLOW" if query.follow else "FOLLOW off"
+        handle = replace(handle, action=action, source=query.source)
+        controller = self._context.controller
+        try:
+            text = self._switch(handle.caller, on=query.follow)
+        except BeatrixError as error:
+            handle.end(replies.command_refusal(error, controller.arms()))
+            return
+        handle.end(replies.command_reply(Reason.OK, text, controller.arms()))
+
+    def _switch(self, caller: Caller, *, on: bool) -> str:
+        """Begin or end following; return the new state as a sentence; raises BeatrixError."""
+        context = self._context
+        self._check_allowed()
+        resting = not context.controller.moving
+        context.access.authorize(Action.FOLLOW, caller, time.monotonic(), resting=resting)
+        if not on:
+            self._end("")
+            return ENDED
+        if self._follower is None and self._sessions is not None:
+            if context.controller.driven or not resting:
+                raise refusals.not_at_rest()
+            ready_telemetry(context.board_watch.board)
+            self._begin(self._sessions)
+        return FOLLOWS
+
+    def _begin(self, sessions: Sessions) -> None:
+        self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._context)
+        self._sample, self._was_ready, self._files_differ = None, False, False
+        self._state, self._warnings = FollowState.WAITING, []
+        self._context.access.following = True
+        self._messages.open(sessions)
+        self._check(self._follower)
+
+    def _end(self, why: str) -> None:
+        """End following, with a warning if there is a reason to state."""
+        if self._follower is None:
+            return
+        controller = self._context.controller
+        self._follower, self._context.access.following = None, False
+        self._messages.close()
+        if controller.follows and controller.moving:
+            controller.stop(replies.StopCause.STOP)  # the next motion begins where the arms come to rest
+        controller.follows = False
+        if why:
+            text = f"The simulation no longer follows the hardware: {why}"
+            self._context.events.add(EventKind.WARNING, message=text)
+
+    # -- following, on the controller's thread ------------------------------------------------------
+
+    def _check(self, follower: Follower) -> None:
+        """Check every CHECK_S whether the simulation may follow, and what it waits for."""
+        self._check_allowed()
+        if self._follower is follower:
+            now_s = time.monotonic()
+            if follower.waits_for(now_s):
+                follower.hold()
+            self._show(follower, now_s)
+            self._context.queue.post_later(now_s + CHECK_S, lambda: self._check(follower))
+
+    def _check_allowed(self) -> None:
+        """End following if the simulation was stopped or is no longer ready to move."""
+        if self._follower is None:
+            return
+        if not follows(self._context.access):
+            frozen = self._context.access.teacher.frozen
+            self._end("the teacher has frozen it." if frozen else "STOP of the simulation was pressed.")
+            return
+        try:
+            ready_telemetry(self._context.board_watch.board)
+            self._was_ready = True
+        except BeatrixError as error:
+            if self._was_ready:
+                self._end(error.message)
+
+    def _step(self) -> None:
+        """Carry out the motion that follows from the newest positions of the hardware."""
+        self._check_allowed()
+        follower, sample = self._follower, self._sample
+        if follower is None or sample is None or not self._was_ready:
+            return
+        if follower.hear(sample) and self._sessions is not None:
+            self._messages.ask_file(self._sessions, self._hear_file)
+        now_s = time.monotonic()
+        own = self._arms.set_point(now_s)
+        step = None if own is None else follower.step(now_s, own, self._arms.limits())
+        if step is not None:
+            try:
+                self._arms.move(step)
+                follower.accepted()
+            except BeatrixError as error:
+                follower.refused(now_s, error.message)
+        follower.compare(*self._arms.measured())
+        self._show(follower, now_s)
+
+    def _show(self, follower: Follower, now_s: float) -> None:
+        """Set the state and the warnings of the status, and record their changes as events."""
+        state, warnings = follower.state(now_s), follower.warnings(now_s)
+        changed = state is not self._state
+        if state is FollowState.FOLLOWING and changed:
+            self._context.events.add(EventKind.WARNING, message="The simulation follows the hardware.")
+        elif (state is FollowState.PARTED and changed) or (
+            state is FollowState.WAITING and warnings != self._warnings[:1] and warnings != [NO_STATUS]
+        ):
+            self._context.events.add(EventKind.WARNING, message=warnings[0])
+        self._state, self._warnings = state, [*warnings, *([FILES_DIFFER] if self._files_differ else [])]

@@ -1,0 +1,339 @@
+"""A simulation that follows: real processes of both robots, driven by raw Zenoh queries and by a program of 2023."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from excuses import in_time
+from following_lag import lag_s, largest_step_deg, series
+from old_program import Program
+from published import published_positions
+from stage import Stage, ask_raw, until, wait_status
+
+from beatrix_zenoh import Refused, Robot, codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import (
+    BoardStatus,
+    Fault,
+    FollowState,
+    Head,
+    Positions,
+    Reason,
+    Status,
+    Steps,
+    Vector3,
+)
+
+LAG_S = 0.06
+
+
+class Both:
+    """Simulation and hardware of one name, and their published positions."""
+
+    def __init__(self, stage: Stage, terminal: Path) -> None:
+        self.stage, self.terminal = stage, terminal
+        # The teacher's requests need not wait for the end of another seat's lease.
+        self.hw, self.sim = stage.robot("bea", "hw", "teacher"), stage.robot("bea", "sim")
+        self._hw, self._sim = published_positions(self.hw), published_positions(self.sim)
+
+    def ready(self) -> Both:
+        """Let the simulation follow a calibrated hardware at its home."""
+        self.hw.disable()
+        self.hw.enable()
+        self.hw.calibrate()
+        if self.sim.status().following is FollowState.OFF:
+            self.sim.enable()
+            if not self.sim.status().calibrated:
+                self.sim.calibrate()
+            until(self.begins, "the simulation follows")
+        self.wait(FollowState.FOLLOWING)
+        self.together()
+        return self
+
+    def begins(self) -> bool:
+        try:
+            return self.sim.follow().result
+        except Refused as refused:
+            if refused.reason in (Reason.STOPPED, Reason.NOT_AT_REST):  # it comes to rest
+                return False
+            raise
+
+    def wait(self, state: FollowState) -> None:
+        wait_status(self.sim, lambda status: status.following is state, state)
+
+    def together(self) -> None:
+        """Wait until both robots have the same set points."""
+
+        def same() -> bool:
+            here, there = self.sim.positions(), self.hw.positions()
+            return max(abs(a - b) for a, b in zip(here.commanded, there.commanded, strict=True)) < 0.01
+
+        until(same, "the same set points")
+
+    def record(self, drive: Callable[[], object]) -> tuple[list[Positions], list[Positions]]:
+        """Return the positions of hardware and simulation while `drive` moves the hardware."""
+        begin = len(self._hw.all), len(self._sim.all)
+        self._next(25)
+        drive()
+        self._next(30)
+        return self._hw.all[begin[0] :], self._sim.all[begin[1] :]
+
+    def _next(self, count: int) -> None:
+        for published in (self._hw, self._sim):
+            newest = published.all[-1].seq
+            published.next(lambda one, newest=newest: one.seq >= newest + count)  # type: ignore[misc]
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Both]:
+    path = tmp_path_factory.mktemp("legacy") / "COM4"
+    with Stage() as stage:
+        virtual = ("--port", "virtual:", "--legacy", str(path))
+        stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
+        stage.simulation("bea", "--follow", "--eyes-hz", "0")
+        yield Both(stage, path)
+
+
+@pytest.fixture
+def both(served: Both) -> Both:
+    return served.ready()
+
+
+def checked_lag(hardware: list[Positions], simulation: list[Positions]) -> None:
+    """Check the lag of the measured arms, what remains without it, and that no set point jumps."""
+    turned = series(hardware, "commanded")[1]
+    assert float((turned.max(axis=0) - turned.min(axis=0)).max()) > 3, "the hardware has moved"
+    lag, rms = lag_s(series(hardware), series(simulation))
+    in_time(lag, LAG_S, "lag of the simulation")
+    assert rms < 0.5
+    assert largest_step_deg(simulation) < 1.5 * max(1.0, largest_step_deg(hardware))
+
+
+@pytest.mark.measures_time
+def test_it_follows_raw_zenoh_queries_within_60_ms(both: Both) -> None:
+    client = both.stage.client()
+
+    def drive() -> None:
+        for target in ("0.8 0.8 0.8", "-0.5 -0.3 -0.1"):
+            replies = ask_raw(
+                client, keys.motion("bea", "hw", "ana"), f"{target} {math.radians(60)}".encode(), "text/plain"
+            )
+            assert b'"done"' in replies[-1].payload
+
+    checked_lag(*both.record(drive))
+    both.together()
+
+
+@pytest.mark.measures_time
+def test_it_follows_a_stream_of_targets_within_60_ms(both: Both) -> None:
+    def drive() -> None:
+        pause = threading.Event()
+        for step in range(150):
+            angle = 20 * math.sin(step / 20)
+            both.hw.move(angle, angle, angle, speed=60, wait=False)
+            pause.wait(0.02)
+
+    checked_lag(*both.record(drive))
+
+
+@pytest.mark.measures_time
+def test_it_follows_a_program_of_2023_within_60_ms(both: Both) -> None:
+    wait_status(both.hw, lambda status: not status.holder, "free for the old program")
+    program = Program(both.terminal)
+
+    def drive() -> None:
+        program.say("@MOVRX 60 200")
+        until(lambda: program.x == 60, "the old program's motion")
+
+    try:
+        program.begin()
+        both.wait(FollowState.FOLLOWING)
+        checked_lag(*both.record(drive))
+    finally:
+        program.port.close()
+    both.together()
+
+
+def test_its_own_requests_are_refused_and_the_refusal_says_what_to_do(both: Both) -> None:
+    requests: list[Callable[[], object]] = [
+        lambda: both.sim.look(yaw=5),
+        both.sim.home,
+        both.sim.calibrate,
+    ]
+    for request in requests:
+        with pytest.raises(Refused) as refused:
+            request()
+        assert refused.value.reason is Reason.FOLLOWING
+        assert "--on hw" in refused.value.message
+        assert "beatrix follow off" in refused.value.message
+    reply = ask_raw(both.stage.client(), keys.preview("bea", "ana") + "?yaw=0.1")[0]
+    assert b'"FOLLOWING"' in reply.payload
+
+
+def test_following_ends_in_mid_motion_without_a_jump_and_begins_again_smoothly(both: Both) -> None:
+    def switch() -> None:
+        motion = both.hw.move(60, 60, 60, speed=60, wait=False)
+        until(lambda: both.sim.positions().commanded.short > 15, "the simulation is on its way")
+        both.sim.follow(on=False)
+        wait_status(both.sim, lambda status: not status.moving, "rest")
+        rests = both.sim.positions()
+        assert rests.commanded.short == pytest.approx(rests.arms.short, abs=0.1)
+        assert rests.commanded.short < 50
+        motion.result(20)
+        both.sim.move(2, 0, 0, relative=True)
+        assert both.sim.positions().arms.short == pytest.approx(rests.arms.short + 2, abs=0.2)
+        until(both.begins, "the simulation follows again")
+        both.wait(FollowState.FOLLOWING)
+
+    _, simulation = both.record(switch)
+    assert largest_step_deg(simulation) < 2.0, "at most 90 deg/s"
+    both.together()
+
+
+@pytest.mark.parametrize("press", [Robot.stop, Robot.emergency_stop, Robot.disable])
+def test_stop_and_switching_the_motors_off_end_following(
+    both: Both, press: Callable[[Robot], object]
+) -> None:
+    press(both.sim)
+    both.wait(FollowState.OFF)
+    until(lambda: any("no longer follows" in event.message for event in both.sim.past_events()), "the event")
+    both.hw.move(5, 5, 5)
+    assert both.sim.positions().commanded.short == pytest.approx(0, abs=0.1)
+    both.sim.reset()
+
+
+def test_stop_of_the_hardware_does_not_end_following(both: Both) -> None:
+    wait_status(both.hw, lambda status: not status.holder, "free for the next seat")
+    ben = both.stage.robot("bea", "hw", "ben")
+    ben.move(30, 30, 30, wait=False)
+    both.hw.stop()
+    both.together()
+    assert both.sim.status().following is FollowState.FOLLOWING
+
+
+def test_it_waits_for_a_hardware_that_is_off_and_moves_smoothly_to_its_new_home(both: Both) -> None:
+    both.hw.move(20, 20, 20, speed=60)
+    both.together()
+    both.hw.disable()
+    both.wait(FollowState.WAITING)
+    assert "motors of the hardware are off" in both.sim.status().warnings[0]
+    assert both.sim.positions().arms.short == pytest.approx(20, abs=0.2)
+
+    def back() -> None:
+        both.hw.enable()
+        both.hw.calibrate()
+        both.wait(FollowState.FOLLOWING)
+
+    _, simulation = both.record(back)
+    assert largest_step_deg(simulation) < 1.0, "at most the default speed, 30 deg/s"
+    both.together()
+    assert both.sim.positions().arms.short == pytest.approx(0, abs=0.2)
+
+
+def test_a_seat_that_does_not_hold_the_simulation_can_neither_begin_nor_end_following(both: Both) -> None:
+    other = both.stage.robot("bea", "sim", "ben")
+    with both.sim.lease(), pytest.raises(Refused) as refused:
+        other.follow(on=False)
+    assert refused.value.reason is Reason.NOT_HOLDER
+
+
+@pytest.mark.parametrize(("payload", "words"), [(b"off", "does not follow"), (b"on", "follows the hardware")])
+def test_raw_zenoh_words_switch_it(both: Both, payload: bytes, words: str) -> None:
+    reply = ask_raw(both.stage.client(), keys.follow("bea", "ana"), payload)[0]
+    assert words.encode() in reply.payload
+
+
+# -- a hardware that lies ------------------------------------------------------------------------
+
+
+class FakeHardware:
+    """Publishes positions of a hardware whose set points and arms turn at these rates (deg/s) until closed."""
+
+    def __init__(self, stage: Stage, name: str, *, turns: float) -> None:
+        self._client = stage.client("fake")
+        self._name, self._turns = name, turns
+        self._began_s = time.monotonic()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        seq = 0
+        while not self._closed.wait(0.02):
+            seq += 1
+            bus = self._client.bus
+            if seq % 50 == 1:
+                bus.put(keys.status(self._name, "hw"), codec.encode(self._status()), codec.MSGPACK)
+            bus.put(keys.positions(self._name, "hw"), codec.encode(self._positions(seq)), codec.MSGPACK)
+
+    def _positions(self, seq: int) -> Positions:
+        now_s = time.monotonic()
+        angle = math.radians(10 * math.sin(now_s - self._began_s))
+        turned = angle * self._turns
+        return Positions(
+            seq=seq,
+            t_mono_ns=round(now_s * 1e9),
+            t_wall_ns=time.time_ns(),
+            position=Vector3(turned, angle, angle),
+            velocity=Vector3(0.0, 0.0, 0.0),
+            commanded=Vector3(angle, angle, angle),
+            steps=Steps(0, 0, 0),
+            head=Head(angle, 0.0, 0.0),
+        )
+
+    def _status(self) -> Status:
+        return Status(
+            t_mono_ns=time.monotonic_ns(),
+            t_wall_ns=time.time_ns(),
+            robot=self._name,
+            twin="hw",
+            enabled=True,
+            calibrated=True,
+            moving=False,
+            motion=0,
+            fault=Fault.NONE,
+            warnings=[],
+            calibrations=0,
+            holder="",
+            board=BoardStatus(
+                connected=True,
+                port="",
+                name="",
+                firmware="",
+                contract="",
+                boot=1,
+                rejected_frames=0,
+                retries=0,
+            ),
+        )
+
+    def close(self) -> None:
+        self._closed.set()
+        self._thread.join()
+
+
+def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_waited_for() -> None:
+    with Stage() as stage:
+        stage.simulation("cid", "--follow", "--eyes-hz", "0")
+        simulation = stage.robot("cid", "sim")
+        fake = FakeHardware(stage, "cid", turns=-1.0)
+        try:
+            wait_status(simulation, lambda status: status.following is FollowState.PARTED, "parted")
+            wait_status(
+                simulation,
+                lambda status: (
+                    "the short arm of the hardware turns the other way" in " ".join(status.warnings)
+                ),
+                "the sentence",
+            )
+            parted = [event for event in simulation.past_events() if "have parted" in event.message]
+            assert parted
+        finally:
+            fake.close()
+        wait_status(simulation, lambda status: status.following is FollowState.WAITING, "waiting")
+        assert "publishes no positions" in simulation.status().warnings[0]

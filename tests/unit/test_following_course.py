@@ -1,0 +1,175 @@
+"""A simulation that follows: its control law, on two virtual boards in virtual time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beatrix_zenoh._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.motion.gear import Arms, Gear
+from sim_node.following.course import Course, SetPoint, advanced, course_to, distance, resting_place
+from sim_node.following.follower import Limits
+
+GEAR = Gear()
+LIMITS = Limits(math.radians(30), math.radians(90), math.radians(180))
+REST: Arms = (0.0, 0.0, 0.0)
+MICROSTEP = math.tau / GEAR.steps_per_turn
+
+
+def board() -> Firmware:
+    """Return a board with motors on and home known."""
+    firmware = Firmware()
+    firmware.receive(encode(FrameType.ENABLE, 1, b"\1"))
+    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
+    return firmware
+
+
+def deg(*angles: float) -> Arms:
+    x, y, z = map(math.radians, angles)
+    return x, y, z
+
+
+@dataclass
+class Pair:
+    """Two boards in virtual time: the second follows the first, whose set points arrive every 20 ms, `delay_ms` late."""
+
+    delay_ms: int = 8
+    hardware: Firmware = field(default_factory=board)
+    simulation: Firmware = field(default_factory=board)
+    ms: int = 0
+    places: list[tuple[Arms, Arms]] = field(default_factory=list)
+    """set points (rad) of both boards after each millisecond"""
+    _arriving: list[tuple[int, SetPoint]] = field(default_factory=list)
+    _before: Arms = REST
+    _number: int = 0
+
+    def move(self, target: Sequence[float], speed: float) -> None:
+        """Move the hardware to these angles (deg) at a speed (deg/s)."""
+        self._send(self.hardware, Course(deg(*target), deg(speed, speed, speed)))
+
+    def run(self, ms: int) -> None:
+        for _ in range(ms):
+            self.ms += 1
+            for one in (self.hardware, self.simulation):
+                if self.ms % HEARTBEAT_PERIOD == 0:
+                    one.receive(encode(FrameType.PING, 4, b""))
+                one.tick(1)
+                one.transmit()
+            self.places.append((self._place(self.hardware), self._place(self.simulation)))
+            if self.ms % 20 == 0:
+                self._arriving.append((self.ms + self.delay_ms, self._point(0)))
+            while self._arriving and self._arriving[0][0] <= self.ms:
+                self._hear(self._arriving.pop(0)[1])
+
+    def largest_lag_ms(self, arm: int, low: float, high: float) -> int:
+        """Return how much later the simulation reaches angles (deg) between two of a rising motion."""
+        lags = []
+        for angle in range(math.ceil(low), math.floor(high)):
+            reached = [
+                next(i for i, both in enumerate(self.places) if both[k][arm] >= math.radians(angle))
+                for k in (0, 1)
+            ]
+            lags.append(reached[1] - reached[0])
+        return max(lags)
+
+    def _hear(self, hardware: SetPoint) -> None:
+        own = self._point(1)
+        course = course_to(
+            hardware,
+            self._before,
+            own,
+            acceleration=LIMITS.acceleration,
+            speed_max=LIMITS.speed_max,
+        )
+        self._before = hardware.velocity
+        self._send(self.simulation, course)
+
+    def _point(self, which: int) -> SetPoint:
+        here, before = self.places[-1][which], self.places[-2][which]
+        x, y, z = ((now - then) * 1000 for now, then in zip(here, before, strict=True))
+        return SetPoint(here, (x, y, z))
+
+    def _place(self, one: Firmware) -> Arms:
+        return GEAR.to_rad(one.set_points())
+
+    def _send(self, one: Firmware, course: Course) -> None:
+        self._number += 1
+        move = Move(self._number, GEAR.to_steps(course.target), GEAR.speed_to_quarters(course.speed))
+        one.receive(encode(move.kind, 3, move.pack()))
+
+
+@pytest.mark.parametrize("speed", [20.0, 60.0, 90.0])
+def test_the_set_points_lag_less_than_40_ms_and_end_in_the_same_step(speed: float) -> None:
+    pair = Pair()
+    pair.run(40)
+    pair.move((60, 60, 60), speed)
+    pair.run(int(60 / speed * 1000) + 1500)
+    assert pair.largest_lag_ms(0, 1, 59.9) <= 40
+    assert pair.hardware.steps() == pair.simulation.steps()
+    overshoot = max(own[0] for _, own in pair.places) - math.radians(60)
+    assert overshoot <= 2 * MICROSTEP
+
+
+def test_a_stream_of_targets_is_followed_within_two_degrees() -> None:
+    pair = Pair()
+    pair.run(40)
+    for step in range(250):
+        angle = 25 * math.sin(step / 20)
+        pair.move((angle, angle, angle), 60)
+        pair.run(20)
+    assert max(distance(*both) for both in pair.places) < math.radians(2)
+
+
+def test_the_speed_never_exceeds_the_limit() -> None:
+    pair = Pair(delay_ms=60)
+    pair.run(40)
+    for target in (50, -50, 20):
+        pair.move((target, target, target), 90)
+        pair.run(700)
+    fastest = max(distance(now[1], then[1]) for then, now in zip(pair.places, pair.places[1:], strict=False))
+    assert fastest <= LIMITS.speed_max / 1000 * 1.01
+
+
+angles = st.floats(-60.0, 60.0)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    targets=st.lists(st.tuples(angles, st.floats(5.0, 90.0), st.integers(50, 900)), min_size=1, max_size=5)
+)
+def test_whatever_the_hardware_does_both_rest_in_the_same_place(
+    targets: list[tuple[float, float, int]],
+) -> None:
+    pair = Pair()
+    pair.run(40)
+    for angle, speed, ms in targets:
+        pair.move((angle, angle, angle), speed)
+        pair.run(ms)
+    pair.move((0, 0, 0), 90)
+    pair.run(3000)
+    assert pair.simulation.steps() == pair.hardware.steps()
+
+
+@given(
+    place=st.tuples(angles, angles, angles),
+    velocity=st.tuples(*[st.floats(-90.0, 90.0)] * 3),
+    own=st.tuples(angles, angles, angles),
+)
+def test_every_course_is_within_the_limits(place: Arms, velocity: Arms, own: Arms) -> None:
+    point = SetPoint(deg(*place), deg(*velocity))
+    course = course_to(
+        point, REST, SetPoint(deg(*own), REST), acceleration=LIMITS.acceleration, speed_max=LIMITS.speed_max
+    )
+    assert all(0 < speed <= LIMITS.speed_max for speed in course.speed)
+    assert distance(course.target, resting_place(point, LIMITS.acceleration)) <= LIMITS.speed_max * 0.061
+
+
+def test_set_points_advance_at_constant_velocity() -> None:
+    assert advanced(SetPoint(deg(1, 2, 3), deg(10, 0, -10)), 0.1).place == pytest.approx(deg(2, 2, 2))
