@@ -12,6 +12,7 @@ from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
+from sim_node.mechanism import KEYS
 from sim_node.target import TargetPath
 from sim_node.viewer import Viewer
 
@@ -51,6 +52,8 @@ def sim(
     settings = resolve(name, connect)
     robot = values.load(robot_file)
     viewer = Viewer(robot) if view else None
+    if view:
+        typer.echo(KEYS, err=True)
     raise typer.Exit(
         serve(
             lambda: Simulation(

@@ -24,11 +24,14 @@ _OVERSAMPLING: Final = 2
 """Pictures are drawn larger by this factor, which smooths all edges, also with ray casting."""
 
 
-def picture(arms: Arms, width: int, height: int) -> Image:
-    """Draw the robot with these arm angles (rad); raises BeatrixError if the head cannot be assembled with them."""
+def picture(arms: Arms, width: int, height: int, spec: mujoco.MjSpec | None = None) -> Image:
+    """Draw the robot, or another model of it, with these arm angles (rad).
+
+    Raises BeatrixError if the head cannot be assembled with them.
+    """
     plant = Plant()
     plant.place(arms)
-    painter = _painter(build_spec(), _OVERSAMPLING * width, _OVERSAMPLING * height)
+    painter = _painter(spec or build_spec(), _OVERSAMPLING * width, _OVERSAMPLING * height)
     try:
         painter.pose(plant.posture())
         return _shrunk(painter.paint(CAMERA))

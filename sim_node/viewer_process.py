@@ -18,6 +18,7 @@ import msgspec
 import numpy as np
 
 from beatrix_zenoh._generated.robot import RobotData
+from sim_node.mechanism import MECHANISM, add_mechanism, show_through
 from sim_node.painter import PosedModel
 from sim_node.piped_process import NICE
 from sim_node.scene import scene_spec
@@ -58,7 +59,10 @@ def main(words: list[str]) -> int:
 
     if not glfw.init():
         return 1
-    posed = PosedModel(scene_spec(msgspec.json.decode(words[0], type=RobotData)).compile())
+    robot = msgspec.json.decode(words[0], type=RobotData)
+    spec = scene_spec(robot)
+    add_mechanism(spec, robot)
+    posed = PosedModel(spec.compile())
     states = StateReader(posed.model.nq + 3)
     with mujoco.viewer.launch_passive(
         posed.model, posed.data, show_left_ui=False, show_right_ui=False
@@ -67,8 +71,9 @@ def main(words: list[str]) -> int:
         os.write(STDOUT, b"ready\n")
         while viewer.is_running() and not states.ended:
             state = states.newest
-            if state is not None:
-                with viewer.lock():
+            with viewer.lock():
+                show_through(posed.model, through=bool(viewer.opt.geomgroup[MECHANISM]))
+                if state is not None:
                     posed.pose(state[:-3], (float(state[-3]), float(state[-2]), float(state[-1])))
             viewer.sync()
             time.sleep(PERIOD_S)

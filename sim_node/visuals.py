@@ -48,7 +48,7 @@ _CYLINDER: Final = mujoco.mjtGeom.mjGEOM_CYLINDER
 _BOX: Final = mujoco.mjtGeom.mjGEOM_BOX
 
 _GLOSSY: Final = {"visor", "white", "iris", "black"}
-_COLOURS: Final[dict[str, tuple[float, float, float]]] = {
+MATERIALS: Final[dict[str, tuple[float, float, float]]] = {
     "shell": (0.93, 0.92, 0.89),
     "visor": (0.13, 0.16, 0.20),
     "white": (0.99, 0.99, 0.98),
@@ -61,6 +61,7 @@ _COLOURS: Final[dict[str, tuple[float, float, float]]] = {
     "motor": (0.30, 0.31, 0.34),
     "base": (0.24, 0.27, 0.31),
 } | {name: (red / 255, green / 255, blue / 255) for name, (red, green, blue) in colours.ARMS.items()}
+"""Colours of the robot's materials, from 0 to 1."""
 
 
 def ring_height(index: int) -> float:
@@ -130,7 +131,7 @@ def _vector(x: float, y: float, z: float) -> Vector:
 
 def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
     """Add the visible geoms, lights and cameras to a model that has its bodies."""
-    visuals = VisualGeoms(spec, _COLOURS)
+    visuals = VisualGeoms(spec, MATERIALS)
     _surroundings(spec)
     _base(visuals, robot)
     for index, name in enumerate(ARMS):

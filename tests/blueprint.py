@@ -33,6 +33,8 @@ class View:
     draws: frozenset[str]
     settings: Table
     """what the blueprint sets for this view, by archetype"""
+    hidden: frozenset[str] = frozenset()
+    """entities that are not drawn until the user switches them on"""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,13 @@ def part(blueprint: Table, name: str, drawable: dict[str, set[str]]) -> Box | Vi
     settings = {
         key.rpartition("/")[2]: values for key, values in blueprint.items() if key.startswith(f"/{name}/")
     }
-    return View(kind, own["ViewBlueprint:display_name"][0], frozenset(draws), settings)
+    overrides = f"/{name}/ViewContents/overrides"
+    hidden = {
+        key.removeprefix(overrides).removesuffix("/visualizers")
+        for key, values in blueprint.items()
+        if key.startswith(overrides) and values.get("EntityBehavior:visible") == [False]
+    }
+    return View(kind, own["ViewBlueprint:display_name"][0], frozenset(draws), settings, frozenset(hidden))
 
 
 def matches(entity: str, rule: str) -> bool:

@@ -1,4 +1,4 @@
-"""Write the table and the tree into docs/explanation/neck.md: `python tools/neck_page.py`.
+"""Write the tables and the tree of docs/explanation/neck.md, and its pictures: `python tools/neck_page.py`.
 
 A test checks that the page is up to date.
 """
@@ -7,16 +7,23 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
 import mujoco
 
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.readings import Path as ArmsPath
 from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.trajectory import plan
+from beatrix_zenoh.recording.plot import path_figure
+from sim_node.mechanism import write_mechanism
 from sim_node.model import build
 
-PAGE: Final = Path(__file__).resolve().parent.parent / "docs/explanation/neck.md"
+DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
+PAGE: Final = DOCS / "explanation/neck.md"
 BLOCK: Final = re.compile(r"(<!-- begin (\w+)[^>]*-->\n).*?(<!-- end -->)", re.DOTALL)
 TURN_DEG: Final = 20.0
 PATTERNS: Final = (
@@ -28,6 +35,12 @@ PATTERNS: Final = (
     ("long, and middle as far back", (0, -1, 1)),
 )
 """Title of a row, and how far each arm turns in units of TURN_DEG."""
+SWING_DEG: Final = 40.0
+SPEEDS: Final = (80.0, 40.0, 40.0)
+"""Speeds of short, middle and long (deg/s)."""
+ACCELERATION: Final = ROBOT.limits.acceleration
+STEPS: Final = 120
+ROWS: Final = 6
 
 
 def arms_table() -> str:
@@ -38,6 +51,39 @@ def arms_table() -> str:
         head = neck.forward([math.radians(TURN_DEG * share) for share in pattern])
         angles = " | ".join(f"{math.degrees(angle):+z.1f}°".replace("+0.0", "0.0") for angle in head)
         rows.append(f"| {title} | {angles} |")
+    return "\n".join(rows) + "\n"
+
+
+def uneven_path() -> ArmsPath:
+    """Return the path of a motion that turns all arms by SWING_DEG with SPEEDS, from home."""
+    neck = Neck()
+    ways = (math.radians(SWING_DEG),) * 3
+    x, y, z = (math.radians(speed) for speed in SPEEDS)
+    trajectory = plan((0.0,) * 3, (0.0,) * 3, ways, (x, y, z), math.radians(ACCELERATION), straight=False)
+    times = [trajectory.duration * step / STEPS for step in range(STEPS + 1)]
+    arms = [trajectory.at(t)[0] for t in times]
+    return ArmsPath(
+        times,
+        [ArmAngles(*map(math.degrees, angles)) for angles in arms],
+        [HeadAngles(*map(math.degrees, neck.forward(angles))) for angles in arms],
+    )
+
+
+def tilt(arms: Sequence[float]) -> float:
+    """Return the angle (deg) between the head's axis and the vertical, for arm angles (rad)."""
+    _, pitch, roll = Neck().forward(arms)
+    return math.degrees(math.acos(math.cos(pitch) * math.cos(roll)))
+
+
+def speeds_table() -> str:
+    """Return a table of `uneven_path`: arms, head and tilt at some times."""
+    path = uneven_path()
+    rows = ["| time | short | middle, long | yaw | pitch | roll | tilt |", "|---|---|---|---|---|---|---|"]
+    for step in range(0, STEPS + 1, STEPS // ROWS):
+        arms = path.arms[step]
+        shown = (arms.short, arms.middle, *path.head[step], tilt([math.radians(arm) for arm in arms]))
+        angles = " | ".join(f"{angle:z.1f}°" for angle in shown)
+        rows.append(f"| {path.t[step]:.1f} s | {angles} |")
     return "\n".join(rows) + "\n"
 
 
@@ -74,9 +120,11 @@ def _parts(model: mujoco.MjModel, body: int) -> str:
 
 def page(text: str) -> str:
     """Return the text of a page with new generated blocks."""
-    blocks = {"arms": arms_table(), "model": model_tree()}
+    blocks = {"arms": arms_table(), "speeds": speeds_table(), "model": model_tree()}
     return BLOCK.sub(lambda found: found[1] + blocks[found[2]] + found[3], text)
 
 
 if __name__ == "__main__":
+    write_mechanism(DOCS / "images/mechanism.png")
+    path_figure(uneven_path()).savefig(DOCS / "images/speeds.png", dpi=80)
     PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -12,16 +12,16 @@ from msgspec import Struct
 
 
 class Geometry(Struct, frozen=True, forbid_unknown_fields=True):
-    """Coaxial 3-RRR spherical parallel mechanism; all nine joint axes meet in the neck centre."""
+    """Coaxial 3-RRR spherical parallel mechanism; all nine joint axes meet in the neck centre. Axes: x forward, y left, z up. Elbow and mount axes point from the neck centre to elbow and mount. At home, with arm angles 0, an elbow lies in the direction of its arm. The head orientation is R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     arm_angle: float = 45.0
-    """alpha1: angle from the common vertical axis to the elbow axis [deg]; known"""
+    """alpha1: angle from the vertical axis, downwards, to the elbow axis: the elbows are below the neck centre [deg]; known"""
     rod_twist: float = 90.0
     """alpha2: angle from the elbow axis to the skull mount axis [deg]; inferred"""
     mount_angle: float = 90.0
-    """beta: angle from the head axis to the skull mount axis [deg]; inferred"""
+    """beta: angle from the head axis, which points up at home, to the skull mount axis [deg]; inferred"""
     hand: int = 1
-    """+1: rods run counter-clockwise from arm to mount, -1: clockwise; open"""
+    """+1: seen from above, rods run counter-clockwise from elbow to mount, -1: clockwise; the head is upright at home; open"""
     arm0_azimuth: float = 90.0
     """direction of the short arm at home, from x (forward) towards y (left) [deg]; inferred"""
     arm_spacing: float = 120.0

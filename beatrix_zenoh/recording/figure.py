@@ -97,17 +97,17 @@ class Figure:
             math.radians(angle) for angle in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle)
         )
         ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
-        self._azimuths = [
+        self.azimuths = [
             math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing) for index in range(3)
         ]
-        self.elbows = [direction(azimuth, math.sin(arm), -math.cos(arm)) for azimuth in self._azimuths]
+        self.elbows = [direction(azimuth, math.sin(arm), -math.cos(arm)) for azimuth in self.azimuths]
         """Elbow axes at home, unit vectors."""
         self.mounts = [
             direction(azimuth + geometry.hand * ahead, math.sin(tilt), math.cos(tilt))
-            for azimuth in self._azimuths
+            for azimuth in self.azimuths
         ]
         """Axes of the skull's mounts at home, unit vectors."""
-        self._size = size
+        self.size = size
         self.bodies = (self._base(), *self._arms(), *self._rods(), self._head())
 
     def rotations(self, arms: Arms, head: Rotation) -> dict[str, Quaternion]:
@@ -131,7 +131,7 @@ class Figure:
             cylinder((0.0, 0.0, -0.124), up, 0.062, 0.006, BASE),
             *bar((0.0, 0.0, FLOOR), (0.0, 0.0, -0.058), 0.007, METAL),
         ]
-        for azimuth in self._azimuths:
+        for azimuth in self.azimuths:
             foot, top = direction(azimuth, 0.070, FLOOR), direction(azimuth, 0.052, -0.124)
             solids += bar(foot, top, 0.005, TRIM)
             motor = direction(azimuth + math.pi / 3, 0.030, -0.152)
@@ -139,9 +139,9 @@ class Figure:
         return Body("base", tuple(solids))
 
     def _arms(self) -> list[Body]:
-        reach, bodies = self._size.arm_length, []
-        for index, (name, azimuth, elbow) in enumerate(zip(ARMS, self._azimuths, self.elbows, strict=True)):
-            colour, height = ARMS[name], -0.068 - 0.019 * index
+        reach, bodies = self.size.arm_length, []
+        for index, (name, azimuth, elbow) in enumerate(zip(ARMS, self.azimuths, self.elbows, strict=True)):
+            colour, height = ARMS[name], ring_height(index)
             solids = [
                 cylinder((0.0, 0.0, height), (0.0, 0.0, 1.0), RING_RADIUS, RING_HEIGHT, colour),
                 *bar(
@@ -157,7 +157,7 @@ class Figure:
         return bodies
 
     def _rods(self) -> list[Body]:
-        reach, bodies = self._size.arm_length, []
+        reach, bodies = self.size.arm_length, []
         for name, elbow, mount in zip(ARMS, self.elbows, self.mounts, strict=True):
             points = [scaled(point, reach) for point in arc(elbow, mount, ROD_PARTS)]
             solids = [
@@ -169,7 +169,7 @@ class Figure:
         return bodies
 
     def _head(self) -> Body:
-        height, eyes = self._size.centre_height, self._size.eye_baseline / 2
+        height, eyes = self.size.centre_height, self.size.eye_baseline / 2
         top = (0.0, 0.0, 0.044)
         solids = [
             ellipsoid((0.0, 0.0, height + 0.016), (0.082, 0.074, 0.078), SHELL),
@@ -178,7 +178,7 @@ class Figure:
             cylinder(top, (0.0, 0.0, 1.0), 0.030, 0.012, TRIM),
         ]
         for mount in self.mounts:
-            solids += bar(scaled(mount, 0.044), scaled(mount, self._size.mount_radius * 1.08), 0.0034, METAL)
+            solids += bar(scaled(mount, 0.044), scaled(mount, self.size.mount_radius * 1.08), 0.0034, METAL)
             solids += bar(scaled(mount, 0.044), top, 0.0065, TRIM)
         for side in (1.0, -1.0):
             eye = (0.083, side * eyes, height + 0.018)
@@ -196,6 +196,11 @@ class Figure:
         for start, end in itertools.pairwise(smile):
             solids += bar(start, end, 0.0024, VISOR)
         return Body("head", tuple(solids))
+
+
+def ring_height(index: int) -> float:
+    """Return the height (m) of an arm's ring gear; the short arm's is on top."""
+    return -0.068 - 0.019 * index
 
 
 def direction(azimuth: float, across: float, up: float) -> Vector:

@@ -148,8 +148,8 @@ def test_requests_refusals_and_stops_are_recorded_as_text(lesson: Lesson) -> Non
     sim, hw = (lesson.recorded.lines[place].texts for place in (SIM, HW))
     assert any("ana: look left " in text or "ana: look right " in text for text in sim)
     assert any("refused: The head would tilt 60.0°" in text for text in sim)
-    assert any("stop" in text and "ana" in text for text in hw)
-    assert any("ended STOPPED" in text for text in hw)
+    assert any("ana: STOP: " in text for text in hw)
+    assert any("ana: Ended by STOP" in text for text in hw)
 
 
 def test_states_of_both_robots_are_recorded(lesson: Lesson) -> None:

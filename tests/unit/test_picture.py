@@ -40,10 +40,10 @@ def without_gl(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def share(image: Image, dominant: int) -> float:
-    """Return the share of the pixels in which one colour is far stronger than the two others."""
+    """Return the share of the pixels in which one colour is stronger than the two others."""
     strongest = image[..., dominant].astype(int)
     rest = np.delete(image, dominant, axis=2).max(axis=2)
-    return float((strongest > rest * 1.5).mean())
+    return float((strongest > rest * 1.25).mean())
 
 
 def shows_the_robot(image: Image) -> bool:

@@ -113,12 +113,36 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_
     for view, own in ((sim, SIM), (hw, HW)):
         assert set(solids(own, "solid", view.draws)) == bodies()
         assert all(
-            entity.startswith(f"/{'/'.join(own)}/model/") and "/ghost/" not in entity for entity in view.draws
+            entity.startswith((f"/{'/'.join(own)}/model/", f"/{'/'.join(own)}/mechanism/"))
+            and "/ghost/" not in entity
+            for entity in view.draws
         )
     assert [set(view.draws) for view in pictures] == [
         {f"/bea/{twin}/camera/{side}"} for twin in ("sim", "hw") for side in ("left", "right")
     ]
     assert sim.settings["EyeControls3D"] == hw.settings["EyeControls3D"], "both are seen from the same point"
+
+
+@pytest.mark.parametrize(("tab", "number", "places"), [("Overlay", 0, [SIM, HW]), ("Side by side", 2, [SIM])])
+def test_the_mechanism_is_in_each_3d_view_but_hidden_at_first(
+    twins: Path, tab: str, number: int, places: list[Place]
+) -> None:
+    view = tabs_of(twins)[tab].views[number]
+    for name, twin in places:
+        root = f"/{name}/{twin}/mechanism"
+        drawn = {entity.removeprefix(root + "/").partition("/")[0] for entity in view.draws if root in entity}
+        assert drawn == {body.path.rpartition("/")[2] for body in Figure().bodies}
+    assert view.hidden == {f"/{name}/{twin}/mechanism" for name, twin in places}
+
+
+def test_the_parts_of_the_mechanism_move_with_the_bodies_of_the_model(twins: Path) -> None:
+    frames = {
+        entity: values["CoordinateFrame:frame"][0]
+        for entity, values in table(RrdReader(twins).stream()).items()
+        if "CoordinateFrame:frame" in values
+    }
+    assert frames["/bea/hw/mechanism/rod_short/capsule"] == "tf#/bea/hw/model/arm_short/rod_short"
+    assert {frame.partition("/model/")[2] for frame in frames.values()} == bodies()
 
 
 def test_side_by_side_without_cameras_has_no_place_for_eyes(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME
-from beatrix_zenoh.recording.rrd.scene import TWINS, solids_of
+from beatrix_zenoh.recording.rrd.scene import MECHANISM, TWINS, solids_of
 
 WINDOW_S: Final = 20.0
 """Time span of plots and states."""
@@ -48,9 +48,9 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
             active_tab=0,
         ),
         rrb.TimePanel(state="collapsed", timeline=TIME, play_state="following"),
-        rrb.BlueprintPanel(state="hidden"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.TopPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TopPanel(state="expanded"),
         auto_layout=False,
         auto_views=False,
     )
@@ -72,7 +72,7 @@ def overlay(shown: RobotSet, name: str) -> rrb.View:
             for path in solids_of(place, shown.robots[place].bodies, "ghost" if ghost else "solid")
         ]
     title = f"{name}: hardware, and the simulation as a blue ghost" if len(twins) > 1 else titled(twins[0])
-    return scene_view(f"/{name}", contents, title)
+    return scene_view(f"/{name}", contents, title, twins)
 
 
 def beside(shown: RobotSet, name: str) -> rrb.Container:
@@ -81,7 +81,7 @@ def beside(shown: RobotSet, name: str) -> rrb.Container:
     shares = []
     for place in shown.twins(name):
         contents = [f"+ {path}" for path in solids_of(place, shown.robots[place].bodies, "solid")]
-        columns.append(scene_view("/" + of_robot(place), contents, titled(place)))
+        columns.append(scene_view("/" + of_robot(place), contents, titled(place), [place]))
         shares.append(ROBOT_SHARE)
         if place in shown.with_pictures:
             outside = 0 if place[1] == "sim" else len(columns)
@@ -90,11 +90,13 @@ def beside(shown: RobotSet, name: str) -> rrb.Container:
     return rrb.Horizontal(*columns, column_shares=shares, name=name)
 
 
-def scene_view(origin: str, contents: Sequence[str], title: str) -> rrb.View:
-    """Return a 3D view from a fixed viewpoint."""
+def scene_view(origin: str, contents: Sequence[str], title: str, places: Sequence[Place]) -> rrb.View:
+    """Return a 3D view from a fixed viewpoint; the mechanism of these robots is in it, hidden at first."""
+    inside = [f"/{of_robot(place, MECHANISM)}" for place in places]
     return rrb.Spatial3DView(
         origin=origin,
-        contents=contents,
+        contents=[*contents, *(f"+ {path}/**" for path in inside)],
+        overrides={path: rrb.EntityBehavior(visible=False) for path in inside},
         name=title,
         background=BACKGROUND,
         line_grid=False,

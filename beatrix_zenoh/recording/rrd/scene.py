@@ -10,12 +10,15 @@ import rerun as rr
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
+from beatrix_zenoh.recording.mechanism import mechanism
 from beatrix_zenoh.recording.robot_rows import State
 from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
 
 Item = tuple[str, rr.AsComponents]
 """Path of an entity and its components."""
 
+MECHANISM = "mechanism"
+"""Entity of a robot below which the mechanism is drawn."""
 GHOST = (20, 120, 255, 120)
 """Colour and opacity of the simulation over the hardware."""
 THINNER_M = 0.001
@@ -60,6 +63,7 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
                 if place[1] == "sim":
                     thin = [thinner(solid) for solid in solids]
                     yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
+    yield from inside(place, figure)
     yield from curves(place)
     yield of_robot(place, "clock"), rr.SeriesLines(names=["clock offset (s)", "its largest error (s)"])
     yield (
@@ -70,6 +74,17 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
             colors=[STATE_COLOURS[state] for state in State],
         ),
     )
+
+
+def inside(place: Place, figure: Figure) -> Iterator[Item]:
+    """Yield the mechanism in a tree of its own, so that one switch shows it; its parts move with the model's bodies."""
+    for body in mechanism(figure):
+        for form in Form:
+            solids = [solid for solid in body.solids if solid.form is form]
+            if solids:
+                path = f"{of_robot(place, MECHANISM)}/{body.path.rpartition('/')[2]}/{form}"
+                yield path, rr.CoordinateFrame(f"tf#/{of_model(place, body.path)}")
+                yield path, shape(form, solids, [solid.colour for solid in solids])
 
 
 def curves(place: Place) -> Iterator[Item]:

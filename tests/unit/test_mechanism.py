@@ -1,0 +1,82 @@
+"""The mechanism inside the robot: its axes meet in the neck centre, its parts touch, and MuJoCo hides it at first."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from beatrix_zenoh import colours
+from beatrix_zenoh._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.recording.figure import Figure, Form, Solid
+from beatrix_zenoh.recording.mechanism import AXIS_RADIUS, mechanism
+from sim_node.mechanism import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
+from sim_node.model import build, build_spec
+from sim_node.scene import scene_spec
+from sim_node.visuals import MATERIALS, VISUAL
+
+
+def axes(solids: tuple[Solid, ...]) -> list[Solid]:
+    return [solid for solid in solids if solid.form is Form.CAPSULE and solid.size[0] == AXIS_RADIUS]
+
+
+def test_the_mechanism_has_a_part_on_each_body_of_the_figure() -> None:
+    figure = Figure()
+    assert {body.path for body in mechanism(figure)} == {body.path for body in figure.bodies}
+
+
+@pytest.mark.parametrize("geometry", [ROBOT.geometry, Geometry(hand=-1, rod_twist=80.0, mount_angle=100.0)])
+def test_all_axes_of_elbows_and_mounts_begin_in_the_neck_centre(geometry: Geometry) -> None:
+    moving = [body for body in mechanism(Figure(geometry)) if "arm_" in body.path]
+    found = [axis for body in moving for axis in axes(body.solids)]
+    assert len(found) == 6
+    assert all(axis.position == (0.0, 0.0, 0.0) for axis in found)
+
+
+def test_each_arm_has_its_colour_from_motor_to_mount() -> None:
+    parts = {body.path: body.solids for body in mechanism(Figure())}
+    for name, colour in colours.ARMS.items():
+        assert {solid.colour for solid in parts[f"arm_{name}"]} == {colour}
+        assert colour in {solid.colour for solid in parts[f"arm_{name}/rod_{name}"]}
+        assert colour in {solid.colour for solid in parts["base"]}
+
+
+def test_solids_are_where_the_figure_has_them_in_mujoco() -> None:
+    spec = build_spec()
+    add_mechanism(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for name in colours.ARMS:
+        # A link ends at the elbow of its arm, a rod at the mount of the head; hinges are centred there.
+        for body, site in ((f"rod_{name}", f"mount_{name}"),):
+            centres = data.geom_xpos[
+                (model.geom_bodyid == model.body(body).id)
+                & (model.geom_group == MECHANISM)
+                & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
+            ]
+            np.testing.assert_allclose(centres, [data.site(site).xpos], atol=1e-9)
+
+
+def test_the_mechanism_is_hidden_at_first_and_changes_neither_masses_nor_contacts() -> None:
+    plain, spec = build(), build_spec()
+    add_mechanism(spec)
+    model = spec.compile()
+    added = model.geom_group == MECHANISM
+    assert added.sum() > 30
+    assert mujoco.MjvOption().geomgroup[MECHANISM] == 0
+    assert not model.geom_contype[added].any()
+    assert model.body_mass.tolist() == plain.body_mass.tolist()
+    assert not (plain.geom_group == MECHANISM).any()
+    assert not (scene_spec().compile().geom_group == MECHANISM).any(), "the eyes never draw it"
+
+
+def test_the_robot_becomes_translucent_and_opaque_again() -> None:
+    model = scene_spec().compile()
+    before = model.mat_rgba.copy()
+    show_through(model, through=True)
+    assert all(model.material(name).rgba[3] == pytest.approx(SKIN_OPACITY) for name in MATERIALS)
+    of_robot = (model.geom_bodyid == model.body("head").id) & (model.geom_group == VISUAL)
+    assert (model.mat_rgba[model.geom_matid[of_robot], 3] < 1).all()
+    show_through(model, through=False)
+    assert (model.mat_rgba == before).all()
