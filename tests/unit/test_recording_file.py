@@ -8,11 +8,12 @@ import pytest
 
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording import file_output
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.file_output import PERIOD_S, FileOutput
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
-from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.viewer import verify
 
 SIM = ("bea", "sim")
@@ -61,6 +62,23 @@ def test_each_file_of_a_rotated_recording_shows_the_robots(tmp_path: Path, messa
     assert [path.name for path in output.files] == ["day-001.rrd", "day-002.rrd", "day-003.rrd"]
     assert all(verify(path) == "" for path in output.files)
     assert len(read(output.files[1]).robots[SIM].time_ns) == 3
+
+
+def test_each_file_of_a_rotated_recording_describes_itself(tmp_path: Path, messages: list[str]) -> None:
+    output, about = (
+        FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=1.0),
+        About(7, title="Lesson 2"),
+    )
+    output.describe(about)
+    output.update(1e6)
+    output.describe(about.with_seat("ana"))
+    output.update(1e6 + 2)
+    assert output.close()
+    assert [read_about(path) for path in output.files] == [
+        about,
+        about.with_seat("ana"),
+        about.with_seat("ana"),
+    ]
 
 
 def test_an_existing_file_is_not_overwritten(tmp_path: Path, messages: list[str]) -> None:

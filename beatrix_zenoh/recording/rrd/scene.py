@@ -26,6 +26,8 @@ THINNER_M = 0.001
 TWINS = {"sim": "simulation", "hw": "hardware"}
 CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
+MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
+"""Colours of notes on the time line."""
 STATE_SIGNS = {
     State.DISABLED: "○",
     State.ENABLED: "◐",
@@ -115,6 +117,12 @@ def of_name(robot: str) -> Iterator[Item]:
 def lines(colours: dict[str, Colour], width: float) -> rr.SeriesLines:
     """Return the style of curves of one width (points), by their names."""
     return rr.SeriesLines(names=list(colours), colors=list(colours.values()), widths=[width] * len(colours))
+
+
+def marks(texts: Sequence[str]) -> rr.StateConfiguration:
+    """Return the style of notes as bars; neighbours differ a little."""
+    colours = [MARK_COLOURS[i % len(MARK_COLOURS)] for i in range(len(texts))]
+    return rr.StateConfiguration(values=texts, labels=texts, colors=colours)
 
 
 def thinner(solid: Solid) -> Solid:

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.codec import encode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Bar, Frame, Line, Numbers, Orientation, Row
+from beatrix_zenoh.recording.rows import MARK, Bar, Frame, Line, Numbers, Orientation, Row
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.layout import layout
 from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
@@ -34,6 +34,7 @@ class Stream:
         self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False)
         self._name = name
         self._shown: set[Place] = set()
+        self._marks: dict[str, None] = {}
         self.broken = False
         """Whether the connection is lost permanently; further data are discarded."""
 
@@ -93,11 +94,19 @@ class Stream:
         entities: dict[str, list[Row]] = defaultdict(list)
         for row in rows:
             entities[row.path].append(row)
+        self._show_marks(entities.get(MARK, ()))
         for path, part in entities.items():
             times = np.array([row.time_ns for row in part]).astype("datetime64[ns]")
             robot = np.array([row.robot_ns for row in part]).astype("datetime64[ns]")
             indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
             self._stream.send_columns(path, indexes, columns(part))
+
+    def _show_marks(self, rows: Sequence[Row]) -> None:
+        """Give new notes their colour: the viewer would choose any, such as red."""
+        before = len(self._marks)
+        self._marks.update(dict.fromkeys(row.state for row in rows if isinstance(row, Bar)))
+        if len(self._marks) > before:
+            self._stream.log(MARK, scene.marks(list(self._marks)), static=True)
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until everything is written or sent; return False after the time limit, or if the connection is lost."""
