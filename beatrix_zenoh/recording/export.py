@@ -17,7 +17,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
-from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples
+from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
 
 BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""
@@ -27,8 +27,9 @@ OVERLAP_NS: Final = 1_000_000_000
 """Files of one recording may overlap by samples that arrived late; more than this is another recording."""
 ARMS: Final = ("short", "middle", "long")
 HEAD: Final = ("yaw", "pitch", "roll")
+FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
 
-Values = Floats | Nanoseconds | list[str]
+Values = Floats | Nanoseconds | list[str] | list[str | None]
 Block = dict[str, Values]
 """Columns of equal length by name."""
 
@@ -52,11 +53,14 @@ class Table:
     """first time of the exported part"""
     last_ns: int
     """last time of the exported part"""
+    notes: tuple[Note, ...] = ()
+    """notes of this part in the order of time; those before and after all samples belong to its ends"""
 
     def grid(self) -> Iterator[Block]:
         """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
         first = -(-(self.first_ns - self.start_ns) // GRID_NS)
         last = (self.last_ns - self.start_ns) // GRID_NS
+        texts = self._notes_by_step(first, last)
         for begin in range(first, last + 1, BLOCK):
             steps = np.arange(begin, min(begin + BLOCK, last + 1), dtype=np.int64)
             times = self.start_ns + steps * GRID_NS
@@ -64,10 +68,22 @@ class Table:
                 "time_s": np.round(steps * (GRID_NS / 1e9), 2),
                 "unix_time_s": np.round(times / 1e9, 3),
             }
+            if self.notes:
+                block["note"] = [texts.get(step) for step in steps.tolist()]
             for (name, twin), samples in self.robots.items():
                 for column, values in quantities(samples, robot=f"{name}_{twin}_"):
                     block[column] = at(samples.time_ns, values, times, circle=column.endswith(HEAD_NAMES))
             yield block
+
+    def _notes_by_step(self, first: int, last: int) -> dict[int, str]:
+        """Return the texts of the notes by the step of the grid at or after them, within the first and the last step."""
+        texts: dict[int, str] = {}
+        for note in self.notes:
+            step = min(max(-(-(note.time_ns - self.start_ns) // GRID_NS), first), last)
+            # A spreadsheet would execute a text that begins like a formula.
+            text = f" {note.text}" if note.text.startswith(FORMULA) else note.text
+            texts[step] = f"{texts[step]}; {text}" if step in texts else text
+        return texts
 
     def samples(self) -> Iterator[Block]:
         """Yield one row for each sample, robot after robot, with the numbers that were published."""
@@ -81,7 +97,8 @@ class Table:
                 yield {
                     "robot": [name] * count,
                     "twin": [twin] * count,
-                    "seq": np.full(count, -1) if samples.seq is None else samples.seq[rows],
+                    "seq": numbers(samples.seq, len(samples.time_ns))[rows],
+                    "repeats": numbers(samples.repeats, len(samples.time_ns))[rows],
                     "time_s": (times - self.start_ns) / 1e9,
                     "time_ns": times,
                     "robot_time_ns": samples.robot_ns[rows],
@@ -116,11 +133,20 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
             f"The recording lasts {lasts_s:.1f} s and has no samples from {span.from_s:g} s on: give a smaller --from.",
         )
     to_s = min(span.to_s, lasts_s)
+    from_ns = max(first_ns, start_ns + round(span.from_s * 1e9))
+    to_ns = min(last_ns, start_ns + round(to_s * 1e9))
+    notes = [
+        note
+        for part in parts
+        for note in part.notes
+        if (not span.from_s or note.time_ns >= from_ns) and (span.to_s > lasts_s or note.time_ns <= to_ns)
+    ]
     return Table(
         chosen,
         start_ns,
-        max(first_ns, start_ns + round(span.from_s * 1e9)),
-        min(last_ns, start_ns + round(to_s * 1e9)),
+        from_ns,
+        to_ns,
+        tuple(sorted(notes, key=lambda note: note.time_ns)),
     )
 
 
@@ -159,10 +185,14 @@ def concatenated(place: Place, parts: list[Samples]) -> Samples:
         if all(part.head_measured is None for part in parts)
         else np.concatenate([measured(part) for part in parts])[order],
         np.concatenate([part.velocity for part in parts])[order],
-        np.concatenate([
-            np.full(len(part.time_ns), -1) if part.seq is None else part.seq for part in parts
-        ])[order],
+        np.concatenate([numbers(part.seq, len(part.time_ns)) for part in parts])[order],
+        np.concatenate([numbers(part.repeats, len(part.time_ns)) for part in parts])[order],
     )  # fmt: skip
+
+
+def numbers(values: Nanoseconds | None, count: int) -> Nanoseconds:
+    """Return whole numbers (n,); -1: not recorded."""
+    return np.full(count, -1, np.int64) if values is None else values
 
 
 def measured(samples: Samples) -> Floats:

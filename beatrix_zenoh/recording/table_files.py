@@ -29,7 +29,8 @@ def write_table(path: Path, blocks: Iterable[Block]) -> int:
                 writer = pyarrow.parquet.ParquetWriter(file, batch.schema)
             elif writer is None:
                 file.write((",".join(batch.schema.names) + "\n").encode())  # pyarrow would quote the names
-                options = pyarrow.csv.WriteOptions(include_header=False, quoting_style="none")
+                quotes = "needed" if "note" in block else "none"  # pyarrow needs quotes for every text
+                options = pyarrow.csv.WriteOptions(include_header=False, quoting_style=quotes)
                 writer = pyarrow.csv.CSVWriter(file, batch.schema, write_options=options)
             writer.write_batch(batch)
             rows += batch.num_rows
@@ -39,12 +40,12 @@ def write_table(path: Path, blocks: Iterable[Block]) -> int:
 
 
 def record_batch(block: Block) -> pa.RecordBatch:
-    """Return a block as columns of Arrow, with null for NaN and for an unknown sequence number."""
+    """Return a block as columns of Arrow, with null for NaN and for unknown whole numbers."""
     columns = {}
     for name, values in block.items():
         if isinstance(values, list):
             columns[name] = pa.array(values, pa.string())
         else:
-            missing = values < 0 if name == "seq" else np.isnan(values)
+            missing = values < 0 if name in ("seq", "repeats") else np.isnan(values)
             columns[name] = pa.array(values, mask=missing)
     return pa.RecordBatch.from_pydict(columns)

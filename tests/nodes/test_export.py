@@ -123,8 +123,11 @@ def test_every_sample_is_in_the_table_to_the_last_bit(
     numbers = rows.seq.astype(int).tolist()
     first, last = numbers[0], numbers[-1]
     assert last - first > 600
-    assert sorted(numbers) == lesson.raw.samples(twin, first, last)
     assert len(set(numbers)) == len(numbers), "no sample is in two files"
+    published = [number for number in lesson.raw.numbers(twin) if first <= number <= last]
+    assert published == list(range(first, last + 1)), "the network lost nothing"
+    assert sorted(numbers) == lesson.raw.samples(twin, first, last)
+    assert (rows.seq.diff() - rows.repeats)[1:].eq(1).all()
     messages = [lesson.raw.messages[twin, number] for number in numbers]
     assert rows.robot_time_ns.tolist() == [message["t_wall_ns"] for message in messages]
     for name, columns in FIELDS.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ import pytest
 from lesson_file import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording.export import Span, table
 from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.table_files import write_table
 
 PLACES = ("ada", "sim"), ("ada", "hw"), ("bob", "sim")
 
@@ -30,11 +34,11 @@ def test_csv_and_parquet_hold_the_same_table(lesson: Path, capsys: pytest.Captur
     assert capsys.readouterr().out == f"{csv}: 300 rows of ada (hw), ada (sim), bob (sim).\n"
     assert app.run(["export", str(lesson), str(parquet)]) == 0
     pd.testing.assert_frame_equal(pd.read_csv(csv), pd.read_parquet(parquet), check_exact=True)
-    table = pd.read_csv(csv)
-    assert table.time_s.iloc[0] == 0.0
-    assert table.time_s.iloc[-1] == 5.98
+    rows = pd.read_csv(csv)
+    assert rows.time_s.iloc[0] == 0.0
+    assert rows.time_s.iloc[-1] == 5.98
     last = read(lesson).robots["ada", "hw"].arms[-1, 1]
-    assert table.ada_hw_middle_deg.iloc[-1] == pytest.approx(last, abs=1e-6)
+    assert rows.ada_hw_middle_deg.iloc[-1] == pytest.approx(last, abs=1e-6)
     text = csv.read_bytes()
     assert text.startswith(b"time_s,unix_time_s,ada_hw_short_deg,")
     assert text.isascii()
@@ -56,6 +60,19 @@ def test_samples_are_exact(lesson: Path) -> None:
         np.testing.assert_array_equal(rows.time_ns, recorded.time_ns)
         np.testing.assert_array_equal(rows[["short_deg", "middle_deg", "long_deg"]], recorded.arms)
         assert rows.seq.isna().all(), "not recorded"
+        assert rows.repeats.isna().all()
+
+
+def test_notes_of_any_text_are_read_back(lesson: Path) -> None:
+    texts = ['trial "3", second half', "Zeile 1\nZeile 2", "größer"]
+    found = replace(
+        read(lesson),
+        notes=tuple(Note(BEGAN_NS + k * 1_000_000_000, "ana", text) for k, text in enumerate(texts)),
+    )
+    for suffix, load in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
+        path = lesson.with_suffix(suffix)
+        write_table(path, table([found], Span()).grid())
+        assert load(path).note.dropna().to_dict() == {0: texts[0], 50: texts[1], 100: texts[2]}
 
 
 def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording import difference
 from beatrix_zenoh.recording.export import Span, Table, at, table
-from beatrix_zenoh.recording.samples import Floats, Recorded, Samples
+from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples
 
 BEGAN_NS = 1_763_000_000_000_000_000
 STEP_NS = 20_000_000
@@ -170,8 +170,41 @@ def test_a_robot_that_is_not_in_the_recording_is_refused() -> None:
         table([recorded({SIM: samples([0])})], Span(), ["bea", "cleo"])
 
 
+def test_notes_are_in_the_first_row_after_them() -> None:
+    texts = {
+        -1_000_000_000: "trial 1",
+        31_000_000: "trial 2",
+        39_000_000: "again",
+        40_000_001: "trial 3",
+        10**10: "end",
+    }
+    notes = [Note(BEGAN_NS + at_ns, "ana", text) for at_ns, text in texts.items()]
+    made = recorded({SIM: samples([k * STEP_NS for k in range(6)])})
+    first, second = replace(made, notes=tuple(notes[3:])), recorded({HW: samples([0])})
+    parts = [first, replace(second, notes=tuple(notes[:3]))]
+    assert [note for block in table(parts, Span()).grid() for note in block["note"]] == [
+        "trial 1", None, "trial 2; again", "trial 3", None, "end"
+    ]  # fmt: skip
+    (part,) = table(parts, Span(0.02, 0.06)).grid()
+    assert part["note"] == [None, "trial 2; again", "trial 3"]
+    assert "note" not in next(table([made], Span()).grid())
+
+
+def test_a_note_is_no_formula_of_a_spreadsheet() -> None:
+    made = recorded({SIM: samples([0])})
+    (block,) = table([replace(made, notes=(Note(BEGAN_NS, "ana", "=1+1"),))], Span()).grid()
+    assert block["note"] == [" =1+1"]
+
+
+def test_each_note_is_in_one_block() -> None:
+    made = recorded({SIM: samples([k * STEP_NS for k in range(6001)])})
+    notes = tuple(Note(BEGAN_NS + k * STEP_NS // 2, "ana", str(k)) for k in range(12000))
+    found = [note for block in table([replace(made, notes=notes)], Span()).grid() for note in block["note"]]
+    assert [text for note in found for text in str(note).split("; ")] == [str(k) for k in range(12000)]
+
+
 def test_an_old_recording_has_no_sequence_numbers() -> None:
     (block,) = table([recorded({SIM: samples([0, STEP_NS], seq=None)})], Span()).samples()
-    assert list(block["seq"]) == [-1, -1]
-    assert list(block)[:6] == ["robot", "twin", "seq", "time_s", "time_ns", "robot_time_ns"]
-    assert np.isnan(block["yaw_measured_deg"]).all()
+    assert list(block["seq"]) == list(block["repeats"]) == [-1, -1]
+    assert list(block)[:7] == ["robot", "twin", "seq", "repeats", "time_s", "time_ns", "robot_time_ns"]
+    assert np.isnan(np.asarray(block["yaw_measured_deg"], np.float64)).all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,12 +37,13 @@ def read_eyes(paths: Sequence[Path], places: Sequence[Place], first_ns: int, las
             if BLOB not in batch.schema.names:
                 continue
             times = batch.column(TIME).cast("int64").to_pylist()
-            pictures = found.setdefault(entities[chunk.entity_path], [])
-            pictures += [
-                Picture(time_ns, bytes(blob[0]))
-                for time_ns, blob in zip(times, batch.column(BLOB).to_pylist(), strict=True)
-                if blob and first_ns <= time_ns <= last_ns
-            ]
+            blobs = batch.column(BLOB).flatten()
+            ends, flat = blobs.offsets.to_pylist(), blobs.values.to_numpy()
+            found.setdefault(entities[chunk.entity_path], []).extend(
+                Picture(time_ns, flat[begin:end].tobytes())
+                for time_ns, (begin, end) in zip(times, itertools.pairwise(ends), strict=True)
+                if first_ns <= time_ns <= last_ns
+            )
     for pictures in found.values():
         pictures.sort(key=lambda picture: picture.time_ns)
     return {key: pictures for key, pictures in found.items() if pictures}
