@@ -49,6 +49,7 @@ def _pictures(viewer: Viewer, path: Path, shots: Sequence[tuple[int, float]]) ->
     for tab, moment_s in shots:
         blueprint = client.get_blueprint(store_id=recording).blueprint
         bring_to_front(blueprint, tab)
+        hide_menu(blueprint)
         client.set_blueprint(blueprint, store_id=recording)
         client.set_time("time", timestamp=moment_s, play_state="paused", recording=recording)
         time.sleep(max(SETTLE_S, shown_s - time.monotonic()))
@@ -66,6 +67,11 @@ def bring_to_front(blueprint: dict[str, dict[str, dict[str, object]]], tab: int)
         container = entity.get("ContainerBlueprint", {})
         if container.get("container_kind") == "Tabs" and path.strip("/") not in inner:
             container["active_tab"] = parts_of(container)[tab]
+
+
+def hide_menu(blueprint: dict[str, dict[str, dict[str, object]]]) -> None:
+    """Change a blueprint so that the menu, with its remarks about the computer, is not in the picture."""
+    blueprint["/top_panel"] = {"PanelBlueprint": {"state": "Collapsed"}}
 
 
 def parts_of(container: dict[str, object]) -> list[object]:
