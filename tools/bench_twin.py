@@ -22,9 +22,10 @@ from beatrix_zenoh.cli.processes import Supervisor, signals_interrupt
 from beatrix_zenoh.client.choreography import shipped
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
+from beatrix_zenoh.recording.alignment import aligned
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.follow import follow
-from beatrix_zenoh.recording.lag import lag, moved_parts
+from beatrix_zenoh.recording.lag import lag
 from beatrix_zenoh.recording.path import path_of_recording
 from beatrix_zenoh.recording.replay import replay
 from beatrix_zenoh.recording.series import Floats, Recording, recording
@@ -117,7 +118,7 @@ def print_twin(sim: Sequence[Positions], hw: Sequence[Positions], robots: tuple[
             f"{max(after):.1f} ms after they were sent"
         )
     first, second = recording(sim).arms, recording(hw).arms
-    parts = moved_parts(first, second, found.lag_s)
+    parts = aligned(first, second).parts
     by_law = [b - a for a, b in zip(*began, strict=True)]
     if len(parts) == len(by_law):
         apart = max(abs(part.lag_s - lag_s) for part, lag_s in zip(parts, by_law, strict=True))

@@ -127,8 +127,17 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
     )
     chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
     begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
+    told = any(found.events.get((chosen, twin)) for twin in TWINS)
     sim, hw = (
-        LiveRecording(chosen, twin, of_samples(found.robots[chosen, twin], begin_ns), 0.0, None)
+        LiveRecording(
+            chosen,
+            twin,
+            of_samples(
+                found.robots[chosen, twin], begin_ns, found.events.get((chosen, twin), ()) if told else None
+            ),
+            0.0,
+            None,
+        )
         for twin in TWINS
     )
     return sim, hw

@@ -9,6 +9,7 @@ import msgspec
 
 from beatrix_zenoh.cli.output import columns
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison
+from beatrix_zenoh.recording.diagnosis import count, findings
 from beatrix_zenoh.recording.record_robots import LiveRecording
 from beatrix_zenoh.recording.series import HOLE_S
 from beatrix_zenoh.recording.thresholds import why_no_lag
@@ -34,20 +35,24 @@ SAMPLE_HEADS = (
     "off set point°",
     "missed",
 )
-AFTER = '"after": each motion of the hardware is shifted by its own lag; head: the angle between both heads.'
+AFTER = '"after": each motion of the hardware is shifted by its lead and its lag; head: the angle between both heads.'
+ZERO_S = 0.00005
+"""A lag closer to 0 than this (s) is shown as 0.0 ms."""
 UNCERTAIN_S = 0.001
 """Smallest uncertainty of the clock offset (s) that the text states."""
 
 
 def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]) -> str:
-    """Return tables, sentences about lag, gaps and clocks, and one for each threshold that was exceeded."""
+    """Return tables, sentences about leads, lags, causes, gaps and clocks, and one for each threshold exceeded."""
     return "\n".join([
         axes_table(found.axes),
         AFTER,
         "",
         columns(SAMPLE_HEADS, [sample_row(found, 0, sim), sample_row(found, 1, hw)]),
         "",
+        *lead_sentences(found),
         lag_sentence(found),
+        *(finding.sentence for finding in findings(found)),
         *gap_sentences(found, sim, hw),
         *clock_sentences(sim, hw),
         *exceeded,
@@ -89,17 +94,43 @@ def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str,
     )
 
 
+def lead_sentences(found: Comparison) -> list[str]:
+    """Return a sentence for each lead that was requested: how much later the hardware began."""
+    leads: dict[float, list[float]] = {}
+    for part in found.moved:
+        if part.lead_s:
+            leads.setdefault(round(part.lead_s, 3), []).append(part.shift_s if part.measured else math.nan)
+    sentences = []
+    for lead_s, shifts_s in sorted(leads.items()):
+        known = sorted(shift_s for shift_s in shifts_s if not math.isnan(shift_s))
+        measured = f"began {span(known, 3)} s after" if known else "began at an unknown time after"
+        sentences.append(
+            f"Lead of {lead_s:g} s, {count(len(shifts_s), 'motion')}: the hardware {measured} the simulation."
+        )
+    return sentences
+
+
 def lag_sentence(found: Comparison) -> str:
     """Return a sentence with the lag of the hardware (ms) in the recording and in its motions, or why there is none."""
     if math.isnan(found.lag_s):
         return f"No lag can be measured: {why_no_lag(found)}"
-    behind = "behind" if found.lag_s >= 0 else "ahead of"
-    sentence = f"The hardware's set points are {abs(found.lag_s) * 1e3:.1f} ms {behind} the simulation's."
-    if found.moved:
-        lags_ms = sorted(part.lag_s * 1e3 for part in found.moved)
-        count = "1 motion" if len(lags_ms) == 1 else f"{len(lags_ms)} motions"
-        sentence += f" In {count} the positions lag by {lags_ms[0]:.1f} to {lags_ms[-1]:.1f} ms."
+    behind = "behind" if found.lag_s > -ZERO_S else "ahead of"
+    beyond = ", beyond the lead" if any(part.lead_s for part in found.moved) else ""
+    sentence = (
+        f"The hardware's set points are {abs(found.lag_s) * 1e3:.1f} ms {behind} the simulation's{beyond}."
+    )
+    lags_ms = sorted(part.lag_s * 1e3 for part in found.moved if not math.isnan(part.lag_s))
+    if lags_ms:
+        sentence += f" In {count(len(lags_ms), 'motion')} the positions lag by {span(lags_ms, 1)} ms."
+    if unknown := [part.why for part in found.moved if math.isnan(part.lag_s)]:
+        sentence += f" In {count(len(unknown), 'motion')} the lag is unknown: {unknown[0]}."
     return sentence
+
+
+def span(ordered: Sequence[float], digits: int) -> str:
+    """Format the smallest and the largest of ascending numbers, or the one if they look equal."""
+    low, high = (f"{value:z.{digits}f}" for value in (ordered[0], ordered[-1]))
+    return low if low == high else f"{low} to {high}"
 
 
 def gap_sentences(found: Comparison, sim: LiveRecording, hw: LiveRecording) -> list[str]:
@@ -142,7 +173,11 @@ def as_document(
         "lag_s": found.lag_s,
         "compared_s": found.seconds,
         "clocks_known_to_s": sim.clock_s + hw.clock_s,
-        "motions": [part._asdict() for part in found.moved],
+        "motions": msgspec.to_builtins(found.moved),
+        "leads": lead_sentences(found),
+        "findings": [
+            {**msgspec.to_builtins(finding), "cause": finding.cause.value} for finding in findings(found)
+        ],
         "axes_deg": msgspec.to_builtins(found.axes),
         "robots": [
             {

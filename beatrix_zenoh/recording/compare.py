@@ -1,4 +1,4 @@
-"""Compare two recordings of one movement: differences and lag."""
+"""Compare two recordings of one movement: leads, lags and differences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beatrix_zenoh.recording.lag import MovedPart, lag, moved_parts, without_lag
+from beatrix_zenoh.recording.alignment import LOCAL_S, Alignment, MovedPart, aligned, window
+from beatrix_zenoh.recording.lag import EXPLAINED, best_shift, chosen
+from beatrix_zenoh.recording.requests import Alone, Shared
 from beatrix_zenoh.recording.series import (
     ARMS,
     AXES,
@@ -31,20 +33,23 @@ HEADS = "head"
 
 @dataclass(frozen=True)
 class AxisDifference:
-    """Differences (deg) and lag (s) between two robots in one axis, or between their heads."""
+    """Differences (deg) and lag (s) between two robots in one axis, or between their heads.
+
+    NaN: at no time can both robots be compared.
+    """
 
     axis: str
     lag_s: float
-    """lag of the second robot behind the first; NaN: the axis did not move, or no lag explains the difference"""
+    """median lag of the second robot behind the first in the motions of the axis, without leads; NaN: unknown"""
     largest: float
     rms: float
     largest_after: float
-    """largest difference after removal of each motion's lag"""
+    """largest difference after removal of each motion's lead and lag"""
     rms_after: float
     at_rest: float
-    """largest difference while both rest; NaN: they never rest at the same time"""
+    """largest difference while both rest, after that removal; NaN: they never rest at the same time"""
     offset: float
-    """mean of second minus first while both rest; NaN: they never rest at the same time"""
+    """mean of second minus first while both rest, after that removal; NaN: they never rest at the same time"""
 
 
 @dataclass(frozen=True)
@@ -52,10 +57,14 @@ class Comparison:
     """The comparison of a second recording with a first, on a common grid of times."""
 
     lag_s: float
-    """lag (s) of the set points of the second robot behind those of the first, or of its positions if its set points
-    were not recorded; NaN if nothing moved, or no lag explains the differences"""
+    """median lag (s) of the set points of the second robot behind those of the first, or of its positions if its set
+    points were not recorded, without the leads; NaN: unknown"""
     moved: tuple[MovedPart, ...]
-    """the motions, each with the lag of its positions"""
+    """the motions, each with the lead and the lag of its positions"""
+    alone: tuple[Alone, ...]
+    """the motions that only one robot made; they are no differences"""
+    early: tuple[Shared, ...]
+    """the motions that one robot carried out to the end, and the other did not; they are no differences"""
     t: Floats
     """times (s)"""
     first: Floats
@@ -63,7 +72,11 @@ class Comparison:
     second: Floats
     """angles of the second robot, as `first`"""
     second_after: Floats
-    """angles of the second robot after removal of each motion's lag, as `first`"""
+    """angles of the second robot after removal of each motion's lead and lag, as `first`"""
+    compared: Flags
+    """at which times the differences were taken: where both robots were recorded and asked for the same movement"""
+    rest: Flags
+    """at which of these times both rest"""
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]
@@ -84,7 +97,7 @@ class Comparison:
     @property
     def anything_moved(self) -> bool:
         """Whether an arm of either robot moved."""
-        return not (resting(self.first) & resting(self.second)).all()
+        return not (resting(self.first).all() and resting(self.second).all())
 
 
 def compare(first: Recording, second: Recording) -> Comparison:
@@ -96,25 +109,34 @@ def compare(first: Recording, second: Recording) -> Comparison:
     whole = first, second
     first, second = unbroken(first, second)
     t = common_grid(first, second)
-    whole_s = lag(first, second)
-    parts = [] if math.isnan(whole_s) else moved_parts(first, second, whole_s)
-    shift_s = 0.0 if math.isnan(whole_s) else whole_s
-    kept = t[(t + shift_s >= second.t[0]) & (t + shift_s <= second.t[-1])]
-    a, b = resample(first, t), resample(second, t)
-    before, rest = differences(a, b), resting(a) & resting(b)
-    after = differences(resample(first, kept), without_lag(second, kept, shift_s, parts))
+    found = aligned(first, second)
+    seconds = found.second_s(t)
+    a, b, c = resample(first, t), resample(second, t), resample(second, seconds)
+    compared = found.comparable(t) & (seconds >= second.t[0]) & (seconds <= second.t[-1])
+    rest = resting(a) & resting(c) & compared
+    before, after = differences(a, b), differences(a, c)
     return Comparison(
-        lag_s=lag(first.arms, second.arms),
-        moved=tuple(parts),
+        lag_s=median_lag(first.arms, second.arms, found, tuple(range(len(ARMS)))),
+        moved=found.parts,
+        alone=found.alone,
+        early=found.early,
         t=t,
         first=a,
         second=b,
-        second_after=without_lag(second, t, shift_s, parts),
+        second_after=c,
+        compared=compared,
+        rest=rest,
         axes=tuple(
-            axis_difference(i, lag(first, second, columns(i)), before[:, i], after[:, i], rest)
+            axis_difference(
+                (*AXES, HEADS)[i],
+                median_lag(first, second, found, columns(i)),
+                before[compared, i],
+                after[compared, i],
+                after[rest, i],
+            )
             for i in range(len(AXES) + 1)
         ),
-        off_set_points=(off_set_points(first, t, rest), off_set_points(second, t, rest)),
+        off_set_points=(off_set_points(first, t[rest]), off_set_points(second, seconds[rest])),
         regularity=(regularity(whole[0]), regularity(whole[1])),
     )
 
@@ -124,11 +146,25 @@ def columns(row: int) -> tuple[int, ...]:
     return (row,) if row < len(AXES) else tuple(range(len(ARMS), len(AXES)))
 
 
-def axis_difference(row: int, lag_s: float, before: Floats, after: Floats, rest: Flags) -> AxisDifference:
-    """Summarise the differences (deg) of one row before and after removal of the lags."""
-    still = before[rest]
+def median_lag(first: Recording, second: Recording, found: Alignment, axes: tuple[int, ...]) -> float:
+    """Return the median lag (s) of some axes in all motions whose lag is known; NaN if there are none."""
+    one, other = chosen(first, axes), chosen(second, axes)
+    lags = []
+    for part in found.parts:
+        if math.isnan(part.lag_s):
+            continue
+        shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S)
+        if shift.left < EXPLAINED and not math.isnan(shift.s):
+            lags.append(shift.s - (part.lead_s or 0.0))
+    return float(np.median(lags)) if lags else math.nan
+
+
+def axis_difference(axis: str, lag_s: float, before: Floats, after: Floats, still: Floats) -> AxisDifference:
+    """Summarise the differences (deg) of one row before and after removal of the lags, and `still` where both rest."""
+    if not len(after):
+        return AxisDifference(axis, lag_s, *[math.nan] * 6)
     return AxisDifference(
-        (*AXES, HEADS)[row],
+        axis,
         lag_s,
         largest=float(np.max(np.abs(before))),
         rms=float(np.sqrt(np.mean(before**2))),
@@ -145,9 +181,9 @@ def differences(first: Floats, second: Floats) -> Floats:
     return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
 
 
-def off_set_points(recorded: Recording, t: Floats, rest: Flags) -> float:
-    """Return the largest distance of an arm from its set point (deg) where `rest` is true; NaN if unknown."""
-    if recorded.commanded is None or not rest.any():
+def off_set_points(recorded: Recording, t: Floats) -> float:
+    """Return the largest distance of an arm from its set point (deg) at some times; NaN if unknown."""
+    if recorded.commanded is None or not len(t):
         return math.nan
     apart = resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t)
-    return float(np.max(np.abs(apart[rest])))
+    return float(np.max(np.abs(apart)))

@@ -47,7 +47,9 @@ def twin_figure(found: Comparison, title: str) -> Figure:
         apart.plot(t, found.second[:, i] - found.first[:, i], color=colour, linewidth=3, alpha=0.3)
         apart.plot(t, found.second_after[:, i] - found.first[:, i], color=colour, linewidth=1, label=arm)
     label_panel(apart, "hardware - simulation (°)")
-    apart.set_title("pale: as recorded;  dark: each motion moved forward by its lag", fontsize=10, loc="left")
+    apart.set_title(
+        "pale: as recorded;  dark: each motion moved by its lead and lag", fontsize=10, loc="left"
+    )
     apart.set_xlabel("time (s)")
     arms.set_title("wide and pale: hardware;  thin and dark: simulation", fontsize=10, loc="left")
     return figure

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated.messages import Positions, Status
+from beatrix_zenoh._generated.messages import Event, Positions, Status
 from beatrix_zenoh.client.clocks import Offset, clock_offsets
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.errors import naming
@@ -40,27 +40,31 @@ def record_robots(
     """
     before = [(offset_of(robot), robot.status()) for robot in robots]
     streams = [robot.positions_stream() for robot in robots]
-    kept: list[list[Positions]] = [
-        [stream.next(robot.timeout_s)] for robot, stream in zip(robots, streams, strict=True)
-    ]
+    told = [robot.events() for robot in robots]
+    events: list[list[Event]] = [[] for _ in robots]
     try:
+        kept: list[list[Positions]] = [
+            [stream.next(robot.timeout_s)] for robot, stream in zip(robots, streams, strict=True)
+        ]
         begin_s = time.monotonic()
         while (left_s := begin_s + seconds - time.monotonic()) > 0:
             time.sleep(min(left_s, TAKE_S))
             for i, stream in enumerate(streams):
                 kept[i] += stream.take()
+                events[i] += told[i].take()
             passed(time.monotonic() - begin_s)
     finally:
-        for stream in streams:
+        for stream, events_of in zip(streams, told, strict=True):
             stream.close()
+            events_of.close()
     return [
-        live_recording(robot, positions, *known)
-        for robot, positions, known in zip(robots, kept, before, strict=True)
+        live_recording(robot, positions, requests, *known)
+        for robot, positions, requests, known in zip(robots, kept, events, before, strict=True)
     ]
 
 
 def live_recording(
-    robot: Robot, positions: Sequence[Positions], offset: Offset, before: Status
+    robot: Robot, positions: Sequence[Positions], events: Sequence[Event], offset: Offset, before: Status
 ) -> LiveRecording:
     """Return the recording of one robot, with times by this computer's clock.
 
@@ -74,7 +78,7 @@ def live_recording(
     return LiveRecording(
         robot.name,
         robot.twin,
-        recording(positions, clock_s),
+        recording(positions, clock_s, events),
         better.bound + drifted_s if clock_s else 0.0,
         slipped_between(before, status),
     )

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh._generated.messages import Event, Positions
 from beatrix_zenoh.client.readings import reading
-from beatrix_zenoh.recording.samples import Samples
+from beatrix_zenoh.recording.requests import Request, requests
+from beatrix_zenoh.recording.samples import Samples, TimedEvent
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -26,10 +27,14 @@ SHARED_S = 1.0
 REST_S = 0.1
 """A robot is at rest if no arm turns by more than REST_DEG within this time (s) before and after."""
 REST_DEG = 0.3
+SMOOTH_S = 0.04
+"""Angles are averaged over this time (s) before and after, so that noise of 0.1 deg is no movement."""
 HOLE_S = 1.0
 """If two samples are further apart than this (s), the position between them is unknown."""
 GAP = 1.6
 """A period longer than this many usual periods is a gap."""
+NUMBERS = 2**32
+"""Sequence numbers are counted modulo this."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +48,14 @@ class Recording:
     """(n, 3) in deg, the firmware's set points of the arms; None: not recorded"""
     lost: int | None = None
     """number of published samples that are missing; None: not known"""
+    requests: tuple[Request, ...] | None = None
+    """the requests of motions, with times as in `t`; None: not recorded, a file of an earlier version"""
 
     @property
     def arms(self) -> Recording:
         """The set points of the arms if they were recorded, else their positions, without the head."""
         angles = self.angles[:, : len(ARMS)] if self.commanded is None else self.commanded
-        return Recording(self.t, angles)
+        return replace(self, angles=angles, commanded=None)
 
 
 @dataclass(frozen=True)
@@ -67,33 +74,60 @@ class Regularity:
     longest_ms: float
 
 
-def recording(positions: Sequence[Positions], clock_s: float = 0.0) -> Recording:
+def recording(
+    positions: Sequence[Positions], clock_s: float = 0.0, events: Sequence[Event] | None = None
+) -> Recording:
     """Convert published positions to a recording in degrees.
 
     Args:
         positions: those of one robot, in order. Of several with the same time stamp the first is kept.
         clock_s: the source's monotonic clock minus the clock of the result (s).
+        events: those of the robot, in order; None: not recorded.
     """
     if not positions:
         return Recording(np.empty(0), np.empty((0, len(AXES))), np.empty((0, len(ARMS))))
     times, kept = np.unique([each.t_mono_ns for each in positions], return_index=True)
     readings = [reading(positions[i]) for i in kept]
     angles = np.array([(*r.arms, *r.head) for r in readings], dtype=np.float64)
-    numbers = np.array([positions[i].seq for i in kept], dtype=np.int64)
-    missing = np.diff(numbers) - 1
+    asked = None if events is None else requests((event.t_mono_ns / 1e9 - clock_s, event) for event in events)
     return Recording(
         times / 1e9 - clock_s,
         np.unwrap(angles, period=360, axis=0),
         np.array([r.commanded for r in readings], dtype=np.float64),
-        lost=int(np.sum(missing[missing > 0])),  # leaves out the restart of a node, which counts from 0
+        lost([each.seq for each in positions]),
+        asked,
     )
 
 
-def of_samples(samples: Samples, begin_ns: int) -> Recording:
-    """Convert positions that were read from a file; the result has times in s since `begin_ns` (ns since 1970)."""
+def lost(numbers: Sequence[int]) -> int | None:
+    """Return how many sequence numbers are missing between the first and the last; None if any is unknown (-1).
+
+    A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
+    """
+    counted = np.array(numbers, dtype=np.int64)
+    if np.any(counted < 0):
+        return None
+    steps = np.diff(counted) % NUMBERS
+    return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
+
+
+def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | None = None) -> Recording:
+    """Convert positions that were read from a file; the result has times in s since `begin_ns` (ns since 1970).
+
+    Without `events` the requests of motions are unknown.
+    """
     times, kept = np.unique(samples.time_ns, return_index=True)
     angles = np.hstack([samples.arms, samples.head])[kept]
-    return Recording((times - begin_ns) / 1e9, np.unwrap(angles, period=360, axis=0), samples.commanded[kept])
+    asked = (
+        None if events is None else requests(((each.time_ns - begin_ns) / 1e9, each.event) for each in events)
+    )
+    return Recording(
+        (times - begin_ns) / 1e9,
+        np.unwrap(angles, period=360, axis=0),
+        samples.commanded[kept],
+        None if samples.seq is None else lost(samples.seq.tolist()),
+        asked,
+    )
 
 
 def regularity(recorded: Recording) -> Regularity:
@@ -141,7 +175,7 @@ def part_of(recorded: Recording, begin_s: float, end_s: float) -> Recording:
         int(np.searchsorted(recorded.t, end_s)) + 1,
     )
     commanded = None if recorded.commanded is None else recorded.commanded[kept]
-    return Recording(recorded.t[kept], recorded.angles[kept], commanded, recorded.lost)
+    return replace(recorded, t=recorded.t[kept], angles=recorded.angles[kept], commanded=commanded)
 
 
 def common_grid(first: Recording, second: Recording) -> Floats:
@@ -167,10 +201,18 @@ def resample(recorded: Recording, t: Floats) -> Floats:
 
 def resting(angles: Floats) -> Flags:
     """Return whether the arms rest, for each grid point; angles (n, 3) or wider in deg, the arms first."""
-    window = int(REST_S / GRID_S)
-    padded = np.pad(angles[:, : len(ARMS)], ((window, window), (0, 0)), mode="edge")
+    window, half = int(REST_S / GRID_S), int(SMOOTH_S / GRID_S)
+    wide = np.pad(angles[:, : len(ARMS)], ((half, half), (0, 0)), mode="edge")
+    smooth = np.lib.stride_tricks.sliding_window_view(wide, 2 * half + 1, axis=0).mean(axis=-1)
+    padded = np.pad(smooth, ((window, window), (0, 0)), mode="edge")
     views = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1, axis=0)
     return np.asarray(np.max(np.ptp(views, axis=-1), axis=-1) < REST_DEG, dtype=np.bool_)
+
+
+def runs(flags: Flags) -> list[tuple[int, int]]:
+    """Return begin and end (exclusive) of each run of true flags."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
 
 
 def turned(difference: Floats) -> Floats:

@@ -16,11 +16,11 @@ class Thresholds:
     """The largest allowed values; None: not checked."""
 
     lag_s: float | None = None
-    """largest lag of the set points, of either robot behind the other"""
+    """largest lag of the set points, of either robot behind the other, without the lead"""
     rms_deg: float | None = None
-    """largest root mean square difference of an axis after removal of each motion's lag"""
+    """largest root mean square difference of an axis after removal of each motion's lead and lag"""
     largest_deg: float | None = None
-    """largest difference of an axis after removal of each motion's lag"""
+    """largest difference of an axis after removal of each motion's lead and lag"""
     rest_deg: float | None = None
     """largest difference of an axis while both robots rest"""
     missed_steps: int | None = None
@@ -44,12 +44,13 @@ class Thresholds:
                 "Move both robots during the comparison."
             )
         elif abs(found.lag_s) > self.lag_s:
-            yield f"The lag is {found.lag_s:+.3f} s; at most {self.lag_s:g} s in either direction is allowed."
+            lag = distinct(found.lag_s, self.lag_s, "+")
+            yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
         checks = (
-            ("root mean square difference after lag removal", "rms_after", self.rms_deg),
-            ("largest difference after lag removal", "largest_after", self.largest_deg),
+            ("rms difference after removal of lead and lag", "rms_after", self.rms_deg),
+            ("largest difference after removal of lead and lag", "largest_after", self.largest_deg),
             ("difference at rest", "at_rest", self.rest_deg),
         )
         for what, field, allowed in checks:
@@ -61,9 +62,14 @@ class Thresholds:
                     f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: "
                     "let both rest for a second."
                 )
-            for axis, value in values.items():
-                if value > allowed:
-                    yield f"{axis}: the {what} is {value:.3f}°; at most {allowed:g}° is allowed."
+                continue
+            above = sorted(
+                (name for name in values if values[name] > allowed), key=lambda name: -values[name]
+            )
+            if above:
+                also = f" (and {', '.join(above[1:])})" if above[1:] else ""
+                value = distinct(values[above[0]], allowed)
+                yield f"The {what} is {value}° in {above[0]}{also}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:
         if self.missed_steps is None:
@@ -77,8 +83,19 @@ class Thresholds:
             yield f"The simulation missed {abs(slipped)} full steps; at most {self.missed_steps} are allowed."
 
 
+def distinct(value: float, allowed: float, sign: str = "") -> str:
+    """Format a value that exceeds an allowed one with so many decimals that it does not look equal to it."""
+    digits = 3
+    while digits < 9 and float(f"{abs(value):.{digits}f}") <= allowed:
+        digits += 1
+    return f"{value:{sign}.{digits}f}"
+
+
 def why_no_lag(found: Comparison) -> str:
     """Return the reason why no lag was measured, as the end of a sentence."""
     if not found.anything_moved:
         return "nothing moved."
-    return "the two robots did not make the same movement with a lag of at most 5 s or a quarter of the recording."
+    if not found.moved:
+        return "no motion was made by both robots."
+    reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
+    return f"the two robots did not make the same movement ({'; '.join(reasons[:1])})."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -25,7 +26,6 @@ from beatrix_zenoh.recording.record_motion import record_motion
 from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
 from beatrix_zenoh.recording.replay import LATE_S, Progress
 from beatrix_zenoh.recording.replay import replay as replay_now
-from beatrix_zenoh.recording.series import Recording
 
 NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 0.0,0,0,0
@@ -34,8 +34,9 @@ NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 2.0,15,-5,0
 3.0,0,0,0
 """
-OFF_DEG = 1.0
-"""Tolerance of a replay's path; tools/bench_twin.py measures how well it follows the path in time."""
+OFF_DEG, CUT_DEG = 1.0, 5.0
+"""Tolerances of a replay's path, of nine in ten set points and of all: after a pause of the computer the arms go
+straight to the next target and cut a corner. tools/bench_twin.py measures how well the path is followed in time."""
 PAUSE_S = 0.4
 """A pause of the computer that does not disturb the check of a path."""
 
@@ -81,8 +82,8 @@ def recorded_during(
     return sim, hw
 
 
-def off_path(live: LiveRecording, played: Following) -> float:
-    """Return the largest distance (deg) of a set point from the path that was to be followed near its time.
+def check_path(live: LiveRecording, played: Following) -> None:
+    """Check the distances of the set points from the path near their times.
 
     A pause of the computer shifts what follows it, so each set point is compared with the path within PAUSE_S of its
     time; the times are aligned at the first movement.
@@ -95,23 +96,27 @@ def off_path(live: LiveRecording, played: Following) -> float:
     times = np.clip(arms.t - arms.t[begin] + t[reached], t[0], t[-1])
     near = np.abs(times[:, None] - t) <= PAUSE_S
     apart = np.max(np.abs(arms.angles[:, None, :] - path), axis=2)
-    return float(np.max(np.min(np.where(near, apart, np.inf), axis=1)))
+    distances = np.min(np.where(near, apart, np.inf), axis=1)
+    assert np.quantile(distances, 0.9) < OFF_DEG
+    assert np.max(distances) < CUT_DEG
 
 
 def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
     played = following(NOD)
     sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))
     for live in (sim, hw):
-        assert off_path(live, played) < OFF_DEG
+        check_path(live, played)
         assert live.recording.arms.angles[-1] == pytest.approx(played.path.arms[-1], abs=0.2)
         assert live.clock_s == 0.0, "both run on this computer"
     assert (sim.slipped, hw.slipped) == (0, None)
 
     before = compare(sim.recording, hw.recording)
-    assert 0.05 < before.lag_s < 0.1 + PAUSE_S, "the lead, and delays of this computer"
+    assert -0.1 < before.lag_s < PAUSE_S, "without the lead: delays of this computer"
+    assert all(part.lead_s == pytest.approx(0.1) for part in before.moved)
     off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
     assert hw.recording.commanded is not None
-    after = compare(sim.recording, Recording(hw.recording.t + 0.2, off, hw.recording.commanded))
+    late = dataclasses.replace(hw.recording, t=hw.recording.t + 0.2, angles=off)
+    after = compare(sim.recording, late)
     assert after.lag_s - before.lag_s == pytest.approx(0.2, abs=0.005)
     assert after.axes[1].offset - before.axes[1].offset == pytest.approx(1.5, abs=0.05)
     assert after.axes[1].lag_s - before.axes[1].lag_s == pytest.approx(0.2, abs=0.005)
@@ -142,7 +147,7 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
     assert max(point.place[0] for point in recorded.points) == pytest.approx(20, abs=0.2)
     played = follow(path_of(recorded, Limits()), ROBOT)
     sim, _ = recorded_during(stage, played.duration_s + 3.0, lambda: replay(twin.sim, played))
-    assert off_path(sim, played) < OFF_DEG
+    check_path(sim, played)
 
 
 def test_the_robot_first_moves_to_the_start_of_the_path(twin: Twin) -> None:

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh._generated.messages import Head, Positions, Reason, Steps, Vector3
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.lag import lag
+from beatrix_zenoh.recording.lag import best_shift, lag
+from beatrix_zenoh.recording.requests import HOME, Request
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
     Recording,
     heads_apart,
+    lost,
     recording,
     regularity,
     resample,
@@ -221,13 +224,54 @@ def test_each_exceeded_threshold_is_reported() -> None:
     )
     for part in (
         "The lag is -0.200 s; at most 0.01 s in either direction is allowed.",
-        "middle: the root mean square difference after lag removal is 1.000°; at most 0.2° is allowed.",
-        "middle: the largest difference after lag removal",
-        "middle: the difference at rest",
+        "The rms difference after removal of lead and lag is 1.000° in middle; at most 0.2° is allowed.",
+        "The largest difference after removal of lead and lag is 1.000° in middle; at most 0.5° is allowed.",
+        "The difference at rest is 1.000° in middle; at most 0.2° is allowed.",
         "The simulation missed 4 full steps; at most 0 are allowed.",
     ):
         assert part in sentences
     assert "short" not in sentences
+
+
+def test_a_threshold_names_all_axes_in_one_sentence_and_never_an_equal_figure() -> None:
+    found = compare(shaken([0.0] * 3), shaken([0.05004] * 3))
+    (lag_sentence, largest) = Thresholds(lag_s=0.05, largest_deg=0.0).exceeded(found, None)
+    assert "The lag is +0.0500" in lag_sentence
+    assert "+0.050 s" not in lag_sentence
+    assert largest.count("allowed") == 1
+    assert "(and " in largest
+
+
+def test_a_lag_at_the_border_of_the_search_is_unknown() -> None:
+    first, second = shaken([0.0] * 3), shaken([0.4] * 3)
+    t = np.arange(0.9, 3.0, 0.01)
+    assert math.isnan(best_shift(first, second, t, 0.0, 0.15).s)
+    assert best_shift(first, second, t, 0.0, 0.5).s == pytest.approx(0.4, abs=0.002)
+
+
+def test_an_empty_comparison_has_no_figures() -> None:
+    """Only the simulation is asked to move, so that there is nothing to compare after that."""
+    asked = Request(0.9, HOME, "ana", end=Reason.OK)
+    first = replace(shaken([0.0]), requests=(asked,))
+    still = Recording(first.t, np.zeros_like(first.angles), requests=())
+    found = compare(first, still)
+    assert [each.why for each in found.alone] == ["the hardware was not asked"]
+    assert found.axes[0].largest_after == pytest.approx(0.0, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "missing"),
+    [
+        ([1, 2, 3], 0),
+        ([1, 2, 5, 6, 8], 3),
+        ([1, 1, 2, 2, 4], 1),
+        ([2**32 - 2, 2**32 - 1, 0, 2], 1),
+        ([500, 501, 0, 1], 0),
+        ([1, -1, 3], None),
+    ],
+)
+def test_missing_numbers_are_counted(numbers: list[int], missing: int | None) -> None:
+    assert lost(numbers) == missing
 
 
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:

@@ -1,0 +1,372 @@
+"""What a comparison shows about its cause: findings as data and as sentences, at most one for each effect."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs
+
+FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
+APART_DEG: Final = 0.25
+"""A smaller difference of an arm has no cause that is worth a sentence: noise, and motors that behave like springs."""
+BEGAN_DEG: Final = 1.0
+"""Robots that begin further apart began in different poses."""
+CLEAR_DEG: Final = 3.0
+"""An arm is judged if it turns by more than this."""
+STILL_DEG: Final = 1.0
+"""An arm that turns by less than this stands still."""
+UNLIKE: Final = 0.05
+"""Arms are exchanged or reversed if the movement as it is leaves more than this share of the variance."""
+BETTER: Final = 0.2
+"""A cause explains the differences if it leaves less than this share of them."""
+SCALE: Final = 0.01
+"""Smallest error of scale that is reported."""
+SCALE_MOST: Final = 0.3
+"""Largest error of scale that is reported: beyond it the robots make different movements."""
+DRIFT: Final = 0.002
+"""Smallest drift (s per s) that is reported."""
+CLOCK_S: Final = 1.0
+"""All motions late by more than this: clocks that differ, or a lead that no request says."""
+EQUAL_S: Final = 0.05
+"""Lags that differ by less than this (s) are equal."""
+REST_S: Final = 0.2
+"""Rests that are shorter than this (s) are not looked at."""
+
+
+class Cause(StrEnum):
+    """The cause of differences."""
+
+    STOOD_STILL = "stood still"
+    NOT_ASKED = "not asked"
+    STOPPED = "stopped"
+    BEGAN_APART = "began apart"
+    EXCHANGED = "exchanged"
+    REVERSED = "reversed"
+    SCALE = "scale"
+    OFFSET = "offset"
+    MISSED_STEPS = "missed steps"
+    DRIFT = "drift"
+    CLOCK = "clock"
+    LOSS = "loss"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A cause, the arms that it concerns, its size and a sentence about it."""
+
+    cause: Cause
+    sentence: str
+    arms: tuple[str, ...] = ()
+    value: float = math.nan
+    """deg of BEGAN_APART and OFFSET, full steps of MISSED_STEPS, hardware / simulation - 1 of SCALE, s per s of DRIFT,
+    s of CLOCK, share of LOSS, number of motions of NOT_ASKED"""
+    t: float = math.nan
+    """time since the begin of the comparison (s), if the cause has one"""
+
+
+Mapped = tuple[tuple[int, ...], tuple[int, ...]]
+"""For each arm of the first robot the index of an arm of the second, and its sign."""
+
+
+class Seen(NamedTuple):
+    """Samples of both robots at times that can be compared: n rows, arms in deg."""
+
+    t: Floats
+    first: Floats
+    second: Floats
+    rest: Flags
+
+
+def findings(found: Comparison) -> list[Finding]:
+    """Return what the comparison shows, the most important first."""
+    result = list(lost_samples(found))
+    result += [*not_asked(found), *stopped(found)]
+    seen = samples(found)
+    if not len(seen.t) or not found.anything_moved:
+        return result
+    if still := stood_still(seen):
+        return [*result, still]
+    began = began_apart(found, seen)
+    if began is not None:
+        result.append(began)
+        seen = after(seen, began.t)
+        if len(seen.t) < 2:
+            return result
+    swapped = exchanged(seen)
+    if swapped:
+        return [*result, *swapped]
+    return [*result, *arm_by_arm(seen), *clocks(found)]
+
+
+def samples(found: Comparison) -> Seen:
+    """Return the samples of the arms that can be compared."""
+    arms = slice(0, len(ARMS))
+    kept = found.compared
+    return Seen(
+        found.t[kept] - found.t[0],
+        found.first[kept, arms],
+        found.second_after[kept, arms],
+        found.rest[kept],
+    )
+
+
+def after(seen: Seen, t: float) -> Seen:
+    """Return the samples after a time (s)."""
+    kept = seen.t > t
+    return Seen(seen.t[kept], seen.first[kept], seen.second[kept], seen.rest[kept])
+
+
+def lost_samples(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding for each robot of which samples are missing."""
+    for name, regular in zip(("simulation", "hardware"), found.regularity, strict=True):
+        if regular.lost:
+            share = regular.lost / (regular.lost + regular.samples)
+            yield Finding(
+                Cause.LOSS,
+                f"{regular.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
+                value=share,
+            )
+
+
+def not_asked(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding for each reason for which only one robot made a motion."""
+    groups: dict[tuple[bool, str], list[float]] = {}
+    for each in found.alone:
+        groups.setdefault((each.hardware, each.why), []).append(each.request.t - float(found.t[0]))
+    for (hardware, why), times in groups.items():
+        one = "hardware" if hardware else "simulation"
+        made = f"Only the {one} made {count(len(times), 'motion')}"
+        when = ", ".join(f"{t:.1f} s" for t in times[:4]) + (", ..." if len(times) > 4 else "")
+        yield Finding(
+            Cause.NOT_ASKED,
+            f"{made} (at {when}), because {why}; the figures leave out the time until both stand together again.",
+            value=len(times),
+            t=times[0],
+        )
+
+
+def stopped(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding for the motions that only one robot carried out to the end."""
+    for one, ends in (
+        ("hardware", [motion for motion in found.early if motion.sim.end is Reason.OK]),
+        ("simulation", [motion for motion in found.early if motion.sim.end is not Reason.OK]),
+    ):
+        if ends:
+            ended = ends[0].hw if one == "hardware" else ends[0].sim
+            yield Finding(
+                Cause.STOPPED,
+                f"Only the {one} ended {count(len(ends), 'motion')} before the goal ({ended.end}, at "
+                f"{ends[0].sim.t - found.t[0]:.1f} s); the figures leave out the time until both stand together again.",
+                value=len(ends),
+                t=ends[0].sim.t - float(found.t[0]),
+            )
+
+
+def stood_still(seen: Seen) -> Finding | None:
+    """Return a finding if one robot stood still while the other moved."""
+    ways = np.ptp(seen.first, axis=0), np.ptp(seen.second, axis=0)
+    for name, mine, other in (("hardware", ways[1], ways[0]), ("simulation", ways[0], ways[1])):
+        if mine.max() < STILL_DEG and other.max() > CLEAR_DEG:
+            return Finding(Cause.STOOD_STILL, f"The {name} stood still: check its motors, power and STOP.")
+    return None
+
+
+def began_apart(found: Comparison, seen: Seen) -> Finding | None:
+    """Return a finding if the robots began in different poses and came together later."""
+    spans = rests(seen)
+    if not spans or not len(found.moved):
+        return None
+    means = [np.mean(seen.second[a:b] - seen.first[a:b], axis=0) for a, b in spans]
+    first = means[0]
+    gone = [i for i in range(len(ARMS)) if abs(first[i]) > BEGAN_DEG]
+    together = [k for k, each in enumerate(means) if all(abs(each[i]) < abs(first[i]) / 2 for i in gone)]
+    if not gone or not together or seen.t[spans[0][0]] > found.moved[0].begin_s - found.t[0]:
+        return None
+    largest = max((float(first[i]) for i in gone), key=abs)
+    arms = tuple(ARMS[i] for i in gone)
+    return Finding(
+        Cause.BEGAN_APART,
+        f"They began {abs(largest):.1f}° apart in {listed(arms)}: move both home first.",
+        arms,
+        largest,
+        float(seen.t[spans[together[0]][0]]),
+    )
+
+
+def rests(seen: Seen) -> list[tuple[int, int]]:
+    """Return begin and end (exclusive) of each rest of both robots, without short ones."""
+    return [(a, b) for a, b in runs(seen.rest) if seen.t[b - 1] - seen.t[a] > REST_S]
+
+
+def exchanged(seen: Seen) -> list[Finding]:
+    """Return findings if other arms, or reversed ones, explain the movement of the second much better."""
+    one, other = (angles - angles.mean(axis=0) for angles in (seen.first, seen.second))
+    total = float(np.sum(one**2))
+    as_it_is = float(np.sum((one - other) ** 2))
+    if total == 0 or as_it_is < UNLIKE * total:
+        return []
+    trials = itertools.product(itertools.permutations(range(3)), itertools.product((1, -1), repeat=3))
+
+    def cost(trial: Mapped) -> float:
+        """Return the sum of squares that a trial leaves, a little more for each arm that it changes."""
+        order, signs = trial
+        left = float(np.sum((one - other[:, list(order)] * np.array(signs)) ** 2))
+        return left + 1e-3 * total * (sum(i != j for i, j in enumerate(order)) + signs.count(-1))
+
+    order, signs = best = min(trials, key=cost)
+    if cost(best) > BETTER * as_it_is:
+        return []
+    result = []
+    moved = [i for i, j in enumerate(order) if i != j]
+    if moved:
+        arms = tuple(ARMS[i] for i in moved)
+        result.append(
+            Finding(
+                Cause.EXCHANGED,
+                f"{listed(arms).capitalize()} look exchanged: check the plugs of the motors.",
+                arms,
+            )
+        )
+    turned = tuple(ARMS[j] for j, sign in zip(order, signs, strict=True) if sign < 0)
+    if turned:
+        verb = "turns" if len(turned) == 1 else "turn"
+        result.append(
+            Finding(
+                Cause.REVERSED,
+                f"{listed(turned).capitalize()} {verb} the other way: check the wiring of the motor{'s' * (len(turned) > 1)}.",
+                turned,
+            )
+        )
+    return result
+
+
+def arm_by_arm(seen: Seen) -> list[Finding]:
+    """Return the cause of the differences of each arm; a scale that all arms share is one finding."""
+    each = [cause_of(seen, i) for i in range(len(ARMS))]
+    result = [finding for finding in each if finding is not None]
+    scales = [finding for finding in result if finding.cause is Cause.SCALE]
+    if len(scales) == len(ARMS) and np.ptp([finding.value for finding in scales]) < SCALE:
+        return [scale(ARMS, float(np.mean([finding.value for finding in scales])))]
+    return result
+
+
+def cause_of(seen: Seen, arm: int) -> Finding | None:
+    """Return why one arm differs: it stands still, has an offset, moves too far, or has missed steps; None: unknown."""
+    name = ARMS[arm]
+    mine, other = seen.first[:, arm], seen.second[:, arm]
+    if np.ptp(mine) > CLEAR_DEG and np.ptp(other) < STILL_DEG:
+        return Finding(
+            Cause.STOOD_STILL, f"{name.capitalize()} stood still on the hardware: check its motor.", (name,)
+        )
+    apart = other - mine
+    constant = float(np.mean(apart[seen.rest])) if seen.rest.any() else float(np.mean(apart))
+    around = apart - apart.mean()
+    spread = float(np.sum(around**2))
+    slope, left_scale = scaled(mine, around)
+    step, at, left_step = stepped(seen, apart)
+    if (
+        SCALE < abs(slope) < SCALE_MOST
+        and left_scale < min(2 * BETTER * spread, left_step)
+        and np.ptp(mine) > CLEAR_DEG
+    ):
+        return scale((name,), slope)
+    steps = round(step / FULL_STEP_DEG)
+    if steps and left_step < 2 * BETTER * spread and abs(step - steps * FULL_STEP_DEG) < APART_DEG:
+        missed = count(abs(steps), "full step")
+        return Finding(
+            Cause.MISSED_STEPS,
+            f"{name.capitalize()} is {step:+.2f}° off from {at:.1f} s on, {missed}: it missed steps. Move home and calibrate.",
+            (name,),
+            float(steps),
+            at,
+        )
+    varies = float(np.std(apart[seen.rest])) if seen.rest.any() else math.inf
+    if abs(constant) > max(APART_DEG, 2 * varies):
+        return Finding(
+            Cause.OFFSET,
+            f"{name.capitalize()} is {constant:+.2f}° off at rest, always: calibrate both robots at home.",
+            (name,),
+            constant,
+        )
+    return None
+
+
+def scaled(mine: Floats, around: Floats) -> tuple[float, float]:
+    """Return the error of scale of an arm, and the sum of squares that it leaves."""
+    way = mine - mine.mean()
+    power = float(way @ way)
+    slope = float(way @ around) / power if power else 0.0
+    return slope, float(np.sum((around - slope * way) ** 2))
+
+
+def stepped(seen: Seen, apart: Floats) -> tuple[float, float, float]:
+    """Return the height (deg) and the time (s) of the step that explains the differences best, and what it leaves."""
+    n, sums = len(apart), np.cumsum(apart)
+    before = np.arange(1, n)
+    means = sums[:-1] / before, (sums[-1] - sums[:-1]) / (n - before)
+    left = float(np.sum(apart**2)) - before * means[0] ** 2 - (n - before) * means[1] ** 2
+    best = int(np.argmin(left))
+    return float(means[1][best] - means[0][best]), float(seen.t[best + 1]), float(left[best])
+
+
+def scale(arms: tuple[str, ...], value: float) -> Finding:
+    """Return the finding that arms move too far, or not far enough."""
+    more = "more" if value > 0 else "less"
+    verb = "moves" if len(arms) == 1 else "move"
+    name = "All arms" if len(arms) == len(ARMS) else listed(arms).capitalize()
+    return Finding(
+        Cause.SCALE,
+        f"{name} {verb} {abs(value):.1%} {more} on the hardware: check gears, microsteps and the robot file.",
+        arms,
+        value,
+    )
+
+
+def clocks(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding if the lags grow steadily, or are all so large that clocks must differ."""
+    known = [part for part in found.moved if not math.isnan(part.lag_s)]
+    if not known:
+        return
+    lags = np.array([part.lag_s for part in known])
+    begins = np.array([part.begin_s for part in known])
+    if len(known) >= 4:
+        growth, _ = np.polyfit(begins - begins[0], lags, 1)
+        left = lags - np.polyval(np.polyfit(begins, lags, 1), begins)
+        if abs(growth) > DRIFT and np.sum(left**2) < BETTER * np.sum((lags - lags.mean()) ** 2):
+            way = "fast" if growth > 0 else "slow"
+            yield Finding(
+                Cause.DRIFT,
+                f"The hardware's clock runs {abs(growth):.1%} {way}: the lag changes from {lags[0] * 1e3:.0f} to "
+                f"{lags[-1] * 1e3:.0f} ms.",
+                value=float(growth),
+            )
+            return
+    typical = float(np.median(lags))
+    if abs(typical) > CLOCK_S and np.ptp(lags) < EQUAL_S:
+        side = "late" if typical > 0 else "early"
+        yield Finding(
+            Cause.CLOCK,
+            f"Every motion of the hardware is {abs(typical):.2f} s {side}: its clock differs, or it had a lead that no "
+            "request names.",
+            value=typical,
+        )
+
+
+def listed(names: tuple[str, ...]) -> str:
+    """Join names: 'short, middle and long'."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def count(number: int, what: str) -> str:
+    """Return a number with its noun."""
+    return f"{number} {what}" + "s" * (number != 1)

@@ -1,0 +1,221 @@
+"""Requests of motions in the events of a robot, and which of them went to simulation and hardware."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+import msgspec
+
+from beatrix_zenoh._generated.messages import Event, EventKind, MotionQuery, Phase, PoseQuery, Reason, Source
+
+FAR_S: Final = 5.0
+"""The hardware may receive a request this much (s) before the simulation, or after the lead: clocks may differ."""
+STREAM_S: Final = 1.5
+"""A node counts the requests of a stream for a second; requests this close (s) to counted ones belong to the stream."""
+HOME: Final = "HOME"
+
+Content = MotionQuery | PoseQuery | str
+"""What was requested, without lease, lead and source; HOME for the command of this name."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """One request of a motion to one robot, and what came of it."""
+
+    t: float
+    """time (s) at which the robot accepted or refused it, by the clock of the recording"""
+    content: Content
+    seat: str
+    lead_s: float | None = None
+    """the lead (s) that was requested; None: the request went to one robot alone"""
+    motion: int = 0
+    """number of the motion; 0: unknown"""
+    refused: str = ""
+    """sentence of the refusal; empty: the motion was accepted"""
+    end: Reason | None = None
+    """OK: at the goal; the reason if it ended before; None: not recorded"""
+    end_s: float | None = None
+    """time (s) of the end"""
+    count: int = 1
+    """number of requests of a stream of targets that this one represents"""
+
+    @property
+    def absolute(self) -> bool:
+        """Whether the goal does not depend on the present position."""
+        return isinstance(self.content, str) or self.content.absolute
+
+
+def requests(events: Iterable[tuple[float, Event]]) -> tuple[Request, ...]:
+    """Return the requests of motions in the events of one robot, each event with its time (s), in order of time."""
+    found: list[Request] = []
+    for t, event in events:
+        if event.kind is EventKind.COMMAND and event.action == HOME and event.reason is Reason.OK:
+            found.append(Request(t - event.duration, HOME, event.seat, end=Reason.OK, end_s=t))
+        elif event.kind is EventKind.MOTION and event.phase is Phase.DONE:
+            found = ended(found, t, event)
+        elif event.kind is EventKind.MOTION and (query := event.motion_query or event.pose_query) is not None:
+            found.append(
+                Request(
+                    t,
+                    msgspec.structs.replace(query, lease=0, lead=None, source=Source.ZENOH),
+                    event.seat,
+                    query.lead,
+                    event.motion,
+                    "" if event.reason is Reason.OK else event.message or event.reason,
+                    count=event.count,
+                )
+            )
+    return tuple(sorted(found, key=lambda request: request.t))
+
+
+def ended(found: list[Request], t: float, event: Event) -> list[Request]:
+    """Return the requests with the end of the newest one that has the number of this event."""
+    for i in range(len(found) - 1, -1, -1):
+        if found[i].motion == event.motion and not found[i].refused:
+            return [*found[:i], replace(found[i], end=event.reason, end_s=t), *found[i + 1 :]]
+    return found
+
+
+class Pair(NamedTuple):
+    """A request that both robots received; None: this robot never received it."""
+
+    sim: Request | None
+    hw: Request | None
+
+
+def pairs(sim: Sequence[Request], hw: Sequence[Request]) -> list[Pair]:
+    """Match the requests of both robots by content, seat and order; unmatched ones are pairs with None.
+
+    A request to the hardware belongs to the request to the simulation whose lead explains its time best.
+    """
+    partner: dict[int, int] = {}
+    first = 0
+    for j, later in enumerate(hw):
+        fitting = [
+            i
+            for i in range(first, len(sim))
+            if (sim[i].content, sim[i].seat) == (later.content, later.seat) and plausible(sim[i], later)
+        ]
+        if fitting:
+            best = min(fitting, key=lambda i: (abs(late_s(sim[i], later)), i))
+            partner[j], first = best, best + 1
+    matched = set(partner.values())
+    both = [Pair(sim[partner[j]] if j in partner else None, later) for j, later in enumerate(hw)]
+    alone = [Pair(earlier, None) for i, earlier in enumerate(sim) if i not in matched]
+    return sorted([*both, *alone], key=begin_s)
+
+
+def begin_s(pair: Pair) -> float:
+    """Return the time (s) at which the first of both robots received the request."""
+    return min(request.t for request in pair if request is not None)
+
+
+def late_s(sim: Request, hw: Request) -> float:
+    """Return how much later (s) than its lead the hardware received a request."""
+    return hw.t - sim.t - (sim.lead_s or 0.0)
+
+
+def plausible(sim: Request, hw: Request) -> bool:
+    """Return whether a request to the hardware may be the same as one to the simulation.
+
+    A lead can be ended at any time, so the hardware may begin before its end.
+    """
+    return hw.t - sim.t >= -FAR_S and late_s(sim, hw) <= FAR_S
+
+
+class Shared(NamedTuple):
+    """A motion that both robots made."""
+
+    sim: Request
+    hw: Request
+    lead_s: float | None
+    """the lead (s) after the first request"""
+    first: Request
+    """the request that began the movement of the simulation; it is not `sim` if the lead was changed"""
+    replaced: tuple[Request, ...]
+    """earlier requests to the simulation, which `sim` repeated with another lead"""
+
+
+def shared(matched: Sequence[Pair]) -> list[Shared]:
+    """Return the motions that both robots accepted.
+
+    If the lead of a motion was changed, the simulation received it twice: its movement begins at the first request.
+    """
+    found: list[Shared] = []
+    for i, (sim, hw) in enumerate(matched):
+        if sim is None or hw is None or sim.refused or hw.refused:
+            continue
+        lead_s, first = sim.lead_s, sim
+        replaced: tuple[Request, ...] = ()
+        for before in reversed([pair.sim for pair in matched[:i]]):
+            if before is None or before.refused or not changes(before, first):
+                break
+            lead_s, first, replaced = (lead_s or 0.0) + first.t - before.t, before, (*replaced, before)
+        found.append(Shared(sim, hw, lead_s, first, replaced))
+    return found
+
+
+def changes(before: Request, after: Request) -> bool:
+    """Return whether a request only changes the lead of the one before."""
+    waits = before.lead_s is not None and after.t < before.t + before.lead_s
+    return (
+        waits
+        and before.absolute
+        and (before.content, before.seat) == (after.content, after.seat)
+        and before.end in (None, Reason.OK, Reason.REPLACED)
+    )
+
+
+class Alone(NamedTuple):
+    """A motion that only one robot made, and a sentence with the reason."""
+
+    request: Request
+    hardware: bool
+    """whether the hardware made it"""
+    why: str
+
+
+def alone(matched: Sequence[Pair], begin_s: float) -> Iterator[Alone]:
+    """Yield the motions that only one robot made; `begin_s` is the begin (s) of the recording."""
+    made = {id(request) for motion in shared(matched) for request in motion.replaced}
+    streams = sorted(
+        request.t for pair in matched for request in pair if request is not None and request.count > 1
+    )
+    for sim, hw in matched:
+        if any(request is not None and near(request.t, streams) for request in (sim, hw)):
+            continue
+        if sim is not None and (hw is None or hw.refused) and not sim.refused and id(sim) not in made:
+            yield Alone(sim, hardware=False, why=why_alone(sim, hw))
+        elif hw is not None and (sim is None or sim.refused) and not hw.refused:
+            if sim is not None:
+                why = f"the simulation refused it ({sim.refused.rstrip('.')})"
+            elif hw.lead_s is not None and hw.t - hw.lead_s <= begin_s:
+                why = "the simulation had made it before the recording began"
+            else:
+                why = "the simulation was not asked"
+            yield Alone(hw, hardware=True, why=why)
+
+
+def near(t: float, streams: Sequence[float]) -> bool:
+    """Return whether a request is one of a stream of targets, whose times (s) are given.
+
+    A node counts the requests of a fast stream instead of sending each, so some requests of one robot have no partner.
+    """
+    i = bisect.bisect_left(streams, t)
+    return any(abs(other - t) < STREAM_S for other in streams[max(0, i - 1) : i + 1])
+
+
+def why_alone(sim: Request, hw: Request | None) -> str:
+    """Return the reason why only the simulation made a motion."""
+    if hw is not None:
+        return f"the hardware refused it ({hw.refused.rstrip('.')})"
+    if sim.lead_s is None:
+        return "the hardware was not asked"
+    if sim.end is Reason.REPLACED:
+        return "another motion replaced it before the hardware was asked"
+    if sim.end not in (None, Reason.OK):
+        return "it was aborted before the hardware was asked"
+    return "it was aborted, or replaced, before the hardware was asked"

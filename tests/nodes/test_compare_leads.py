@@ -1,0 +1,137 @@
+"""Both robots with leads, a changed lead and an aborted motion: the comparison finds what was asked and what happened."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from excuses import Late
+from stage import Stage, until
+
+from beatrix_zenoh import Interrupted, Twin
+from beatrix_zenoh.recording.alignment import MovedPart
+from beatrix_zenoh.recording.compare import Comparison, compare
+from beatrix_zenoh.recording.diagnosis import Cause, findings
+from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
+
+LEADS_S = (0.0, 0.5, 1.5)
+POSES = ((20.0, 5.0, 0.0), (-15.0, 0.0, 6.0), (10.0, -6.0, -4.0))
+LAG_S, LEAD_S, RMS_DEG, REST_DEG = 0.005, 0.02, 0.15, 0.3
+EARLY_DEG = 2.0
+REST_S = 0.5
+
+pytestmark = pytest.mark.measures_time
+
+
+def recorded_during(
+    stage: Stage, seconds: float, do: Callable[[], object]
+) -> tuple[LiveRecording, LiveRecording]:
+    """Record simulation and hardware for `seconds` (s) during a call."""
+    robots = [stage.robot("bea", twin, "eve") for twin in ("sim", "hw")]
+    recording = threading.Event()
+    with ThreadPoolExecutor(1) as pool:
+        done = pool.submit(record_robots, robots, seconds, lambda _passed_s: recording.set())
+        until(recording.is_set, "the recording has begun")
+        do()
+        sim, hw = done.result(seconds + 20)
+    return sim, hw
+
+
+def rest() -> None:
+    """Let the robots rest between two motions, so that the recording shows where each ends."""
+    threading.Event().wait(REST_S)
+
+
+def begins_s(live: LiveRecording, near_s: float) -> float:
+    """Return when an arm has turned by EARLY_DEG since it rested near a time (s), between two samples."""
+    arms = live.recording.arms
+    still = int(np.searchsorted(arms.t, near_s - 0.25))
+    turned = np.max(np.abs(arms.angles - arms.angles[still]), axis=1)
+    first = still + int(np.argmax(turned[still:] > EARLY_DEG))
+    # The set point is quadratic in time at the beginning, so its root is linear.
+    roots = np.sqrt(turned[first - 1 : first + 1])
+    return float(np.interp(np.sqrt(EARLY_DEG), roots, arms.t[first - 1 : first + 1]))
+
+
+def check_lag(sim: LiveRecording, hw: LiveRecording, found: Comparison) -> None:
+    """Check the shift of each motion against the first degrees of both robots, and all differences."""
+    for part in found.moved:
+        assert part.measured, part.why
+        truth_s = begins_s(hw, part.begin_s + part.shift_s) - begins_s(sim, part.begin_s)
+        late(abs(part.shift_s - truth_s), LAG_S + LAG_S, "error of a lag")
+    late(max(axis.rms_after for axis in found.axes), RMS_DEG, "rms after removal")
+    assert found.arms_at_rest < REST_DEG
+
+
+def late(value: float, limit: float, what: str) -> None:
+    """Raise Late if a value that pauses of this computer worsen is above its limit."""
+    if not value <= limit:
+        raise Late(what, value, limit)
+
+
+def leads(found: Comparison) -> list[float]:
+    """Return the leads (s) that were asked for."""
+    return [round(part.lead_s or 0.0, 3) for part in found.moved]
+
+
+def lead_error_s(part: MovedPart) -> float:
+    """Return by how much the measured lead of a motion differs from the one that was asked for (s)."""
+    return abs(part.shift_s - (part.lead_s or 0.0))
+
+
+def test_leads_and_lags_of_both_robots_are_told_apart(stage: Stage, twin: Twin) -> None:
+    def moves() -> None:
+        for pose, lead_s in zip(POSES, LEADS_S, strict=True):
+            twin.preview(*pose, speed=60).commit(lead_s=lead_s)
+            rest()
+
+    sim, hw = recorded_during(stage, 10.0, moves)
+    found = compare(sim.recording, hw.recording)
+    assert leads(found) == list(LEADS_S)
+    assert findings(found) == []
+    check_lag(sim, hw, found)
+    for part in found.moved:
+        late(lead_error_s(part), LEAD_S, "error of a lead")
+
+
+def test_a_changed_lead_is_one_motion(stage: Stage, twin: Twin) -> None:
+    def moves() -> None:
+        twin.preview(25, 5, speed=60).commit(lead_s=4.0, wait=False)
+        until(lambda: not twin.sim.status().moving and twin.sim.positions().head[0] > 24, "it arrives")
+        twin.preview(25, 5, speed=60).commit(lead_s=0.5)
+        rest()
+
+    sim, hw = recorded_during(stage, 7.0, moves)
+    found = compare(sim.recording, hw.recording)
+    (part,) = found.moved
+    assert part.lead_s is not None
+    assert 0.8 < part.lead_s < 4.0, "counted from the first request"
+    assert findings(found) == []
+    check_lag(sim, hw, found)
+    late(lead_error_s(part), LEAD_S, "error of a lead")
+
+
+def test_a_motion_that_the_hardware_never_received_is_no_difference(stage: Stage, twin: Twin) -> None:
+    def moves() -> None:
+        plan = twin.preview(20, speed=60)
+        motion = plan.commit(lead_s=5.0, wait=False)
+        until(lambda: twin.sim.positions().head[0] > 5, "the simulation moves")
+        plan.abort()
+        with pytest.raises(Interrupted):
+            motion.result(10)
+        rest()
+        twin.preview(-15, 0, 5, speed=60).commit()
+        rest()
+        twin.preview(10, 5, 0, speed=60).commit()
+        rest()
+
+    sim, hw = recorded_during(stage, 8.0, moves)
+    found = compare(sim.recording, hw.recording)
+    (finding,) = findings(found)
+    assert (finding.cause, finding.value) == (Cause.NOT_ASKED, 1)
+    assert "aborted before the hardware was asked" in finding.sentence
+    late(max(axis.rms_after for axis in found.axes), RMS_DEG, "rms after removal")
+    assert found.arms_at_rest < REST_DEG

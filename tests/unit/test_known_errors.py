@@ -1,0 +1,27 @@
+"""Known errors of the hardware are found by the comparison, and no others; the table is that of tools/known_errors.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import known_errors
+import pytest
+from known_errors import VARIANTS, Case, Variant, compared, wrong
+
+CASES = {case.name: case for case in known_errors.cases()}
+MEMORY = [variant for variant in VARIANTS if not variant.file]
+(FILE,) = (variant for variant in VARIANTS if variant.file)
+FROM_FILE = ("none", "long misses a step at 13 s", "short and middle exchanged", "leads of 0, 0.5 and 1.5 s")
+
+
+@pytest.mark.parametrize("variant", MEMORY, ids=lambda variant: variant.name)
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
+def test_a_known_error_and_no_other_is_found(case: Case, variant: Variant, tmp_path: Path) -> None:
+    assert wrong(case, variant, compared(case, variant, tmp_path)) == []
+
+
+@pytest.mark.parametrize("name", FROM_FILE)
+def test_a_known_error_is_found_in_a_recording_of_which_samples_are_missing(
+    name: str, tmp_path: Path
+) -> None:
+    assert wrong(CASES[name], FILE, compared(CASES[name], FILE, tmp_path)) == []
