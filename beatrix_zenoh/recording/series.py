@@ -12,7 +12,7 @@ import numpy.typing as npt
 from beatrix_zenoh._generated.messages import Event, Positions
 from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.recording.requests import Request, requests
-from beatrix_zenoh.recording.samples import Samples, TimedEvent
+from beatrix_zenoh.recording.samples import NUMBERS, Samples, TimedEvent
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -33,8 +33,6 @@ HOLE_S = 1.0
 """If two samples are further apart than this (s), the position between them is unknown."""
 GAP = 1.6
 """A period longer than this many usual periods is a gap."""
-NUMBERS = 2**32
-"""Sequence numbers are counted modulo this."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +123,7 @@ def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | N
         (times - begin_ns) / 1e9,
         np.unwrap(angles, period=360, axis=0),
         samples.commanded[kept],
-        None if samples.seq is None else lost(samples.seq.tolist()),
+        samples.lost,
         asked,
     )
 
