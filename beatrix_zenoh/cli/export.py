@@ -69,6 +69,8 @@ def export(
     """
     check_video(video, eye, on)
     recordings, out = sources_and_table(files, film=video is not None)
+    if samples and out is None:
+        raise typer.BadParameter("--samples needs a table: name a .csv or .parquet file, too.")
     if end is not None and finite(end) < begin:
         raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
     for path in (out, video):

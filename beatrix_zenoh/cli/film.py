@@ -13,6 +13,7 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.names import TWINS
 
 if TYPE_CHECKING:  # importing numpy, rerun and av would delay every verb
     from beatrix_zenoh.recording.export import Table
@@ -75,7 +76,7 @@ def written_film(
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
     """
     from beatrix_zenoh.cli.demo_files import replace_when_complete
-    from beatrix_zenoh.recording.film import side_by_side
+    from beatrix_zenoh.recording.film import TITLES, side_by_side
     from beatrix_zenoh.recording.rrd.eyes import read_eyes
     from beatrix_zenoh.recording.video import write_video
 
@@ -83,7 +84,8 @@ def written_film(
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     times: list[int] = []
     if eye is None:
-        shows, frames = f"{name}, simulation and hardware", side_by_side(table, name, eyes)
+        twins = [TITLES[twin] for twin in TWINS if (name, twin) in table.robots]
+        shows, frames = f"{name}, {' and '.join(twins)}", side_by_side(table, name, eyes)
     else:
         shows, frames = of_eye(eyes, name, eye, on)
     try:

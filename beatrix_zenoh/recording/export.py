@@ -27,7 +27,8 @@ OVERLAP_NS: Final = 1_000_000_000
 """Files of one recording may overlap by samples that arrived late; more than this is another recording."""
 ARMS: Final = ("short", "middle", "long")
 HEAD: Final = ("yaw", "pitch", "roll")
-FORMULA: Final = ("=", "+", "-", "@", "\t", "\r")
+FORMULA: Final = ("=", "+", "-", "@", "\t")
+"""Beginnings of formulas in a spreadsheet."""
 
 Values = Floats | Nanoseconds | list[str] | list[str | None]
 Block = dict[str, Values]
@@ -80,8 +81,9 @@ class Table:
         texts: dict[int, str] = {}
         for note in self.notes:
             step = min(max(-(-(note.time_ns - self.start_ns) // GRID_NS), first), last)
-            # A spreadsheet would execute a text that begins like a formula.
-            text = f" {note.text}" if note.text.startswith(FORMULA) else note.text
+            text = " ".join(note.text.splitlines())  # some programs read a table line by line
+            if text.startswith(FORMULA):
+                text = f" {text}"  # a spreadsheet would execute it
             texts[step] = f"{texts[step]}; {text}" if step in texts else text
         return texts
 

@@ -72,7 +72,9 @@ def test_notes_of_any_text_are_read_back(lesson: Path) -> None:
     for suffix, load in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
         path = lesson.with_suffix(suffix)
         write_table(path, table([found], Span()).grid())
-        assert load(path).note.dropna().to_dict() == {0: texts[0], 50: texts[1], 100: texts[2]}
+        found_texts = load(path).note.dropna().to_dict()
+        assert found_texts == {0: texts[0], 50: "Zeile 1 Zeile 2", 100: texts[2]}
+    assert len(lesson.with_suffix(".csv").read_text(encoding="utf-8").splitlines()) == 301
 
 
 def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:

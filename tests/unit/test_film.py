@@ -106,6 +106,16 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     assert np.abs(right.astype(int) - EMPTY).max() < 12
 
 
+def test_a_film_of_the_only_robot_shows_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_lesson(tmp_path / "hw.rrd", (HW,), rows=3)
+    assert app.run(["export", "hw.rrd", "--video", "hw.mp4"]) == 0
+    assert capsys.readouterr().out == "hw.mp4: 2 frames, 0.0 s of ada, hardware.\n"
+    assert decoded(tmp_path / "hw.mp4").pictures[0].shape == (PANEL[1], PANEL[0], 3)
+
+
 def test_a_robot_without_samples_is_not_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_lesson(tmp_path / "a.rrd", (SIM,), rows=26)
@@ -148,6 +158,7 @@ def test_damaged_pictures_and_other_sizes_are_survived(
         (["--video", "new.mp4", "--eye", "left", "--on", "both"], 2, "Give sim or hw"),
         (["--video", "new.mp4", "--eye", "right"], 1, "it has pictures of: left (ada, sim)"),
         (["--video", "new.mp4", "--eye", "left", "--from", "1.6"], 1, "it has pictures of: none"),
+        (["--video", "new.mp4", "--samples"], 2, "--samples needs a table"),
         (["--video", "kept.mp4"], 1, "kept.mp4 exists and is not overwritten"),
         (["--video", "missing/new.mp4"], 1, "cannot be written: No such file"),
     ],
