@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.recording.file_output import FileOutput
-from beatrix_zenoh.recording.losses import Count, sentences, total
+from beatrix_zenoh.recording.losses import PICTURES, Count, Stream, findings, total
 from beatrix_zenoh.recording.recorder import Recorder
 
 
@@ -30,10 +32,10 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
         })  # fmt: skip
     elif robots:
         files = ", ".join(map(str, output.files))
-        for text in sentences(counts):
+        for text in findings(counts).values():
             note(text)
         say(
-            f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(whole)}, "
+            f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(counts)}, "
             f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
         )
     else:
@@ -48,9 +50,13 @@ def outcome(one: Count) -> dict[str, int]:
     return {"lost": one.lost, "dropped": one.unwritten, "late": one.late, "repeated": one.repeated}
 
 
-def missing(one: Count) -> str:
-    """Return how many publications the recording lacks, in words."""
-    words = [f"{one.lost} lost on the network"] * bool(one.lost) + [f"{one.unwritten} dropped"] * bool(
-        one.unwritten
-    )
-    return " and ".join(words) or "nothing dropped"
+def missing(counts: Mapping[Stream, Count]) -> str:
+    """Return how many publications the recording lacks, in words; pictures apart, because they are often left out."""
+    pictures = total({stream: one for stream, one in counts.items() if stream[1].startswith(PICTURES)})
+    others = total({stream: one for stream, one in counts.items() if not stream[1].startswith(PICTURES)})
+    words = {
+        "lost on the network": others.lost,
+        "dropped": others.unwritten,
+        "pictures lost": pictures.lost + pictures.unwritten,
+    }
+    return ", ".join(f"{number} {what}" for what, number in words.items() if number) or "nothing dropped"

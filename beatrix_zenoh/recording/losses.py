@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Final
 
@@ -17,6 +17,8 @@ from beatrix_zenoh.recording.samples import NUMBERS
 POSITIONS: Final = "positions"
 EVENTS: Final = "events"
 STATES: Final = "states"
+PICTURES: Final = "pictures of the"
+"""Beginning of the kinds of pictures."""
 _KINDS: Final = {"positions": POSITIONS, "events": EVENTS, "status": STATES}
 
 Stream = tuple[Place, str]
@@ -156,7 +158,7 @@ def stream_of_key(key: str) -> Stream | None:
 
 def pictures_of(eye: str) -> str:
     """Return the kind of a camera's publications."""
-    return f"pictures of the {names.view_title(eye)}"
+    return f"{PICTURES} {names.view_title(eye)}"
 
 
 def seq_of(value: Positions | Status | Event | CameraImage) -> int | None:
@@ -169,16 +171,19 @@ def total(counts: Mapping[Stream, Count]) -> Count:
     return sum(counts.values(), Count())
 
 
-def sentences(counts: Mapping[Stream, Count]) -> Iterator[str]:
-    """Yield a sentence for each stream and each cause for which publications are missing or late."""
-    for (place, what), one in counts.items():
-        robot = f"{place[0]} ({place[1]})"
-        if one.lost:
-            cause = " or left out by a router that limits pictures" if what not in (POSITIONS, EVENTS) else ""
-            yield f"{robot}: {one.lost} of {one.published} {what} were lost on the network{cause}."
-        if one.dropped:
-            yield f"{robot}: {one.dropped} of {one.published} {what} were dropped here: this computer was too slow."
-        if one.impossible:
-            yield f"{robot}: {one.impossible} of {one.published} {what} have impossible time stamps and were left out."
-        if one.late:
-            yield f"{robot}: {one.late} of {one.published} {what} arrived more than 2 s late; they have their true times."
+def findings(counts: Mapping[Stream, Count]) -> dict[tuple[Stream, str], str]:
+    """Return a sentence for each stream and each cause (a field of Count) for which publications are missing or late."""
+    found = {}
+    for stream, one in counts.items():
+        (name, twin), what = stream
+        limited = " or left out by a router that limits pictures" * what.startswith(PICTURES)
+        for cause, outcome in {
+            "lost": f"were lost on the network{limited}",
+            "dropped": "were dropped here: this computer was too slow",
+            "impossible": "have impossible time stamps and were left out",
+            "late": "arrived more than 2 s late; they have their true times",
+        }.items():
+            number = getattr(one, cause)
+            if number:
+                found[stream, cause] = f"{name} ({twin}): {number} of {one.published} {what} {outcome}."
+    return found

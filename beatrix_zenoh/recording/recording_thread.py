@@ -147,14 +147,14 @@ class RecordingThread:
             output.show(robots)
 
     def _convert(self, timed: Timed) -> Iterator[Row]:
-        arrival, time_ns = timed
+        arrival, time_ns, stale = timed
         place, value = (arrival.robot, arrival.twin), arrival.value
         rows = self._rows[place]
         match value:
             case Positions():
                 self._last[place] = arrival.t_mono_ns, time_ns
                 yield from rows.back(time_ns, value.t_wall_ns)
-                if rows.repeats(value):
+                if rows.repeats(value, stale=stale):
                     self._losses.repeated((place, POSITIONS))
                     return
                 self.samples += 1

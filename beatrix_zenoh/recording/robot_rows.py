@@ -64,15 +64,19 @@ class RobotRows:
         self._clock = time_ns, offset_s, bound_s
         yield Numbers(of_robot(self.place, "clock"), time_ns, time_ns, (offset_s, bound_s))
 
-    def repeats(self, positions: Positions) -> bool:
+    def repeats(self, positions: Positions, *, stale: bool) -> bool:
         """Return whether positions only repeat those of the last rows: the node had no new telemetry.
 
         They get no rows, because tools that merge rows of one time would lose sequence numbers; the next rows contain
-        their number. Nodes of earlier versions do not mark them.
+        their number. Nodes of earlier versions do not mark them. `stale`: they repeat others of long ago.
         """
         last = self._written
-        same = last is not None and positions.t_mono_ns == last.t_mono_ns
-        if last is None or not same or not (positions.repeated or positions.position == last.position):
+        same = (
+            last is not None
+            and positions.t_mono_ns == last.t_mono_ns
+            and (positions.repeated or positions.position == last.position)
+        )
+        if not same and not stale:
             return False
         self._repeats += 1
         return True

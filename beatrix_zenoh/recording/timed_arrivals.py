@@ -28,6 +28,8 @@ class Timed(NamedTuple):
 
     arrival: Arrival[Value]
     time_ns: int
+    stale: bool = False
+    """whether positions repeat others of long ago, because the node gets no telemetry"""
 
 
 class TimedArrivals:
@@ -89,7 +91,7 @@ class TimedArrivals:
         stream = stream_of(place, value)
         delay = self._timebase.delay(place, value.t_mono_ns, arrival.t_mono_ns)
         if isinstance(value, Positions) and value.repeated and delay is not Delay.NONE:
-            self._losses.repeated(stream)  # the board is lost: the node repeats its last positions
+            yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns), stale=True)
             return
         if delay is Delay.IMPOSSIBLE or value.t_wall_ns < 0:
             self._losses.impossible(stream)

@@ -14,8 +14,8 @@ from beatrix_zenoh.recording.losses import (
     Count,
     Losses,
     Stream,
+    findings,
     pictures_of,
-    sentences,
     stream_of_key,
     total,
 )
@@ -105,7 +105,7 @@ def test_streams_and_robots_are_counted_apart() -> None:
     ):
         for seq in seqs:
             losses.received(stream, seq)
-    assert list(sentences(losses.counts({ARMS: 1}))) == [
+    assert list(findings(losses.counts({ARMS: 1})).values()) == [
         "bea (hw): 1 of 3 events were lost on the network.",
         "bea (hw): 1 of 3 pictures of the left eye were lost on the network or left out by a router that limits pictures.",
         "bea (hw): 1 of 5 positions were lost on the network.",

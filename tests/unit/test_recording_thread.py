@@ -126,6 +126,11 @@ class Rig:
         offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
         self.queries.pending = [RobotAnswer(BEA, offset, ROBOT.geometry)]
 
+    def rows_of(self, what: str) -> list[tuple[float, ...]]:
+        """Return the values of an entity of the robot."""
+        found = [row for row in self.output.rows if isinstance(row, Numbers)]
+        return [row.values for row in found if row.path == f"bea/hw/{what}"]
+
     def arms(self) -> list[Numbers]:
         """Return the rows of the arms so far."""
         return [row for row in self.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/arms"]
@@ -274,12 +279,23 @@ def test_repeated_positions_are_counted_and_not_written_twice(rig: Rig) -> None:
     ):
         rig.subscriptions.publish(sample)
     until(lambda: len(rig.arms()) == 2, "two samples are written")
-    repeats = [
-        row.values for row in rig.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/repeats"
-    ]
-    assert repeats == [(0.0,), (1.0,)]
+    assert rig.rows_of("repeats") == [(0.0,), (1.0,)]
     (one,) = rig.thread.counts.values()
     assert (one.received, one.repeated, one.lost) == (3, 1, 0)
+
+
+def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: Rig) -> None:
+    """The node repeats the last positions; those of an hour ago would stretch the time line."""
+    rig.answer(AHEAD_NS)
+    old = msgspec.structs.replace(positions(AHEAD_NS - 3_600_000_000_000), repeated=True)
+    for _ in range(3):
+        rig.subscriptions.publish(msgspec.structs.replace(old, seq=next(numbers)))
+    rig.subscriptions.publish(positions())
+    until(lambda: len(rig.arms()) == 1, "the new sample is written")
+    assert rig.rows_of("repeats") == [(3.0,)]
+    (one,) = rig.thread.counts.values()
+    assert (one.received, one.repeated, one.impossible, one.late) == (4, 3, 0, 0)
+    assert rig.queries.requests == [], "the clock is not measured again"
 
 
 def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:
