@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 import av
+from av.video.reformatter import ColorRange, Colorspace
 from av.video.stream import VideoStream
 
 from beatrix_zenoh.recording.film import Frame
@@ -48,6 +49,9 @@ def new_stream(container: av.container.OutputContainer, frame: Frame) -> VideoSt
     stream = container.add_stream("libx264", rate=RATE, options=OPTIONS)
     stream.height, stream.width = frame.pixels.shape[:2]
     stream.pix_fmt = "yuv420p"  # browsers show no other one
+    # Players guess the colours of a large picture otherwise, and wrong ones.
+    stream.codec_context.colorspace = Colorspace.ITU601
+    stream.codec_context.color_range = ColorRange.MPEG
     stream.codec_context.time_base = Fraction(1, TICKS)
     stream.time_base = Fraction(1, TICKS)
     return stream

@@ -12,6 +12,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+from av.video.reformatter import ColorRange, Colorspace
 from lesson_file import BEGAN_NS, write_lesson
 from PIL import Image
 
@@ -34,6 +35,7 @@ class Decoded:
 
     codec: str
     form: str
+    colours: tuple[int, int]
     times_s: list[float]
     pictures: list[Pixels]
 
@@ -46,6 +48,7 @@ def decoded(path: Path) -> Decoded:
         return Decoded(
             stream.codec_context.name,
             str(stream.codec_context.pix_fmt),
+            (int(stream.codec_context.colorspace), int(stream.codec_context.color_range)),
             [float(frame.pts * stream.time_base) for frame in frames if frame.pts is not None],
             [frame.to_ndarray(format="rgb24").astype(np.uint8) for frame in frames],
         )
@@ -79,6 +82,7 @@ def test_the_pictures_of_an_eye_keep_their_times(folder: Path, capsys: pytest.Ca
     assert capsys.readouterr().out == "eye.mp4: 5 frames, 1.5 s of the left eye of ada (sim).\n"
     film = decoded(folder / "eye.mp4")
     assert (film.codec, film.form) == ("h264", "yuv420p")
+    assert film.colours == (Colorspace.ITU601, ColorRange.MPEG)
     assert film.times_s == pytest.approx([ms / 1000 for ms in TIMES_MS], abs=1 / 45_000)
     for picture, colour in zip(film.pictures, COLOURS, strict=True):
         assert picture.shape == (48, 64, 3)
