@@ -26,6 +26,12 @@ def start(work: Callable[[], None], name: str) -> threading.Thread:
     return thread
 
 
+def show_error(error: Exception) -> None:
+    """Pass an unexpected error to `threading.excepthook`, which shows it, and let the thread continue."""
+    values = type(error), error, error.__traceback__, threading.current_thread()
+    threading.excepthook(threading.ExceptHookArgs(values))
+
+
 def ours() -> bool:
     """Return whether the calling thread was started here."""
     return threading.current_thread().name.startswith(PREFIX)

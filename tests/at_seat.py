@@ -16,6 +16,7 @@ from beatrix_zenoh import Robot as OneRobot
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.settings import resolve
 
 RECEIVED: Counter[tuple[str, str]] = Counter()
@@ -34,6 +35,11 @@ def client() -> Client:
 def robot(name: str) -> OneRobot:
     """Return the hardware of a robot of the class."""
     return OneRobot(name, "hw", client=client(), timeout_s=PATIENCE_S)
+
+
+def stop_all() -> None:
+    """Publish STOP for all robots."""
+    publish_stop(client(), ("*", "*"))
 
 
 def ready(name: str) -> str:

@@ -17,6 +17,7 @@ from PyQt5.QtWidgets import QApplication, QWidget
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.stopping import Press
 from beatrix_zenoh.settings import Settings
 from gui.run import SIZE, linked_window, qt_application
 from gui.state.actions import Outcome
@@ -44,7 +45,7 @@ class Times:
         self.stopped: list[float] = []
         self.shown: list[tuple[float, Outcome]] = []
         self.ages_s: list[float] = []
-        show, ask, stop, paint = window.report, Request.__init__, Robot.press_stop, Picture.paintEvent
+        show, ask, stop, paint = window.report, Request.__init__, Press.send, Picture.paintEvent
 
         def report(outcome: Outcome) -> None:
             show(outcome)
@@ -55,10 +56,9 @@ class Times:
             if args[2:3] and "/motion" in str(args[2]):
                 self.sent.append(time.monotonic())
 
-        def press_stop(robot: Robot) -> object:
-            wait = stop(robot)
+        def send_stop(press: Press) -> None:
+            stop(press)
             self.stopped.append(time.monotonic())
-            return wait
 
         def draw(picture: Picture, event: object) -> None:
             paint(picture, event)  # type: ignore[arg-type]
@@ -68,7 +68,7 @@ class Times:
 
         window.report = report  # type: ignore[method-assign]
         Request.__init__ = request  # type: ignore[assignment,method-assign]
-        Robot.press_stop = press_stop  # type: ignore[assignment,method-assign]
+        Press.send = send_stop  # type: ignore[assignment,method-assign]
         Picture.paintEvent = draw  # type: ignore[assignment,method-assign]
 
 

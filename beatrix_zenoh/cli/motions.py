@@ -17,8 +17,9 @@ from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.client.readings import Reading
-from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 
@@ -217,7 +218,7 @@ def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
     except KeyboardInterrupt as interrupt:
         # If the interrupt has a text, the function that raised it has stopped the robots and states their positions.
         rests = str(interrupt) or "\n".join(
-            f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(robots))
+            sentence(robot.place, answer.message) for robot, answer in stop_robots(reversed(robots))
         )
         if as_json:
             print_failure(Reason.STOPPED, rests)

@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import contextlib
-import time
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, NamedTuple
 
 import typer
 
 from beatrix_zenoh import names
-from beatrix_zenoh._generated.messages import CommandReply, Reason, Source
+from beatrix_zenoh._generated.messages import Reason, Source
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
 from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, is_named
-from beatrix_zenoh.client.group_stop import STOP_S, request_stop
-from beatrix_zenoh.client.request import GroupRequest, Place
+from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.silence import absent_reason, publishing
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.client.silence import absent_reason
+from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, matches, sentence, silences
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve_valid
 
-SILENT = {
-    Reason.NODE_FROZEN: "did not answer and publishes no positions: its node hangs, or its connection is interrupted. "
-    "Switch its power off if it moves.",
-    Reason.TIMED_OUT: "did not answer, but publishes positions: it is very busy. Send STOP again; switch its power "
-    "off if it moves.",
-}
 ALL = "*"
 
 Emergency = Annotated[
@@ -83,31 +77,27 @@ def stop(
     sides = {*(on or ())}
     twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings, source=Source.CLI) as client:
-        requests = [request_stop(client, robot, twin, emergency=emergency) for robot in asked]
+        sent = [SentGroupStop(client, (robot, twin), emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
-        found = [place for place in present if {place[0], ALL} & {*asked} and twin in (ALL, place[1])]
+        found = [place for place in present if any(matches((robot, twin), place) for robot in asked)]
         if emergency:
-            requests = [*stop_simulations(client, asked, twin), *requests, *emergency_by_name(client, found)]
-        deadline = time.monotonic() + STOP_S
-        replies = dict(
-            reply for request in requests for reply in request.replies(deadline - time.monotonic())
-        )
-        silent = [place for place in found if place not in replies]
-        busy = publishing(client.bus, silent) if silent else set()
-    if not (found or replies or wrong_names):
+            sent = [*stop_simulations(client, asked, twin), *sent, *emergency_by_name(client, found)]
+        answers = {place: answer for stop in sent for place, answer in stop.replies().items()}
+        answers |= silences(client.bus, [place for place in found if place not in answers])
+    if not (answers or wrong_names):
         raise nothing_to_stop(settings.connect, asked, present)
-    missing = absent(asked, twin, {*found, *replies}, present, settings.connect)
-    show([*outcomes_of(replies, found, busy), *missing, *wrong_names], as_json=as_json)
+    missing = absent(asked, twin, answers, present, settings.connect)
+    show([*itertools.starmap(outcome_of, answers.items()), *missing, *wrong_names], as_json=as_json)
 
 
-def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[GroupRequest[CommandReply]]:
+def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[SentGroupStop]:
     """Send STOP to simulations, because the router of a class forwards no EMERGENCY_STOP to those of other seats."""
-    return [] if twin == "hw" else [request_stop(client, robot, "sim") for robot in asked]
+    return [] if twin == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
 
 
-def emergency_by_name(client: Client, places: Sequence[Place]) -> list[GroupRequest[CommandReply]]:
+def emergency_by_name(client: Client, places: Sequence[Place]) -> list[SentGroupStop]:
     """Send EMERGENCY_STOP to each robot by name: the router of a class does not forward a student's with wildcards."""
-    return [request_stop(client, *place, emergency=True) for place in places]
+    return [SentGroupStop(client, place, emergency=True) for place in places]
 
 
 @contextlib.contextmanager
@@ -138,31 +128,18 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
     reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
         Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
-        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint} "
-        "A robot whose node hangs or has crashed is not on line: if it moves, switch its motor power off.",
+        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint} " + OFF_LINE,
     )
 
 
-def outcomes_of(
-    replies: dict[Place, CommandReply], found: Sequence[Place], busy: set[Place]
-) -> list[Outcome]:
-    """Return the outcomes of the robots that replied, then of the silent ones; those in `busy` publish positions."""
-    ended = [
-        Outcome(
-            *place, reply.reason, reply.message, 0 if reply.reason is Reason.OK else exit_code(reply.reason)
-        )
-        for place, reply in replies.items()
-    ]
-    silent = [place for place in found if place not in replies]
-    reasons = [Reason.TIMED_OUT if place in busy else Reason.NODE_FROZEN for place in silent]
-    return ended + [
-        Outcome(*place, reason, SILENT[reason], exit_code(reason))
-        for place, reason in zip(silent, reasons, strict=True)
-    ]
+def outcome_of(place: Place, answer: Answer) -> Outcome:
+    """Return the outcome of a robot."""
+    code = exit_code(answer.reason) if isinstance(answer, BeatrixError) else 0
+    return Outcome(*place, answer.reason, answer.message, code)
 
 
 def absent(
-    asked: Sequence[str], twin: str, places: set[Place], present: Sequence[Place], endpoint: str
+    asked: Sequence[str], twin: str, places: Collection[Place], present: Sequence[Place], endpoint: str
 ) -> list[Outcome]:
     """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
@@ -189,6 +166,6 @@ def show(outcomes: Sequence[Outcome], *, as_json: bool) -> None:
         print_json({"result": not code, "robots": rows})
     else:
         for robot, twin, _, message, failed in outcomes:
-            (note if failed else say)(f"{robot} ({twin}): {message}" if twin else message)
+            (note if failed else say)(sentence((robot, twin), message) if twin else message)
     if code:
         raise typer.Exit(code)

@@ -12,7 +12,6 @@ from beatrix_zenoh.client.motion import Motion as Motion
 from beatrix_zenoh.client.plan import Plan as Plan
 from beatrix_zenoh.client.request import Place as Place
 from beatrix_zenoh.client.robot import Robot as Robot
-from beatrix_zenoh.client.robot import stop_together as stop_together
 from beatrix_zenoh.client.robot_state import Presence as Presence
 from beatrix_zenoh.client.robot_state import RobotState as RobotState
 from beatrix_zenoh.client.session import Client as Client

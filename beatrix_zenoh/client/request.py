@@ -132,15 +132,15 @@ class Request:
         """Call `notify` on Zenoh's thread after every reply; it must not block."""
         self._query.notify(notify)
 
-    def stop_if_accepted(self) -> None:
-        """End the wait for this motion; stop it if the robot accepts it late."""
+    def if_accepted(self, do: Callable[[], None]) -> None:
+        """End the wait for this motion; if the robot accepts it late, call `do`, which must not block."""
 
-        def stop(answer: Reply) -> None:
+        def read(answer: Reply) -> None:
             reply = _read(self._client, self._key, answer, MotionReply)
             if reply is not None and reply[1].result:
-                self._client.put_stop(*self._place)
+                do()
 
-        self._query.hand_over(stop)
+        self._query.hand_over(read)
 
     def close(self) -> None:
         """Receive no more replies."""
@@ -175,4 +175,8 @@ class GroupRequest(Generic[M]):
         except TimeoutError:
             return
         finally:
-            self._query.close()
+            self.close()
+
+    def close(self) -> None:
+        """Receive no more replies."""
+        self._query.close()

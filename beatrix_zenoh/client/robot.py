@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
 
 from msgspec import structs
 
@@ -38,6 +37,7 @@ from beatrix_zenoh.client.queries import wait_s as wait_seconds
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.slips import value_method
+from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
@@ -102,21 +102,10 @@ class Robot(RobotBase):
 
     def stop(self) -> CommandReply:
         """Stop the robot, even if another seat moves it; return when the arms rest."""
-        return self.press_stop()()
-
-    def press_stop(self) -> Callable[[], CommandReply]:
-        """Send STOP; the returned function waits until the arms rest, and raises the errors of `command`."""
-        # A foreign queryable may take the query, so STOP is also published, and before it: the reply then covers both.
-        self.client.put_stop(self.name, self.twin)
-        request = Request(self.client, self.place, self.client.stop_key(*self.place), None, self.timeout_s)
-
-        def wait() -> CommandReply:
-            try:
-                return checked(request.next(CommandReply, self.timeout_s))
-            finally:
-                request.close()
-
-        return wait
+        answer = SentStop(self.client, self.place, self.timeout_s).answer()
+        if isinstance(answer, BeatrixError):
+            raise answer
+        return answer
 
     def emergency_stop(self) -> CommandReply:
         """Switch the motors off at once; the head falls. Then set it upright, and call `reset` and `make_ready`."""
@@ -131,7 +120,10 @@ class Robot(RobotBase):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
-        return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
+        reply = self.client.ask(*self.place, key, query, CommandReply, timeout_s)
+        if not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return reply
 
     @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
@@ -244,7 +236,7 @@ class Robot(RobotBase):
         try:
             accepted = request.next(MotionReply, self.timeout_s)
         except BaseException:
-            request.stop_if_accepted()
+            request.if_accepted(lambda: publish_stop(self.client, self.place))
             raise
         if not accepted.result:
             request.close()
@@ -263,20 +255,3 @@ class Robot(RobotBase):
         else:
             slowest = min(query.speed.x, query.speed.y, query.speed.z)
         return min(DAY_S, math.radians(LONGEST_WAY_DEG) / slowest) if slowest > 0 else 0.0
-
-
-def checked(reply: CommandReply) -> CommandReply:
-    """Return the reply; raises Refused if the robot refused."""
-    if not reply.result:
-        raise Refused(reply.reason, reply.message, reply.detail)
-    return reply
-
-
-def stop_together(robots: Iterable[Robot]) -> Iterator[tuple[Robot, CommandReply | BeatrixError]]:
-    """Send STOP to all robots, then wait for each; yield each robot with its reply or error."""
-    pressed = [(robot, robot.press_stop()) for robot in robots]
-    for robot, wait in pressed:
-        try:
-            yield robot, wait()
-        except BeatrixError as error:
-            yield robot, error

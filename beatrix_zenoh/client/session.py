@@ -9,7 +9,6 @@ from typing import Self, TypeVar
 import msgspec
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Info, Reason, Source
 from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
@@ -136,14 +135,6 @@ class Client(ProcessBound):
     def report(self, answer: Reply, what: str) -> None:
         """Log an error of a reply or publication once for each sender."""
         self._reporter.report(answer.sender, answer.key, what)
-
-    def put_stop(self, robot: str, twin: str) -> None:
-        """Publish STOP for robots that a query does not reach; `*` stands for all robots or both twins."""
-        self.bus.put(self.stop_key(robot, twin), b"", codec.MSGPACK)
-
-    def stop_key(self, robot: str, twin: str) -> str:
-        """Return the key of STOP with the seat of this session."""
-        return keys.stop(robot, twin, self.settings.who)
 
     def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
         """Call `do` before the session is closed; returns a function that cancels this.

@@ -13,9 +13,10 @@ from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.readings import Reading
-from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
@@ -82,7 +83,7 @@ class Twin(ProcessBound, Suggesting):
 
     def stop(self) -> None:
         """Send STOP to both robots at the same time, then raise the first error of `Robot.stop`, if any."""
-        for _, reply in list(stop_together((self.hw, self.sim))):
+        for _, reply in list(stop_robots((self.hw, self.sim))):
             if isinstance(reply, BeatrixError):
                 raise reply
 

@@ -19,9 +19,10 @@ from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuer
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.robot import Robot, stop_together
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stop_events import StopEvents
+from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
 
@@ -363,7 +364,7 @@ def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> Bas
         return error
     rests: list[str] = []
     if not (moving and moving[0].client.bus.closed):
-        rests = [f"{robot}: {reply.message}" for robot, reply in stop_together(reversed(moving))]
+        rests = [sentence(robot.place, answer.message) for robot, answer in stop_robots(reversed(moving))]
     if unmoved:
         rests.append(unmoved)
     if isinstance(error, KeyboardInterrupt):

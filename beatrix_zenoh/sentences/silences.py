@@ -58,6 +58,10 @@ ENGLISH: Final[Mapping[Key, str]] = {
         "{field} did not answer within {value}: it publishes positions, so it is running but very busy. Try again, or "
         "wait longer for the answer."
     ),
+    (Reason.TIMED_OUT, None, "stop"): (
+        "{field} did not answer within {value}: it publishes positions, so it is running but very busy. Send STOP "
+        "again; if the arms move, switch their power off."
+    ),
     (Reason.ACCESS_DENIED, None, ""): (
         "The access rules of the router refuse this request from this account. Ask the teacher."
     ),
@@ -125,6 +129,10 @@ GERMAN: Final[Mapping[Key, str]] = {
     (Reason.TIMED_OUT, None, "robot"): (
         "{field} hat binnen {value} nicht geantwortet: Er sendet Positionen, läuft also, ist aber stark beschäftigt. "
         "Versuche es wieder, oder warte länger auf die Antwort."
+    ),
+    (Reason.TIMED_OUT, None, "stop"): (
+        "{field} hat binnen {value} nicht geantwortet: Er sendet Positionen, läuft also, ist aber stark beschäftigt. "
+        "Sende STOP noch einmal; bewegen sich die Arme, schalte ihren Strom aus."
     ),
     (Reason.ACCESS_DENIED, None, ""): (
         "Die Regeln des Routers erlauben diesem Konto diese Anfrage nicht. Frage die Lehrkraft."

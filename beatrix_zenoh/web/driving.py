@@ -15,6 +15,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source, Vector3
 from beatrix_zenoh.client import Client, Motion, Robot
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.errors import BeatrixError, Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.web.messages import ARMS, ROTATIONS, Hold, Outcome, refused
@@ -231,7 +232,7 @@ class Driver:
         motion = self._robot.begin(query)
         self._running = motion
         if self._stops != stops:  # STOP was sent meanwhile and may have arrived before the motion: repeat it
-            self._robot.client.put_stop(*self.place)
+            publish_stop(self._robot.client, self.place)
         motion.add_done_callback(partial(self._done, control))
         return motion.accepted.message
 

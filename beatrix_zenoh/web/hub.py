@@ -16,13 +16,14 @@ import msgspec
 from beatrix_zenoh import names, threads
 from beatrix_zenoh.client import Client, Monitor, Presence
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.stopping import GROUP_S, OFF_LINE, Answers, StopSender, sentence
+from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.web import driving, view
 from beatrix_zenoh.web.driving import DEAD_MAN_S, Driver
 from beatrix_zenoh.web.eyes import Camera, Eye
 from beatrix_zenoh.web.messages import Outcome, refused
 from beatrix_zenoh.web.protection import Visitor
-from beatrix_zenoh.web.stopping import Stopping
 
 GONE_S: Final = 5.0
 """Longest time without a heartbeat of a page that drives; then the server gives the robot back."""
@@ -39,6 +40,7 @@ NAME_IN_USE: Final = (
 )
 SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
 NOT_DRIVING: Final = "You only watch this robot: press Drive first."
+NOT_STOPPED: Final = f"STOP was sent, but no robot {{robot}} answered. {OFF_LINE}"
 NO_ROBOT: Final = "There is no robot {name} at the router. Choose one from the list."
 
 
@@ -86,7 +88,7 @@ class Hub:
         self._router = True
         self.client.bus.watch_router(lambda there: self._set_router(there=there))
         self.pages: set[Page] = set()
-        self._stopping = Stopping()
+        self._stop_sender = StopSender("web")
         self._closing: list[threading.Thread] = []
         self._eyes: dict[Camera, tuple[Eye, set[PictureSocket]]] = {}
 
@@ -235,8 +237,17 @@ class Hub:
 
     def _send_stop(self, robot: str, driver: Driver | None, report: driving.Report) -> None:
         """Send STOP through the session of a driver, so that its seat need not pause; otherwise through the hub's."""
+
+        def answered(answers: Answers) -> None:
+            for place, answer in answers.items():
+                ok, text = not isinstance(answer, BeatrixError), sentence(place, answer.message)
+                report(Outcome("stop", ok=ok, text=text))
+            if not answers:
+                report(refused("stop", NOT_STOPPED.format(robot=robot)))
+
         own = None if driver is None else driver.client
-        self._stopping.press([self.client] if own is None else [own, self.client], robot, report)
+        clients = [self.client] if own is None else [own, self.client]
+        self._stop_sender.send(clients, [(robot, "*")], answered, self.monitor.present())
 
     def _reporter(self, *pages: Page) -> driving.Report:
         """Return a function that reports to pages; any thread may call it."""
@@ -285,7 +296,8 @@ class Hub:
             self.end_driver(page)
         for camera in list(self._eyes):
             self._close_later(self._eyes.pop(camera)[0].end)
-        self._stopping.close()
+        self._stop_sender.close()
+        self._stop_sender.join(time.monotonic() + GROUP_S)
         deadline_s = time.monotonic() + CLOSE_S
         for thread in self._closing:
             thread.join(max(0.0, deadline_s - time.monotonic()))

@@ -18,7 +18,6 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import BeatrixError
 from beatrix_zenoh.names import TEACHER
 from beatrix_zenoh.settings import Settings
-from gui.link.worker import show_error
 from gui.state.world import LinkPhase
 
 RETRY_S = 1.0
@@ -132,7 +131,7 @@ class Connection:
             try:
                 self._step()
             except Exception as error:  # noqa: BLE001  # without this thread there would be no session
-                show_error(error)
+                threads.show_error(error)
                 time.sleep(RETRY_S)
 
     def _step(self) -> None:

@@ -10,12 +10,13 @@ from functools import partial
 from beatrix_zenoh import threads
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
 from gui.link.cameras import Cameras
 from gui.link.children import Children
-from gui.link.connection import Connection
+from gui.link.connection import Connection, Session
 from gui.link.governing import ClassStates, Governing
 from gui.link.outcomes import deselected, done, failed, replaced, stopped
 from gui.link.pictures import OnImage
@@ -24,7 +25,7 @@ from gui.link.playing import Playing
 from gui.link.probe import Probe
 from gui.link.recordings import Recordings
 from gui.link.request_queue import RequestQueue
-from gui.link.stopping import Stopping
+from gui.link.stopping import stop_all, stop_both
 from gui.link.worker import Part, Worker
 from gui.state import actions
 from gui.state.actions import Action, Outcome
@@ -61,9 +62,7 @@ class Link:
         self._queues = {twin: RequestQueue(twin, report) for twin in TWINS}
         self._plans = Plans(report)
         self._playing = Playing(report)
-        self._stopping = Stopping(
-            self._robots_to_stop, lambda: self._connection.session, self._no_session, report
-        )
+        self._stop_sender = StopSender("window")
         self._governing, self._class = Governing(report), ClassStates()
         self._probes = {twin: Probe(twin, lambda: self._connection.session) for twin in TWINS}
         self._children = Children(self._connection.try_now)
@@ -109,11 +108,9 @@ class Link:
         """Carry out an action; its results are reported as `Outcome`s."""
         match action:
             case actions.StopBoth():
-                self._stopping.press(action.row)
-                self._drop_all()  # in this thread, so that requests made after STOP are not dropped
+                self._stop(stop_both, action.row)
             case actions.StopAll():
-                self._stopping.press_all(action.row)
-                self._drop_all()
+                self._stop(stop_all, action.row)
             case actions.SendPlanNow():
                 self._plans.send_now()
             case actions.AbortPlan():
@@ -246,9 +243,13 @@ class Link:
 
     # -- STOP ---------------------------------------------------------------------------------------
 
-    def _robots_to_stop(self) -> tuple[Robot, ...]:
+    def _stop(self, send: Callable[[StopSender, Session, int, OnOutcome], None], row: int) -> None:
         session = self._connection.session
-        return () if session is None else (session.twin.hw, session.twin.sim)
+        if session is None:
+            self._report(self._no_session(row))
+        else:
+            send(self._stop_sender, session, row, self._report)
+        self._drop_all()  # in this thread, so that requests made after STOP are not dropped
 
     def _no_session(self, row: int) -> Outcome:
         trouble = (
@@ -275,7 +276,7 @@ class Link:
             self._plans,
             *self._queues.values(),
             *self._probes.values(),
-            self._stopping,
+            self._stop_sender,
             self._governing,
             self._cameras,
             self._recordings,

@@ -11,6 +11,7 @@ from beatrix_zenoh._generated.messages import Command, LeaseAction, MotionQuery,
 from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.errors import BeatrixError, Refused
 from gui.link.outcomes import accepted, done, failed, replaced, stopped
 from gui.link.worker import Worker
@@ -91,7 +92,7 @@ class RequestQueue(Worker):
         self.stop()
         if (running := self._running) is not None:
             robot, _ = running
-            robot.client.put_stop(*robot.place)
+            publish_stop(robot.client, robot.place)
 
     def replace(self) -> None:
         """Drop a waiting motion, which a newer motion or a play replaces."""
@@ -139,7 +140,7 @@ class RequestQueue(Worker):
         motion = task.robot.begin(query)
         self._running = task.robot, motion
         if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
-            task.robot.client.put_stop(*task.robot.place)
+            publish_stop(task.robot.client, task.robot.place)
         task.begun()
         self._report(accepted(task.row, self._twin, motion.accepted.message, motion.duration))
 

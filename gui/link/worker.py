@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import queue
-import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
 
 from beatrix_zenoh import threads
-
-
-def show_error(error: Exception) -> None:
-    """Pass an unexpected error to `threading.excepthook`, which shows it in the window, and let the thread continue."""
-    values = type(error), error, error.__traceback__, threading.current_thread()
-    threading.excepthook(threading.ExceptHookArgs(values))
 
 
 class Part(Protocol):
@@ -43,7 +36,7 @@ class Worker:
             try:
                 job()
             except Exception as error:  # noqa: BLE001  # the thread must serve later jobs, too
-                show_error(error)
+                threads.show_error(error)
 
     def close(self) -> None:
         """End the thread after the queued jobs; returns at once."""

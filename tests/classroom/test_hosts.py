@@ -86,7 +86,7 @@ def test_stop_of_all_robots_stops_only_the_robots_of_its_class(lesson: Lesson) -
     for seat, robot in ((ana, "bea2"), (other, "bea1")):
         seat.does(f"ready({robot!r})")
         seat.does(f"begin({robot!r}, 170)")
-    ana.does("client().put_stop('*', '*')")
+    ana.does("stop_all()")
     ana.until("not robot('bea2').status().moving", "stopped")
     assert other.does("robot('bea1').status().moving")
     other.does("robot('bea1').stop().result")

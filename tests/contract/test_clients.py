@@ -14,6 +14,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Query
+from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.lease import QUIET_S
@@ -121,7 +122,7 @@ def test_emergency_stop_is_carried_out_during_a_flood_of_stops(body: Body, robot
 
     def press() -> None:
         while not over.is_set():
-            robot.client.put_stop(*robot.place)
+            publish_stop(robot.client, robot.place)
 
     thread = threading.Thread(target=press)
     thread.start()

@@ -13,6 +13,7 @@ from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
 from beatrix_zenoh.bus import Query
 from beatrix_zenoh.client import Monitor
+from beatrix_zenoh.client.stopping import publish_stop, stop_key
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
@@ -131,9 +132,9 @@ def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> 
         for form in ("put", "query"):
             for other in (ben, cem):
                 if form == "put":
-                    other.client.put_stop(*other.place)
+                    publish_stop(other.client, other.place)
                 else:
-                    other.client.bus.query(other.client.stop_key(*other.place), timeout_s=1.0).next(5.0)
+                    other.client.bus.query(stop_key(other.client, other.place), timeout_s=1.0).next(5.0)
         ben.reset()  # its event comes after those of STOP
         received = []
         for event in events:

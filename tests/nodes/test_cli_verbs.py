@@ -356,7 +356,7 @@ def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Sh
         done = shell.run("stop", "--name", "bea3")
         for incoming in unanswered:
             incoming.finish()
-    assert (done.returncode, "bea3 (hw): did not answer" in done.stderr) == (10, True)
+    assert (done.returncode, "bea3 (hw) is on line but did not answer" in done.stderr) == (10, True)
 
 
 def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell: Shell) -> None:

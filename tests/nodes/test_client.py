@@ -31,6 +31,7 @@ from beatrix_zenoh._generated.messages import (
 )
 from beatrix_zenoh.bus import SUBSCRIBER, Incoming
 from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
+from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.errors import NoAnswer, WrongUsage
 
 PATIENCE_S = 10.0
@@ -242,7 +243,7 @@ def test_a_closed_robot_raises_wrong_usage_and_its_streams_end(stage: Stage) -> 
     robot.client.close()
     uses: list[Callable[[], object]] = [robot.status, robot.stop, robot.stream, robot.events]
     uses += [robot.client.bus.robots, lambda: Monitor(robot.client), lambda: robot.look(yaw=1)]
-    uses += [lambda: robot.client.put_stop("bea", "hw")]
+    uses += [lambda: publish_stop(robot.client, robot.place)]
     for use in uses:
         with pytest.raises(WrongUsage, match="closed by this program"):
             use()

@@ -14,7 +14,7 @@ from stage import Stage, until
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.robot import stop_together
+from beatrix_zenoh.client.stopping import stop_robots
 
 
 @pytest.fixture
@@ -219,7 +219,7 @@ def test_stop_at_one_robot_stops_the_other(stage: Stage, twin: Twin) -> None:
 
 def test_stop_is_sent_to_both_robots_before_waiting_for_a_reply(twin: Twin) -> None:
     motions = [robot.look(yaw=90, wait=False) for robot in (twin.sim, twin.hw)]
-    answers = stop_together((twin.sim, twin.hw))
+    answers = stop_robots((twin.sim, twin.hw))
     robot, _ = next(answers)
     assert robot is twin.sim
     with pytest.raises(Interrupted):

@@ -14,7 +14,7 @@ from linked import Linked, look
 from stage import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh._generated.messages import Command, Reason, Source
-from beatrix_zenoh.client import Client, Presence
+from beatrix_zenoh.client import Client, Place, Presence, stopping
 from beatrix_zenoh.client.queries import pose_query
 from gui.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
 from gui.state.world import LinkPhase
@@ -89,13 +89,13 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
     linked: Linked, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sent_s: list[float] = []
-    put = Client.put_stop
+    put = stopping.publish_stop
 
-    def noted(client: Client, robot: str, twin: str) -> None:
-        put(client, robot, twin)
+    def noted(client: Client, place: Place) -> None:
+        put(client, place)
         sent_s.append(time.monotonic())
 
-    monkeypatch.setattr(Client, "put_stop", noted)
+    monkeypatch.setattr(stopping, "publish_stop", noted)
     took_s = []
     for row in range(15):
         sent_s.clear()

@@ -1,0 +1,303 @@
+"""STOP as clients send it; all programs, windows and pages use this module.
+
+STOP is published and queried. A foreign queryable may take the query, so STOP is also published, and before the query:
+the reply then covers both. STOP needs no lease and waits in no queue of requests.
+
+`publish_stop` expects no reply. `stop_robots` sends STOP to several robots at the same time and waits in the caller's
+thread. A `StopSender` sends it on a thread of its own, for callers that must not wait.
+"""
+
+from __future__ import annotations
+
+import itertools
+import queue
+import threading
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol, TypeVar
+
+from beatrix_zenoh import codec, threads
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Detail, Reason
+from beatrix_zenoh.bus import Bus
+from beatrix_zenoh.client.request import GroupRequest, Place, Request
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.silence import publishing, title
+from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+
+ROBOT_S: Final = 2.0
+"""Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""
+GROUP_S: Final = 3.0
+"""Time limit (s) of the replies of a group."""
+PLACES_MAX: Final = 16
+"""Largest number of places whose answers a `StopSender` awaits at the same time; STOP is sent to further ones, too."""
+REPORTS_MAX: Final = 256
+"""Largest number of presses that one answer is reported for; STOP is sent for further ones, too."""
+OFF_LINE: Final = (
+    "A robot whose node hangs or has crashed is not on line: if it moves, switch its motor power off."
+)
+"""Advice if no robot was expected to answer."""
+
+Answer = CommandReply | BeatrixError
+"""The reply of a robot whose arms rest, or the error of one that refused or did not answer."""
+Answers = dict[Place, Answer]
+Report = Callable[[Answers], object]
+"""Takes the answers of a place; called on a thread of a `StopSender`."""
+
+
+class Stoppable(Protocol):
+    """A robot of the SDK."""
+
+    client: Client
+    timeout_s: float
+
+    @property
+    def place(self) -> Place:
+        """Name and twin of the robot."""
+
+
+R = TypeVar("R", bound=Stoppable)
+
+
+def publish_stop(client: Client, place: Place) -> None:
+    """Publish STOP and expect no reply; in a place `*` stands for all robots or both twins."""
+    client.bus.put(stop_key(client, place), b"", codec.MSGPACK)
+
+
+def stop_key(client: Client, place: Place) -> str:
+    """Return the key of STOP with the seat of a session."""
+    return keys.stop(*place, client.settings.who)
+
+
+def stop_robots(robots: Iterable[R]) -> Iterator[tuple[R, Answer]]:
+    """Send STOP to all robots, then wait for each; yield each robot with its answer."""
+    sent = [(robot, SentStop(robot.client, robot.place, robot.timeout_s)) for robot in robots]
+    for robot, stop in sent:
+        yield robot, stop.answer()
+
+
+class SentStop:
+    """STOP that was sent to one robot."""
+
+    def __init__(self, client: Client, place: Place, timeout_s: float = ROBOT_S) -> None:
+        publish_stop(client, place)
+        self.place, self._timeout_s = place, timeout_s
+        self._request = Request(client, place, stop_key(client, place), None, timeout_s)
+        self.close = self._request.close
+
+    def answer(self) -> Answer:
+        """Wait until the arms rest; to find why there is no answer takes up to 3 s more."""
+        try:
+            return answer_of(self._request.next(CommandReply, self._timeout_s))
+        except BeatrixError as error:
+            busy = error.reason is Reason.TIMED_OUT
+            return no_answer(self.place, self._timeout_s, publishes=True) if busy else error
+        finally:
+            self.close()
+
+
+class SentGroupStop:
+    """STOP or EMERGENCY_STOP that was sent to all robots of a place with `*`."""
+
+    def __init__(self, client: Client, place: Place, *, emergency: bool = False) -> None:
+        query, key, priority = None, stop_key(client, place), None
+        if emergency:
+            query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
+            key, priority = keys.command(*place, client.settings.who), "real_time"
+        else:
+            publish_stop(client, place)
+        self._client, self._place = client, place
+        self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority)
+        self.close = self._request.close
+        self._deadline_s = time.monotonic() + GROUP_S
+
+    def replies(self) -> Answers:
+        """Wait until the arms rest; return the answers of the robots that replied within GROUP_S after the STOP."""
+        replies = self._request.replies(self._deadline_s - time.monotonic())
+        return {place: answer_of(reply) for place, reply in replies}
+
+    def answers(self, expected: Iterable[Place]) -> Answers:
+        """Return the replies, and an error for each robot of `expected` that is of this group and did not reply."""
+        replies = self.replies()
+        silent = sorted(place for place in expected if matches(self._place, place) and place not in replies)
+        return replies | silences(self._client.bus, silent)
+
+
+def matches(wanted: Place, place: Place) -> bool:
+    """Return whether a place with `*` stands for this robot, too."""
+    return wanted[0] in ("*", place[0]) and wanted[1] in ("*", place[1])
+
+
+def answer_of(reply: CommandReply) -> Answer:
+    """Return the reply, or Refused if the robot refused."""
+    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)
+
+
+def sentence(place: Place, message: str) -> str:
+    """Return the message of an answer with the name of the robot, unless it begins with it."""
+    name = title(place)
+    return message if message.startswith(name) else f"{name}: {message}"
+
+
+def silences(bus: Bus, places: Collection[Place]) -> Answers:
+    """Return the errors of robots of a group that did not reply; takes 1 s if one of them publishes no positions."""
+    busy = publishing(bus, places) if places else ()
+    return {place: no_answer(place, GROUP_S, publishes=place in busy) for place in places}
+
+
+def no_answer(place: Place, limit_s: float, *, publishes: bool) -> NoAnswer:
+    """Return the error of a robot that is on line and did not answer STOP within `limit_s` (s)."""
+    reason = Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN
+    return NoAnswer(reason, detail=Detail(field=title(place), value=limit_s, unit="s", needs=["STOP"]))
+
+
+@dataclass(eq=False)
+class Press:
+    """STOP for one place."""
+
+    clients: Sequence[Client]
+    place: Place
+    expected: Collection[Place]
+    reports: list[Report]
+    """those of all presses that this one stands for"""
+    sent: SentStop | SentGroupStop | None = None
+
+    def send(self) -> None:
+        """Send STOP through the first session that is connected, else through the last."""
+        *preferred, last = self.clients
+        client = next((client for client in preferred if client.bus.connected), last)
+        group = "*" in self.place
+        self.sent = SentGroupStop(client, self.place) if group else SentStop(client, self.place)
+
+    def stand_for(self, older: Press | None) -> None:
+        """Let the answers of this press be reported for an older one, too, if there is one."""
+        if older is not None:
+            self.reports = [*older.reports, *self.reports][:REPORTS_MAX]
+            if older.sent is not None:
+                older.sent.close()
+
+    def wait(self) -> None:
+        """Wait for the answers and report them."""
+        assert self.sent is not None
+        if isinstance(self.sent, SentStop):
+            self.report({self.place: self.sent.answer()})
+        else:
+            self.report(self.sent.answers(self.expected))
+
+    def report(self, answers: Answers) -> None:
+        """Report these answers."""
+        for report in self.reports:
+            report(answers)
+
+
+class StopSender:
+    """Sends STOP on a thread that waits for nothing else.
+
+    While the answers of a place are awaited it has a thread for them, so that a silent robot delays no other report.
+    Presses for one place that queue up are sent as one STOP. Presses while its answers are awaited are sent, too; the
+    newest then stands for all of them, because for a silent robot the waits would add up.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Start the thread for sending, `beatrix-<name>-stop`."""
+        self._name = name
+        # Callers share no lock with the threads: Ctrl-C in a caller could leave it locked.
+        self._pressed: queue.SimpleQueue[list[Press] | None] = queue.SimpleQueue()
+        self._batches = 0
+        self._sent = Wakeup()
+        self._lock = threading.Lock()
+        self._awaited: dict[Place, Press | None] = {}
+        """For each thread for answers, what it awaits next."""
+        self._waiting: list[threading.Thread] = []
+        self._sending = threads.start(self._send_all, f"{name}-stop")
+
+    def send(
+        self,
+        clients: Sequence[Client],
+        places: Iterable[Place],
+        report: Report,
+        expected: Collection[Place] = (),
+        yield_s: float = 0.0,
+    ) -> None:
+        """Send STOP to these places, in this order; returns at once.
+
+        Args:
+            clients: sessions for sending: the first that is connected is used, else the last.
+            places: robots, or groups of robots with `*`.
+            report: called for each place.
+            expected: robots on line; those of a group should answer.
+            yield_s: longest time (s) that this thread yields to the thread for sending: otherwise Python may run this
+                thread for 5 ms before it switches. Only one thread may use it.
+        """
+        before = self._batches
+        self._pressed.put([Press(clients, place, expected, [report]) for place in places])
+        if yield_s:
+            self._sent.wait_for(lambda: self._batches != before, yield_s)
+
+    def _send_all(self) -> None:
+        closed = False
+        while not closed:
+            batch = [self._pressed.get()]
+            while not self._pressed.empty():
+                batch.append(self._pressed.get())
+            closed = None in batch
+            presses: dict[Place, Press] = {}
+            for press in itertools.chain.from_iterable(filter(None, batch)):
+                press.stand_for(presses.get(press.place))
+                presses[press.place] = press
+            sent = [press for press in presses.values() if self._guarded(press, press.send)]
+            self._batches += 1
+            self._sent.set()
+            for press in sent:
+                self._await(press)
+
+    def _await(self, press: Press) -> None:
+        """Let the thread of the place wait for the answers; start it if there is none."""
+        assert press.sent is not None
+        with self._lock:
+            served = press.place in self._awaited
+            if not served and len(self._awaited) >= PLACES_MAX:
+                press.sent.close()
+                return
+            press.stand_for(self._awaited.get(press.place))
+            self._awaited[press.place] = press
+        if not served:
+            self._waiting = [thread for thread in self._waiting if thread.is_alive()]
+            self._waiting.append(
+                threads.start(lambda: self._report_all(press.place), f"{self._name}-stop-answers")
+            )
+
+    def _report_all(self, place: Place) -> None:
+        """Report the answers of a place until none is awaited."""
+        while True:
+            with self._lock:
+                press, self._awaited[place] = self._awaited[place], None
+                if press is None:
+                    del self._awaited[place]
+                    return
+            self._guarded(press, press.wait)
+
+    def _guarded(self, press: Press, do: Callable[[], None]) -> bool:
+        """Call `do` and return whether it succeeded; report its error, because the next STOP must work."""
+        try:
+            try:
+                do()
+            except BeatrixError as error:
+                press.report({press.place: error})
+            else:
+                return True
+        except Exception as error:  # noqa: BLE001
+            threads.show_error(error)
+        return False
+
+    def close(self) -> None:
+        """Send the waiting STOPs and end the threads when the last one is answered; returns at once."""
+        self._pressed.put(None)
+
+    def join(self, deadline_s: float) -> None:
+        """Wait for the end of the threads until `deadline_s` (monotonic clock, s)."""
+        self._sending.join(max(0.0, deadline_s - time.monotonic()))
+        for thread in self._waiting:
+            thread.join(max(0.0, deadline_s - time.monotonic()))
