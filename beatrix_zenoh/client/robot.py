@@ -120,10 +120,7 @@ class Robot(RobotBase):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
-        reply = self.client.ask(*self.place, key, query, CommandReply, timeout_s)
-        if not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return reply
+        return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
 
     @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
@@ -255,3 +252,10 @@ class Robot(RobotBase):
         else:
             slowest = min(query.speed.x, query.speed.y, query.speed.z)
         return min(DAY_S, math.radians(LONGEST_WAY_DEG) / slowest) if slowest > 0 else 0.0
+
+
+def checked(reply: CommandReply) -> CommandReply:
+    """Return the reply; raises Refused if the robot refused."""
+    if not reply.result:
+        raise Refused(reply.reason, reply.message, reply.detail)
+    return reply

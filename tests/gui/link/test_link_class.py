@@ -32,13 +32,14 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
                 "the other robot is frozen",
             )
             linked.do(StopAll(2))
-            for row in (1, 2):
-                end = linked.end_of(row)
-                assert not end.accepted
-                assert end.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
-                    "its session is lost after 2 s, and the time limit is 2 s, too"
-                )
-                assert (end.robots, end.failed) == (2, ("bea (hw)",))
+            frozen, stop = linked.end_of(1), linked.end_of(2)
+            assert frozen.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
+                "its session is lost after 2 s, and the time limit is 2 s, too"
+            )
+            assert stop.reason is Reason.NODE_FROZEN, "it publishes no positions"
+            assert "power off" in stop.message
+            for end in (frozen, stop):
+                assert (end.accepted, end.robots, end.failed) == (False, 2, ("bea (hw)",))
             hung.send(signal.SIGCONT)
             linked.do(WatchClass(on=False))
             assert linked.world.robots == ()
