@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from known_robots import Act, Arms, Known, acts, as_recordings, from_file
+from known_robots import GOALS, Act, Arms, Known, acts, as_recordings, from_file
 
 from beatrix_zenoh.cli.comparison_text import lag_sentence, lead_sentences
 from beatrix_zenoh.cli.output import columns
@@ -55,6 +55,8 @@ class Case:
     alike: bool = True
     """after removal of lead and lag, the movements are the same within RMS_DEG"""
     events: bool = True
+    all_known: bool = False
+    """the lag of no motion is unknown"""
 
 
 @dataclass(frozen=True)
@@ -223,6 +225,17 @@ def of_requests() -> list[Case]:
             found=((Cause.NOT_ASKED, (), 1),),
         ),
         Case(
+            "the simulation returns from a motion of its own",
+            hw(),
+            requested=instead(
+                7,
+                replace(acts()[6], t=acts()[7].t, goal=(5.0, 5.0, 5.0), on="sim", lead_s=None),
+                Act(19.0, GOALS[6]),
+            ),
+            found=((Cause.NOT_ASKED, (), 1),),
+            all_known=True,
+        ),
+        Case(
             "one motion of the hardware alone",
             hw(),
             requested=instead(3, replace(third, on="hw", lead_s=None)),
@@ -234,6 +247,13 @@ def of_requests() -> list[Case]:
             requested=instead(3, replace(third, refused="Motors are off.")),
             found=((Cause.NOT_ASKED, (), 1),),
         ),
+    ]
+
+
+def of_ends() -> list[Case]:
+    """Return motions that ended before their goal."""
+    third = acts()[3]
+    return [
         Case(
             "aborted in its lead",
             hw(),
@@ -258,7 +278,7 @@ def of_requests() -> list[Case]:
 
 def cases() -> list[Case]:
     """Return all known errors."""
-    return [*of_time(), *of_arms(), *of_wiring(), *of_leads(), *of_requests()]
+    return [*of_time(), *of_arms(), *of_wiring(), *of_leads(), *of_requests(), *of_ends()]
 
 
 def compared(case: Case, variant: Variant, folder: Path) -> Comparison:
@@ -286,6 +306,8 @@ def wrong(case: Case, variant: Variant, found: Comparison) -> list[str]:
         for lead_s in case.lead_s
         if not any(abs(shift_s - lead_s - case.lag_s) < LEAD_S for shift_s in shifts)
     ]
+    if case.all_known:
+        result += [part.why for part in found.moved if part.why]
     rms = max(axis.rms_after for axis in found.axes)
     if case.alike and not rms < RMS_DEG * noise + 1.7 * variant.noise_deg:
         result.append(f"rms after removal {rms:.3f}°")

@@ -33,6 +33,9 @@ AROUND_S = 0.1
 BEFORE_S = 0.3
 """A movement may be seen this long after its request, and a request this long after the movement: clocks are read in
 slices of 20 ms, and robots begin slowly."""
+BEGUN_S = 10.0
+"""A movement that already runs when the recording begins may have been requested this much earlier."""
+BEGUN = "it began before the recording, so its lead is not known"
 CHANGED_S = 0.1
 """If the shift of the requests changes by more than this, a new motion begins."""
 AGREE_S = 0.05
@@ -108,6 +111,8 @@ class Expected:
     end_s: float
     shift_s: float
     lead_s: float | None = None
+    unknown: str = ""
+    """why the lag is unknown, whatever is measured"""
     limits_s: tuple[float, ...] = (LOCAL_S, NEAR_S)
 
 
@@ -120,12 +125,21 @@ def aligned(first: Recording, second: Recording) -> Alignment:
         matched, single = shared(both), list(alone(both, float(first.t[0])))
     expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
-    parts = tuple(measured(first, second, motion) for motion in expected)
+    parts = tuple(
+        measured(first, second, replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))))
+        for motion in expected
+    )
     known = [part.shift_s for part in parts if part.measured and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
     early = tuple(motion for motion in matched if ended_early(motion))
     plain = Alignment(parts, (), tuple(single), early, shift_s)
-    return replace(plain, apart=tuple(apart(first, second, plain, ways, matched)))
+    left_out = tuple(apart(first, second, plain, ways, matched))
+    kept = tuple(
+        part
+        for part in parts
+        if part.measured or not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
+    )
+    return replace(plain, parts=kept, apart=left_out)
 
 
 def within(recorded: Recording) -> list[Request]:
@@ -133,14 +147,17 @@ def within(recorded: Recording) -> list[Request]:
     return [
         request
         for request in recorded.requests or ()
-        if recorded.t[0] - BEFORE_S <= request.t <= recorded.t[-1]
+        if recorded.t[0] - BEGUN_S <= request.t <= recorded.t[-1]
     ]
 
 
 def movements(recorded: Recording) -> list[Interval]:
-    """Return begin and end of each movement of a robot."""
+    """Return begin and end of each movement of a robot; one that runs at the begin began up to BEGUN_S before it."""
     t = np.arange(recorded.t[0], recorded.t[-1], GRID_S)
-    return [(float(t[begin]), float(t[end - 1])) for begin, end in runs(~resting(resample(recorded, t)))]
+    return [
+        (float(t[begin]) - (0.0 if begin else BEGUN_S), float(t[end - 1]))
+        for begin, end in runs(~resting(resample(recorded, t)))
+    ]
 
 
 def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Expected]:
@@ -186,23 +203,36 @@ def of_movement(
     answered = [motion.hw.t for motion in matched] + [each.request.t for each in single if each.hardware]
     mine = [way for way in ways[0] if not any(contains(way, t) for t in asked)]
     theirs = [way for way in ways[1] if not any(contains(way, t) for t in answered)]
-    if not mine:
-        return []
-    limits_s = (LOCAL_S, NEAR_S, FAR_S)
     whole_s = 0.0 if matched else lag(first.arms, second.arms)
-    expected_s = 0.0 if math.isnan(whole_s) else whole_s
-    if len(mine) == len(theirs) and all(abs(b[0] - a[0]) <= FAR_S for a, b in zip(mine, theirs, strict=True)):
-        return [Expected(*a, b[0] - a[0], limits_s=limits_s) for a, b in zip(mine, theirs, strict=True)]
+    shifts = expected_shifts(mine, theirs, 0.0 if math.isnan(whole_s) else whole_s)
+    asked_before = first.requests is not None and second.requests is not None
+    return [
+        Expected(
+            *way,
+            shift_s,
+            unknown=BEGUN if asked_before and way[0] < first.t[0] else "",
+            limits_s=(LOCAL_S, NEAR_S, FAR_S),
+        )
+        for way, shift_s in zip(mine, shifts, strict=True)
+    ]
+
+
+def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval], whole_s: float) -> list[float]:
+    """Return the expected shift of each movement: that of the movement of the second with the same number, or near it."""
     begins = [way[0] for way in theirs]
+    if len(mine) == len(theirs) and all(
+        abs(begin_s - way[0]) <= FAR_S for way, begin_s in zip(mine, begins, strict=True)
+    ):
+        return [begin_s - way[0] for way, begin_s in zip(mine, begins, strict=True)]
     found, last_s = [], -math.inf
     for way in mine:
-        free = begins[bisect.bisect_right(begins, last_s) :]
-        near = min(free, key=lambda begin_s: abs(begin_s - way[0] - expected_s), default=math.inf)
-        if abs(near - way[0] - expected_s) <= FAR_S:
-            last_s = near
-            found.append(Expected(*way, near - way[0], limits_s=limits_s))
+        free = [begin_s - way[0] for begin_s in begins[bisect.bisect_right(begins, last_s) :]]
+        shift_s = min(free, key=lambda each: abs(each - whole_s), default=math.inf)
+        if abs(shift_s - whole_s) <= FAR_S:
+            last_s = way[0] + shift_s
         else:
-            found.append(Expected(*way, expected_s, limits_s=limits_s))
+            shift_s = whole_s
+        found.append(shift_s)
     return found
 
 
@@ -229,7 +259,7 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
         found = best_shift(one, other, t, motion.shift_s, limit_s)
         if found.left < EXPLAINED and not math.isnan(found.s):
             break
-    why = unknown(found, motion.limits_s[-1]) or disagreement(one, other, t, found.s)
+    why = motion.unknown or unknown(found, motion.limits_s[-1]) or disagreement(one, other, t, found.s)
     lead_s = motion.lead_s or 0.0
     if not why and found.s < lead_s - SOONER_S:
         return MovedPart(
@@ -240,7 +270,7 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
             math.nan,
             f"the hardware began {lead_s - found.s:.1f} s before the lead of {lead_s:g} s had ended",
         )
-    shift_s = motion.shift_s if why else found.s
+    shift_s = motion.shift_s if math.isnan(found.s) or (why and not motion.unknown) else found.s
     return MovedPart(
         motion.begin_s, motion.end_s, motion.lead_s, shift_s, math.nan if why else shift_s - lead_s, why
     )

@@ -45,7 +45,8 @@ def twin_figure(found: Comparison, title: str) -> Figure:
     for i, arm in enumerate(ARMS):
         colour = hexadecimal(ALL[arm])
         apart.plot(t, found.second[:, i] - found.first[:, i], color=colour, linewidth=3, alpha=0.3)
-        apart.plot(t, found.second_after[:, i] - found.first[:, i], color=colour, linewidth=1, label=arm)
+        after = np.where(found.compared, found.second_after[:, i] - found.first[:, i], np.nan)
+        apart.plot(t, after, color=colour, linewidth=1, label=arm)
     label_panel(apart, "hardware - simulation (°)")
     apart.set_title(
         "pale: as recorded;  dark: each motion moved by its lead and lag", fontsize=10, loc="left"

@@ -52,7 +52,7 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     record.send_signal(signal.SIGINT)
     record.communicate(timeout=END_S)
     found = free.json("compare", str(rrd))
-    assert found["lag_s"] == pytest.approx(live["lag_s"], abs=0.005)
+    assert found["lag_s"] == pytest.approx(live["lag_s"], abs=0.005), (found["motions"], live["motions"])
     assert [axis["axis"] for axis in found["axes_deg"]] == [
         "short", "middle", "long", "yaw", "pitch", "roll", "head"
     ]  # fmt: skip
