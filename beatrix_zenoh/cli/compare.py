@@ -122,6 +122,9 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
     from beatrix_zenoh.recording.series import of_samples
 
     found = read_recording(path)
+    if found.about is not None:
+        for text in (found.about.heading(), *found.about.warnings()):
+            note(text)
     both = sorted(
         {robot for robot, _ in found.robots if {(robot, twin) for twin in TWINS} <= found.robots.keys()}
     )

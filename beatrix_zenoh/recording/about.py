@@ -55,14 +55,28 @@ class About(msgspec.Struct, frozen=True):
     seats: tuple[str, ...] = ()
     """seats that have sent requests or notes, sorted"""
 
+    def heading(self) -> str:
+        """Return title, start, seat and version as a sentence."""
+        began = datetime.fromtimestamp(self.began_ns / 1e9, UTC)
+        by = f" by {self.seat}" if self.seat else ""
+        return f"{self.title or 'Recording'}, begun {began:%Y-%m-%d %H:%M:%S} UTC{by} with beatrix {self.version}."
+
+    def warnings(self) -> list[str]:
+        """Return a sentence for each robot whose simulation and hardware have different values."""
+        files: dict[str, set[str]] = {}
+        for one in self.robots:
+            if one.fingerprint:
+                files.setdefault(one.robot, set()).add(one.fingerprint)
+        return [
+            f"Simulation and hardware of {name} were started with different robot files: limits or geometry differ."
+            for name, found in files.items()
+            if len(found) > 1
+        ]
+
     def lines(self) -> list[str]:
         """Return these facts as sentences for people; the first names the title."""
-        began = datetime.fromtimestamp(self.began_ns / 1e9, UTC)
-        first = f"{self.title or 'Recording'}, begun {began:%Y-%m-%d %H:%M:%S} UTC"
-        by = f" by {self.seat}" if self.seat else ""
-        found = [f"{first}{by} with beatrix {self.version}.", *(f"{robot}." for robot in self.robots)]
-        if self.note:
-            found.insert(1, f"Note: {self.note}")
+        notes = [f"Note: {self.note}"] if self.note else []
+        found = [self.heading(), *notes, *(f"{robot}." for robot in self.robots), *self.warnings()]
         return [*found, f"Requests and notes came from {', '.join(self.seats)}."] if self.seats else found
 
     def with_robot(self, place: Place, info: Info) -> About:

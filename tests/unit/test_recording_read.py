@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 import rerun as rr
@@ -154,6 +155,15 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     ]
     assert recorded.clocks[SIM] == (ClockOffset(BEGAN_NS, -12.5, 0.25),)
     assert read_about(path) == last
+    assert last.lines() == [
+        "Lesson 2, begun 2025-11-13 02:13:20 UTC by ana with beatrix 0.1.0.",
+        "Note: trial 3",
+        "bea (sim): beatrix 0.1.0, firmware 1.2.0, contract abc, robot file 0123abcd.",
+        "Requests and notes came from ana, ben.",
+    ]
+    other = msgspec.structs.replace(info, fingerprint="fedc")
+    (warning,) = last.with_robot(HW, other).with_robot(("ada", "hw"), other).warnings()
+    assert warning.startswith("Simulation and hardware of bea were started with different robot files")
 
 
 def test_a_file_of_an_earlier_version_describes_nothing(tmp_path: Path) -> None:
