@@ -15,13 +15,14 @@ import threading
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol, TypeVar
+from typing import Final, TypeVar
 
 from beatrix_zenoh import codec, threads
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Detail, Reason
 from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.client.request import GroupRequest, Place, Request
+from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import publishing, title
 from beatrix_zenoh.client.wakeup import Wakeup
@@ -46,19 +47,7 @@ Answers = dict[Place, Answer]
 Report = Callable[[Answers], object]
 """Takes the answers of a place; called on a thread of a `StopSender`."""
 
-
-class Stoppable(Protocol):
-    """A robot of the SDK."""
-
-    client: Client
-    timeout_s: float
-
-    @property
-    def place(self) -> Place:
-        """Name and twin of the robot."""
-
-
-R = TypeVar("R", bound=Stoppable)
+R = TypeVar("R", bound=RobotBase)
 
 
 def publish_stop(client: Client, place: Place) -> None:

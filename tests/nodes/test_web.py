@@ -260,6 +260,15 @@ def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robo
     assert abs(robot.positions().head.yaw) > 1.0
 
 
+def test_stop_of_a_robot_that_is_not_on_line_tells_what_to_do(browser: WebClient) -> None:
+    page = browser.connect()
+    page.send("stop", robot="bea9", stop="9")
+    outcome = page.outcome("stop")
+    assert not outcome["ok"]
+    assert "no robot bea9 answered" in outcome["text"]
+    assert "switch its motor power off" in outcome["text"]
+
+
 def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
     driver: WebSocket, browser: WebClient, robot: Robot
 ) -> None:

@@ -18,6 +18,7 @@ from beatrix_zenoh._generated.messages import CommandReply, Reason, Source, Vect
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client import Place, stopping
 from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stopping import (
     PLACES_MAX,
@@ -135,7 +136,7 @@ def test_an_emergency_stop_is_a_command_and_no_stop() -> None:
 def test_stop_reaches_all_robots_before_one_is_waited_for() -> None:
     network = Network({HW: RESTS})
     client = network.client()
-    robots = [SimpleNamespace(client=client, place=place, timeout_s=1.0) for place in (HW, SIM)]
+    robots = [RobotBase(*place, client=client) for place in (HW, SIM)]
     robot, answer = next(stop_robots(robots))
     assert (robot.place, answer) == (HW, RESTS)
     assert [key for kind, key in network.sent if kind == "put"] == [
