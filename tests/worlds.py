@@ -10,6 +10,7 @@ from beatrix_zenoh._generated.messages import (
     Detail,
     Event,
     Fault,
+    FollowState,
     Head,
     MotionQuery,
     Positions,
@@ -46,6 +47,7 @@ def status(
     lease: int = 0,
     waiting: tuple[str, ...] = (),
     frozen: bool = False,
+    following: FollowState = FollowState.OFF,
     limit_deg: float = 0.0,
     muted: tuple[str, ...] = (),
 ) -> Status:
@@ -78,6 +80,7 @@ def status(
         waiting=list(waiting),
         muted=list(muted),
         frozen=frozen,
+        following=following,
         speed_limit=math.radians(limit_deg),
     )
 

@@ -44,7 +44,7 @@ MOVEMENTS: dict[str, Callable[[Robot], None]] = {
 def measure(simulation: Robot, hardware: Robot) -> None:
     """Print a row for each movement."""
     print(
-        "| movement of the robot | lag of the measured arms | of the set points | rest without the lag, rms |"
+        "| movement of the robot | lag of the measured arms | of the set points | difference without the lag, mean |"
     )
     print("|---|---|---|---|")
     for name, drive in MOVEMENTS.items():

@@ -11,6 +11,7 @@ from beatrix_zenoh._generated.messages import Positions
 
 Series = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 """Times (s), and the angles (deg) of the three arms at them."""
+LARGEST_DEG = 1.0
 SHIFTS_S = np.arange(-0.05, 0.3, 0.001)
 
 
@@ -23,15 +24,20 @@ def series(positions: Sequence[Positions], field: str = "position") -> Series:
 
 
 def lag_s(hardware: Series, simulation: Series) -> tuple[float, float]:
-    """Return the lag (s) of the simulation that leaves the smallest difference, and that difference (deg, rms)."""
+    """Return the lag (s) of the simulation that leaves the smallest difference, and that difference (deg, mean).
+
+    A difference counts as at most LARGEST_DEG, so that a pause of the computer does not change the lag.
+    """
     times, angles = hardware
     inside = (times > simulation[0][0] + 0.35) & (times < simulation[0][-1] - 0.35)
-    rms = [
-        float(np.sqrt(np.mean((_at(simulation, times[inside] + shift) - angles[inside]) ** 2)))
+    left = [
+        float(
+            np.mean(np.minimum(np.abs(_at(simulation, times[inside] + shift) - angles[inside]), LARGEST_DEG))
+        )
         for shift in SHIFTS_S
     ]
-    best = int(np.argmin(rms))
-    return float(SHIFTS_S[best]), rms[best]
+    best = int(np.argmin(left))
+    return float(SHIFTS_S[best]), left[best]
 
 
 def largest_step_deg(positions: Sequence[Positions]) -> float:

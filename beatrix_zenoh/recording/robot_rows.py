@@ -12,6 +12,7 @@ from beatrix_zenoh._generated.messages import (
     Event,
     EventKind,
     Fault,
+    FollowState,
     Head,
     Phase,
     Positions,
@@ -37,10 +38,20 @@ class State(StrEnum):
     ENABLED = "enabled"
     READY = "ready"
     MOVING = "moving"
+    FOLLOWING = "follows hardware"
+    PARTED = "parted from hardware"
     STOPPED = "stopped"
     EMERGENCY = "emergency stop"
     FAULT = "fault"
     LOST = "lost"
+
+
+FOLLOWING = {
+    FollowState.APPROACHING: State.FOLLOWING,
+    FollowState.FOLLOWING: State.FOLLOWING,
+    FollowState.PARTED: State.PARTED,
+}
+"""States of a simulation that follows the hardware."""
 
 
 class RobotRows:
@@ -173,7 +184,7 @@ def state_of(status: Status) -> State:
         return State.DISABLED
     if not status.calibrated:
         return State.ENABLED
-    return State.MOVING if status.moving else State.READY
+    return FOLLOWING.get(status.following) or (State.MOVING if status.moving else State.READY)
 
 
 def arms_deg(vector: Vector3) -> tuple[float, float, float]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh import sentences
-from beatrix_zenoh._generated.messages import Command, Fault, LeaseAction, Reason, Status
+from beatrix_zenoh._generated.messages import Command, Fault, FollowState, LeaseAction, Reason, Status
 from beatrix_zenoh.client import RobotState
 from gui.state import intents, leases
 from gui.state.intents import Intent
@@ -44,6 +44,13 @@ FAULT_CONDITIONS: Final = {
     Fault.BOARD_LOST: "board_lost",
     Fault.CONTRACT_MISMATCH: "contract_mismatch",
     Fault.ASSEMBLY_LEFT: "assembly_left",
+}
+
+FOLLOWING: Final = {
+    FollowState.WAITING: "follow_waiting",
+    FollowState.APPROACHING: "follow_approaching",
+    FollowState.FOLLOWING: "follow_following",
+    FollowState.PARTED: "follow_parted",
 }
 
 
@@ -132,6 +139,9 @@ def _shared(status: Status, world: World, texts: Texts) -> Finding | None:
     """Return why this seat cannot move a robot that is ready; None if it can."""
     if status.frozen and not world.is_teacher:
         return Finding(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
+    if status.following is not FollowState.OFF:
+        text = texts(f"condition.{FOLLOWING[status.following]}")
+        return Finding(Condition.DRIVEN, text, texts("reason.follow"))
     if status.holder in ("", world.seat):
         return None
     slots = {"holder": status.holder}

@@ -47,6 +47,13 @@ ROBOTS: Final[dict[str, str]] = {
     "condition.ready": "bereit",
     "condition.moving": "bewegt sich",
     "condition.driven": "{holder} steuert",
+    "condition.follow_waiting": "wartet auf den Roboter",
+    "condition.follow_approaching": "bewegt sich zum Roboter",
+    "condition.follow_following": "folgt dem Roboter",
+    "condition.follow_parted": "weicht vom Roboter ab",
+    "reason.follow": (
+        "Die Simulation folgt dem Roboter: Bewege nur den Roboter. Stopp der Simulation oder `beatrix follow off` beendet das."
+    ),
     "condition.emergency": "Notstopp",
     "condition.board_lost": "Platine fehlt",
     "condition.contract_mismatch": "falsche Firmware",

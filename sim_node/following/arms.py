@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh._generated.serial import Move, MoveStraight
+from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.node import Context
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.planner import tuple3
@@ -54,7 +55,15 @@ class OwnArms:
 
         Raises BeatrixError if its path exceeds a limit, or if the firmware refuses it.
         """
-        frame = self._frame(step)
+        try:
+            self._send(self._frame(step))
+        except Refused:
+            # A target ahead of the hardware may exceed a guard of the firmware, although the hardware does not.
+            if step.careful is None:
+                raise
+            self._send(self._frame(Step(step.careful, straight=False)))
+
+    def _send(self, frame: Move | MoveStraight) -> None:
         if frame == self._last:
             return
         telemetry = ready_telemetry(self._board)

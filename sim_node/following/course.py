@@ -14,9 +14,9 @@ from beatrix_zenoh.motion.gear import Arms
 
 GAIN: Final = 10.0
 """Correction of the speed per distance (1/s)."""
-AHEAD_S: Final = 0.06
+AHEAD_S: Final = 0.1
 """Time (s) by which a target is ahead of an arm that does not brake, so that the simulation does not brake before the
-next set point arrives: three periods of publication."""
+next set point arrives: five periods of publication, because on a busy computer some arrive late."""
 LAG_S: Final = 0.02
 """Intended lag (s) behind the received set points. The simulation hears of a brake up to a period of publication late;
 without a lag it would overshoot meanwhile."""
@@ -61,7 +61,13 @@ def distance(one: Arms, other: Arms) -> float:
 
 
 def course_to(
-    hardware: SetPoint, before: Arms, own: SetPoint, *, acceleration: float, speed_max: float
+    hardware: SetPoint,
+    before: Arms,
+    own: SetPoint,
+    *,
+    acceleration: float,
+    speed_max: float,
+    ahead_s: float = AHEAD_S,
 ) -> Course:
     """Return the motion that keeps the simulation at the hardware.
 
@@ -71,6 +77,7 @@ def course_to(
         own: set points of the simulation now.
         acceleration: of an arm (rad/s2).
         speed_max: largest speed of an arm (rad/s).
+        ahead_s: time by which targets are ahead (s).
     """
     rest = resting_place(hardware, acceleration)
     behind = advanced(hardware, -LAG_S).place
@@ -82,7 +89,7 @@ def course_to(
             speed.append(min(speed_max, max(SETTLING, GAIN * abs(away))))
             continue
         brakes = abs(velocity) < abs(before[i])
-        end = rest[i] + (0.0 if brakes else velocity * AHEAD_S)
+        end = rest[i] + (0.0 if brakes else velocity * ahead_s)
         towards = math.copysign(1.0, end - own.place[i])
         target.append(end)
         speed.append(min(speed_max, max(SLOWEST, (velocity + GAIN * away) * towards)))

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 from beatrix_zenoh._generated.messages import FollowState, Positions, Status
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import tuple3
-from sim_node.following.course import Course, SetPoint, advanced, course_to, distance, resting_place
+from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place
 from sim_node.following.parting import Parting, Places
 
 SILENT_S: Final = 0.5
@@ -69,6 +69,8 @@ class Step:
 
     course: Course
     straight: bool
+    careful: Course | None = None
+    """the motion to send if the firmware refuses the course: its target is not ahead of the hardware"""
 
 
 class Follower:
@@ -141,14 +143,18 @@ class Follower:
         away = distance(hardware.place, own.place)
         if away < (FAR if self._reached else NEAR):
             self._reached, self._planned, self._refusal = True, None, ""
-            course = course_to(
-                hardware,
-                self._before,
-                own,
-                acceleration=limits.acceleration,
-                speed_max=limits.speed_max,
+            ahead, careful = (
+                course_to(
+                    hardware,
+                    self._before,
+                    own,
+                    acceleration=limits.acceleration,
+                    speed_max=limits.speed_max,
+                    ahead_s=ahead_s,
+                )
+                for ahead_s in (AHEAD_S, 0.0)
             )
-            return Step(course, straight=False)
+            return Step(ahead, straight=False, careful=careful)
         self._reached = False
         self._parting.reset()
         return self._path(now_s, hardware, limits)

@@ -46,7 +46,7 @@ class FollowHandler(Component):
         self._follower: Follower | None = None
         self._arms = OwnArms(context)
         self._sample: Sample | None = None
-        self._was_ready = self._files_differ = False
+        self._was_ready = self._file_known = self._files_differ = False
         self._state = FollowState.OFF
         self._warnings: list[str] = []
 
@@ -91,13 +91,16 @@ class FollowHandler(Component):
 
     def _hear_status(self, status: Status) -> None:
         def hear() -> None:
-            if self._follower is not None:
+            if self._follower is not None and self._sessions is not None:
                 self._follower.hear_status(status)
+                if not self._file_known:  # ask with each status: a node publishes before it answers
+                    self._messages.ask_file(self._sessions, self._hear_file)
 
         self._context.queue.post_event(hear)
 
     def _hear_file(self, file: str) -> None:
         def hear() -> None:
+            self._file_known = True
             differ = file not in ("", fingerprint(self._context.planner.robot))
             if differ and not self._files_differ:
                 self._context.events.add(EventKind.WARNING, message=FILES_DIFFER)
@@ -136,7 +139,8 @@ class FollowHandler(Component):
 
     def _begin(self, sessions: Sessions) -> None:
         self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._context)
-        self._sample, self._was_ready, self._files_differ = None, False, False
+        self._sample, self._was_ready = None, False
+        self._file_known = self._files_differ = False
         self._state, self._warnings = FollowState.WAITING, []
         self._context.access.following = True
         self._messages.open(sessions)
@@ -189,8 +193,8 @@ class FollowHandler(Component):
         follower, sample = self._follower, self._sample
         if follower is None or sample is None or not self._was_ready:
             return
-        if follower.hear(sample) and self._sessions is not None:
-            self._messages.ask_file(self._sessions, self._hear_file)
+        if follower.hear(sample):
+            self._file_known = False
         now_s = time.monotonic()
         own = self._arms.set_point(now_s)
         step = None if own is None else follower.step(now_s, own, self._arms.limits())

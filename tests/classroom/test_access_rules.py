@@ -39,6 +39,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
                 Answering(session, key)
             if twin == SIM:
                 Answering(session, keys.target(robot))
+                Answering(session, keys.follow(robot, "*"))
             session.declare_token(keys.alive(robot, twin))
             settled(session)
         yield made
@@ -143,6 +144,9 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
     # on its own robot, too, an account acts under its own seat only
     ("ana", asks, keys.lease("ana", SIM, "ana"), True),
+    ("ana", asks, keys.follow("bea1", "ana"), True),
+    ("ana", asks, keys.follow("bea1", "teacher"), False),
+    ("ana", asks, keys.follow("ben", "ana"), False),
     ("ana", asks, keys.lease("ana", SIM, "teacher"), False),
     ("ana", asks, keys.lease("ana", SIM, "ben"), False),
     ("ana", asks, keys.lease("ana", SIM, ANY), False),

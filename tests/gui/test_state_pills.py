@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from worlds import absent, robot, status, world
 
-from beatrix_zenoh._generated.messages import CameraStatus, Command, Fault
+from beatrix_zenoh._generated.messages import CameraStatus, Command, Fault, FollowState
 from beatrix_zenoh.client import Presence, RobotState
 from gui.state.intents import ChooseRobot, Intent, MakeReady, Retry, RunCommand, SetLanguage, StartSimulation
 from gui.state.pills import SYMBOLS
@@ -61,6 +61,8 @@ def pill(now: World, twin: str = "sim") -> PillView:
         (sim_with(holder="ana", moving=True), Condition.DRIVEN, "driven by ana", None),
         (sim_with(holder="ana", lease=3), Condition.DRIVEN, "taken by ana", None),
         (sim_with(frozen=True), Condition.FROZEN, "frozen by the teacher", None),
+        (sim_with(following=FollowState.FOLLOWING), Condition.DRIVEN, "follows the robot", None),
+        (sim_with(following=FollowState.PARTED), Condition.DRIVEN, "parted from the robot", None),
         (sim_with(holder="ben", moving=True), Condition.MOVING, "moving", None),
         (sim_with(holder="ben"), Condition.READY, "ready", None),
         (robot("sim", age_s=0.4), Condition.READY, "ready", None),

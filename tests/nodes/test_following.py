@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,18 +14,12 @@ from old_program import Program
 from published import published_positions
 from stage import Stage, ask_raw, until, wait_status
 
-from beatrix_zenoh import Refused, Robot, codec
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import (
-    BoardStatus,
-    Fault,
     FollowState,
-    Head,
     Positions,
     Reason,
-    Status,
-    Steps,
-    Vector3,
 )
 
 LAG_S = 0.06
@@ -108,10 +101,10 @@ def checked_lag(hardware: list[Positions], simulation: list[Positions]) -> None:
     """Check the lag of the measured arms, what remains without it, and that no set point jumps."""
     turned = series(hardware, "commanded")[1]
     assert float((turned.max(axis=0) - turned.min(axis=0)).max()) > 3, "the hardware has moved"
-    lag, rms = lag_s(series(hardware), series(simulation))
+    lag, difference = lag_s(series(hardware), series(simulation))
     in_time(lag, LAG_S, "lag of the simulation")
-    assert rms < 0.5
-    assert largest_step_deg(simulation) < 1.5 * max(1.0, largest_step_deg(hardware))
+    assert difference < 0.5
+    assert largest_step_deg(simulation) < 2.0, "at most 90 deg/s"
 
 
 @pytest.mark.measures_time
@@ -246,94 +239,3 @@ def test_a_seat_that_does_not_hold_the_simulation_can_neither_begin_nor_end_foll
 def test_raw_zenoh_words_switch_it(both: Both, payload: bytes, words: str) -> None:
     reply = ask_raw(both.stage.client(), keys.follow("bea", "ana"), payload)[0]
     assert words.encode() in reply.payload
-
-
-# -- a hardware that lies ------------------------------------------------------------------------
-
-
-class FakeHardware:
-    """Publishes positions of a hardware whose set points and arms turn at these rates (deg/s) until closed."""
-
-    def __init__(self, stage: Stage, name: str, *, turns: float) -> None:
-        self._client = stage.client("fake")
-        self._name, self._turns = name, turns
-        self._began_s = time.monotonic()
-        self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def _run(self) -> None:
-        seq = 0
-        while not self._closed.wait(0.02):
-            seq += 1
-            bus = self._client.bus
-            if seq % 50 == 1:
-                bus.put(keys.status(self._name, "hw"), codec.encode(self._status()), codec.MSGPACK)
-            bus.put(keys.positions(self._name, "hw"), codec.encode(self._positions(seq)), codec.MSGPACK)
-
-    def _positions(self, seq: int) -> Positions:
-        now_s = time.monotonic()
-        angle = math.radians(10 * math.sin(now_s - self._began_s))
-        turned = angle * self._turns
-        return Positions(
-            seq=seq,
-            t_mono_ns=round(now_s * 1e9),
-            t_wall_ns=time.time_ns(),
-            position=Vector3(turned, angle, angle),
-            velocity=Vector3(0.0, 0.0, 0.0),
-            commanded=Vector3(angle, angle, angle),
-            steps=Steps(0, 0, 0),
-            head=Head(angle, 0.0, 0.0),
-        )
-
-    def _status(self) -> Status:
-        return Status(
-            t_mono_ns=time.monotonic_ns(),
-            t_wall_ns=time.time_ns(),
-            robot=self._name,
-            twin="hw",
-            enabled=True,
-            calibrated=True,
-            moving=False,
-            motion=0,
-            fault=Fault.NONE,
-            warnings=[],
-            calibrations=0,
-            holder="",
-            board=BoardStatus(
-                connected=True,
-                port="",
-                name="",
-                firmware="",
-                contract="",
-                boot=1,
-                rejected_frames=0,
-                retries=0,
-            ),
-        )
-
-    def close(self) -> None:
-        self._closed.set()
-        self._thread.join()
-
-
-def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_waited_for() -> None:
-    with Stage() as stage:
-        stage.simulation("cid", "--follow", "--eyes-hz", "0")
-        simulation = stage.robot("cid", "sim")
-        fake = FakeHardware(stage, "cid", turns=-1.0)
-        try:
-            wait_status(simulation, lambda status: status.following is FollowState.PARTED, "parted")
-            wait_status(
-                simulation,
-                lambda status: (
-                    "the short arm of the hardware turns the other way" in " ".join(status.warnings)
-                ),
-                "the sentence",
-            )
-            parted = [event for event in simulation.past_events() if "have parted" in event.message]
-            assert parted
-        finally:
-            fake.close()
-        wait_status(simulation, lambda status: status.following is FollowState.WAITING, "waiting")
-        assert "publishes no positions" in simulation.status().warnings[0]

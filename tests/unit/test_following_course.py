@@ -14,7 +14,7 @@ from beatrix_zenoh._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.motion.gear import Arms, Gear
-from sim_node.following.course import Course, SetPoint, advanced, course_to, distance, resting_place
+from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place
 from sim_node.following.follower import Limits
 
 GEAR = Gear()
@@ -168,7 +168,10 @@ def test_every_course_is_within_the_limits(place: Arms, velocity: Arms, own: Arm
         point, REST, SetPoint(deg(*own), REST), acceleration=LIMITS.acceleration, speed_max=LIMITS.speed_max
     )
     assert all(0 < speed <= LIMITS.speed_max for speed in course.speed)
-    assert distance(course.target, resting_place(point, LIMITS.acceleration)) <= LIMITS.speed_max * 0.061
+    assert (
+        distance(course.target, resting_place(point, LIMITS.acceleration))
+        <= LIMITS.speed_max * AHEAD_S * 1.001
+    )
 
 
 def test_set_points_advance_at_constant_velocity() -> None:

@@ -244,3 +244,15 @@ def test_the_state_says_that_the_robots_have_parted(follower: Follower) -> None:
     follower.hear(sample(11.02, math.degrees(FAR) + 1))
     follower.step(11.02, SetPoint(REST, REST), LIMITS)
     assert follower.state(11.02) is FollowState.APPROACHING, "a jump ends the comparison"
+
+
+def test_a_step_has_a_course_for_the_case_that_the_firmware_refuses_a_target_ahead(
+    follower: Follower,
+) -> None:
+    follower.hear(sample(10.02, 1.0, velocity=60.0))
+    step = follower.step(10.02, SetPoint(REST, REST), LIMITS)
+    assert step is not None
+    assert step.careful is not None
+    way = math.radians(60) ** 2 / (2 * LIMITS.acceleration)
+    assert step.careful.target[0] == pytest.approx(math.radians(1) + way, abs=1e-3)
+    assert step.course.target[0] > step.careful.target[0]

@@ -1,0 +1,155 @@
+"""A simulation that follows, apart from the hardware: wrong directions, silence, other robot files, freeze."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from pathlib import Path
+
+from old_program import Program
+from stage import Stage, until, wait_status
+
+from beatrix_zenoh import codec
+from beatrix_zenoh._generated import keys
+from beatrix_zenoh._generated.messages import (
+    BoardStatus,
+    Fault,
+    FollowState,
+    Head,
+    LeaseAction,
+    LeaseQuery,
+    LeaseReply,
+    Positions,
+    Status,
+    Steps,
+    Vector3,
+)
+
+
+def govern(stage: Stage, name: str, action: LeaseAction) -> None:
+    """Send a lease query of the teacher to a simulation."""
+    key = keys.lease(name, "sim", "teacher")
+    client = stage.client("teacher")
+    assert client.ask(name, "sim", key, LeaseQuery(action=action), LeaseReply, 10.0).result
+
+
+class FakeHardware:
+    """Publishes positions of a hardware whose set points and arms turn at these rates (deg/s) until closed."""
+
+    def __init__(self, stage: Stage, name: str, *, turns: float) -> None:
+        self._client = stage.client("fake")
+        self._name, self._turns = name, turns
+        self._began_s = time.monotonic()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        seq = 0
+        while not self._closed.wait(0.02):
+            seq += 1
+            bus = self._client.bus
+            if seq % 50 == 1:
+                bus.put(keys.status(self._name, "hw"), codec.encode(self._status()), codec.MSGPACK)
+            bus.put(keys.positions(self._name, "hw"), codec.encode(self._positions(seq)), codec.MSGPACK)
+
+    def _positions(self, seq: int) -> Positions:
+        now_s = time.monotonic()
+        angle = math.radians(10 * math.sin(now_s - self._began_s))
+        turned = angle * self._turns
+        return Positions(
+            seq=seq,
+            t_mono_ns=round(now_s * 1e9),
+            t_wall_ns=time.time_ns(),
+            position=Vector3(turned, angle, angle),
+            velocity=Vector3(0.0, 0.0, 0.0),
+            commanded=Vector3(angle, angle, angle),
+            steps=Steps(0, 0, 0),
+            head=Head(angle, 0.0, 0.0),
+        )
+
+    def _status(self) -> Status:
+        return Status(
+            t_mono_ns=time.monotonic_ns(),
+            t_wall_ns=time.time_ns(),
+            robot=self._name,
+            twin="hw",
+            enabled=True,
+            calibrated=True,
+            moving=False,
+            motion=0,
+            fault=Fault.NONE,
+            warnings=[],
+            calibrations=0,
+            holder="",
+            board=BoardStatus(
+                connected=True,
+                port="",
+                name="",
+                firmware="",
+                contract="",
+                boot=1,
+                rejected_frames=0,
+                retries=0,
+            ),
+        )
+
+    def close(self) -> None:
+        self._closed.set()
+        self._thread.join()
+
+
+def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_waited_for() -> None:
+    with Stage() as stage:
+        stage.simulation("cid", "--follow", "--eyes-hz", "0")
+        simulation = stage.robot("cid", "sim")
+        fake = FakeHardware(stage, "cid", turns=-1.0)
+        try:
+            wait_status(simulation, lambda status: status.following is FollowState.PARTED, "parted")
+            wait_status(
+                simulation,
+                lambda status: (
+                    "the short arm of the hardware turns the other way" in " ".join(status.warnings)
+                ),
+                "the sentence",
+            )
+            parted = [event for event in simulation.past_events() if "have parted" in event.message]
+            assert parted
+        finally:
+            fake.close()
+        wait_status(simulation, lambda status: status.following is FollowState.WAITING, "waiting")
+        assert "publishes no positions" in simulation.status().warnings[0]
+
+
+def test_hardware_with_another_robot_file_is_reported(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text("[limits]\nspeed_default = 20.0\n", encoding="utf-8")
+    with Stage() as stage:
+        stage.simulation("dot", "--follow", "--eyes-hz", "0", "--robot-file", str(path))
+        stage.hardware("dot")
+        wait_status(
+            stage.robot("dot", "sim"),
+            lambda status: "different robot files" in " ".join(status.warnings),
+            "the warning",
+        )
+
+
+def test_freeze_ends_following_and_a_program_of_2023_at_the_simulation_is_refused(tmp_path: Path) -> None:
+    terminal = tmp_path / "COM5"
+    with Stage() as stage:
+        stage.simulation("eva", "--follow", "--eyes-hz", "0", "--legacy", str(terminal))
+        simulation = stage.robot("eva", "sim")
+        program = Program(terminal)
+        try:
+            assert program.say("@CALNOW")[-1] == "ACK\n"  # the zero of its port only
+            assert program.say("@MOVRX 20 200")[-1] == "NACK\n"
+        finally:
+            program.port.close()
+        assert simulation.status().following is FollowState.WAITING
+        govern(stage, "eva", LeaseAction.FREEZE)
+        wait_status(simulation, lambda status: status.following is FollowState.OFF, "off")
+        until(
+            lambda: any("the teacher has frozen it" in event.message for event in simulation.past_events()),
+            "the event",
+        )
