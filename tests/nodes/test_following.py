@@ -12,6 +12,7 @@ from excuses import in_time
 from following_lag import lag_s, largest_step_deg, series
 from old_program import Program
 from published import published_positions
+from shell import Shell
 from stage import Stage, ask_raw, until, wait_status
 
 from beatrix_zenoh import Refused, Robot
@@ -239,3 +240,16 @@ def test_a_seat_that_does_not_hold_the_simulation_can_neither_begin_nor_end_foll
 def test_raw_zenoh_words_switch_it(both: Both, payload: bytes, words: str) -> None:
     reply = ask_raw(both.stage.client(), keys.follow("bea", "ana"), payload)[0]
     assert words.encode() in reply.payload
+
+
+def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
+    shell = Shell(both.stage.endpoint)
+    assert "follows hw" in shell.good("ls")
+    assert "does not follow the hardware" in shell.good("follow", "off", "--name", "bea")
+    assert "follows hw" not in shell.good("ls")
+    shell.good("follow", "on", "--name", "bea", "--who", "ben")
+    rows = shell.json("ls")["robots"]
+    assert {row["on"]: row["following"] for row in rows}["hw"] == "off"
+    moved = shell.run("look", "--yaw", "5", "--name", "bea", "--on", "sim")
+    assert moved.returncode == 1
+    assert "beatrix follow off" in moved.stdout + moved.stderr
