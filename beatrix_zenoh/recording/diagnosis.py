@@ -37,6 +37,8 @@ DRIFT: Final = 0.002
 """Smallest drift (s per s) that is reported."""
 CLOCK_S: Final = 1.0
 """All motions late by more than this: clocks that differ, or a lead that no request says."""
+FEWEST: Final = 5
+"""Number of motions from which a drift can be told from chance."""
 EQUAL_S: Final = 0.05
 """Lags that differ by less than this (s) are equal."""
 REST_S: Final = 0.2
@@ -276,8 +278,8 @@ def cause_of(seen: Seen, arm: int) -> Finding | None:
     step, at, left_step = stepped(seen, apart)
     if (
         SCALE < abs(slope) < SCALE_MOST
+        and abs(slope) * float(np.ptp(mine)) > 2 * APART_DEG
         and left_scale < min(2 * BETTER * spread, left_step)
-        and np.ptp(mine) > CLEAR_DEG
     ):
         return scale((name,), slope)
     steps = round(step / FULL_STEP_DEG)
@@ -339,10 +341,14 @@ def clocks(found: Comparison) -> Iterator[Finding]:
         return
     lags = np.array([part.lag_s for part in known])
     begins = np.array([part.begin_s for part in known])
-    if len(known) >= 4:
+    if len(known) >= FEWEST:
         growth, _ = np.polyfit(begins - begins[0], lags, 1)
         left = lags - np.polyval(np.polyfit(begins, lags, 1), begins)
-        if abs(growth) > DRIFT and np.sum(left**2) < BETTER * np.sum((lags - lags.mean()) ** 2):
+        if (
+            abs(growth) > DRIFT
+            and abs(lags[-1] - lags[0]) > EQUAL_S
+            and np.sum(left**2) < BETTER * np.sum((lags - lags.mean()) ** 2)
+        ):
             way = "fast" if growth > 0 else "slow"
             yield Finding(
                 Cause.DRIFT,
