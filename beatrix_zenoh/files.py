@@ -121,13 +121,14 @@ def write_private(path: Path, text: str) -> None:
 
 @contextlib.contextmanager
 def locked(path: Path, busy: str) -> Iterator[None]:
-    """Lock a file, which is made if it is missing and stays; the lock ends with the block or with the process.
+    """Lock a file, which is made (mode 0600) if it is missing and stays; the lock ends with the block or with the process.
 
     Raises:
         OSError: the file cannot be made.
         Refused: BUSY, another process has locked it; the message begins with `busy`.
     """
     with path.open("a", encoding="utf-8") as file:
+        path.chmod(0o600)
         try:
             if sys.platform == "win32":
                 import msvcrt  # noqa: PLC0415  # only Windows has it
