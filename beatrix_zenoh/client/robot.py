@@ -133,7 +133,6 @@ class Robot(RobotBase):
         """
         return Lease(self, wait_seconds("wait_s", wait_s))
 
-    @value_method
     def follow(self, on: bool = True) -> CommandReply:  # noqa: FBT001, FBT002 - `follow(False)` reads well
         """Let the simulation of this name follow the hardware, or end this.
 
