@@ -32,6 +32,10 @@ AGE_MAX_S: Final = 0.1
 SAMPLES: Final = 50
 """Number of the newest samples, one second, whose smallest delay gives the offset between the clocks."""
 
+FASTEST: Final = math.radians(360.0)
+"""No arm turns at this velocity (rad/s): such positions do not come from a robot."""
+
+TOO_FAST: Final = "The hardware publishes impossible velocities. The simulation holds its place and waits."
 NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation holds its place and waits."
 NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
 
@@ -117,6 +121,8 @@ class Follower:
             return NO_STATUS
         if sample is None or now_s - sample.arrived_s > SILENT_S:
             return NO_SET_POINTS
+        if max(map(abs, sample.commanded.velocity)) > FASTEST:
+            return TOO_FAST
         if self._unready == NO_STATUS and now_s > self._status_due_s:
             return ""
         return self._unready
@@ -137,7 +143,6 @@ class Follower:
         """Return the next motion, None to continue the last one; `own`: set points of the simulation now."""
         sample = self._sample
         if sample is None or self.waits_for(now_s):
-            self.hold()
             return None
         hardware = advanced(sample.commanded, self._age_s(now_s))
         away = distance(hardware.place, own.place)

@@ -46,7 +46,7 @@ class FollowHandler(Component):
         self._follower: Follower | None = None
         self._arms = OwnArms(context)
         self._sample: Sample | None = None
-        self._was_ready = self._file_known = self._files_differ = False
+        self._was_ready = self._file_known = self._files_differ = self._holds = False
         self._state = FollowState.OFF
         self._warnings: list[str] = []
 
@@ -54,6 +54,7 @@ class FollowHandler(Component):
         self._sessions = sessions
         sessions.serve(self._key, self._query)
         if self._at_start:
+            self._context.access.following = True
             self._context.queue.post_event(lambda: self._begin(sessions))
 
     def contribute(self, status: StatusFields) -> None:
@@ -123,26 +124,38 @@ class FollowHandler(Component):
 
     def _switch(self, caller: Caller, *, on: bool) -> str:
         """Begin or end following; return the new state as a sentence; raises BeatrixError."""
-        context = self._context
         self._check_allowed()
-        resting = not context.controller.moving
-        context.access.authorize(Action.FOLLOW, caller, time.monotonic(), resting=resting)
+        begins = on and self._follower is None and self._sessions is not None
+        try:
+            if begins:
+                self._context.access.following = (
+                    True  # before `authorize`: a STOP after it must not be overwritten
+                )
+            self._authorize(caller, begins=begins)
+        except BeatrixError:
+            self._context.access.following = self._follower is not None and self._context.access.following
+            raise
         if not on:
             self._end("")
             return ENDED
-        if self._follower is None and self._sessions is not None:
+        if begins and self._sessions is not None:
+            self._begin(self._sessions)
+        return FOLLOWS
+
+    def _authorize(self, caller: Caller, *, begins: bool) -> None:
+        context = self._context
+        resting = not context.controller.moving
+        context.access.authorize(Action.FOLLOW, caller, time.monotonic(), resting=resting)
+        if begins:
             if context.controller.driven or not resting:
                 raise refusals.not_at_rest()
             ready_telemetry(context.board_watch.board)
-            self._begin(self._sessions)
-        return FOLLOWS
 
     def _begin(self, sessions: Sessions) -> None:
         self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._context)
         self._sample, self._was_ready = None, False
-        self._file_known = self._files_differ = False
+        self._file_known = self._files_differ = self._holds = False
         self._state, self._warnings = FollowState.WAITING, []
-        self._context.access.following = True
         self._messages.open(sessions)
         self._check(self._follower)
 
@@ -167,10 +180,20 @@ class FollowHandler(Component):
         self._check_allowed()
         if self._follower is follower:
             now_s = time.monotonic()
-            if follower.waits_for(now_s):
-                follower.hold()
+            self._hold_if_waiting(follower, now_s)
             self._show(follower, now_s)
             self._context.queue.post_later(now_s + CHECK_S, lambda: self._check(follower))
+
+    def _hold_if_waiting(self, follower: Follower, now_s: float) -> bool:
+        """Stop the arms if the simulation has to wait for the hardware; return whether it has to."""
+        held, self._holds = self._holds, bool(follower.waits_for(now_s))
+        if self._holds:
+            follower.hold()
+            controller = self._context.controller
+            if not held and controller.follows and controller.moving:
+                controller.stop(replies.StopCause.STOP)
+                self._arms = OwnArms(self._context)  # the same motion may be needed again
+        return self._holds
 
     def _check_allowed(self) -> None:
         """End following if the simulation was stopped or is no longer ready to move."""
@@ -196,7 +219,7 @@ class FollowHandler(Component):
         if follower.hear(sample):
             self._file_known = False
         now_s = time.monotonic()
-        own = self._arms.set_point(now_s)
+        own = None if self._hold_if_waiting(follower, now_s) else self._arms.set_point(now_s)
         step = None if own is None else follower.step(now_s, own, self._arms.limits())
         if step is not None:
             try:

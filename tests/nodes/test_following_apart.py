@@ -35,9 +35,21 @@ def govern(stage: Stage, name: str, action: LeaseAction) -> None:
 
 
 class FakeHardware:
-    """Publishes positions of a hardware whose set points and arms turn at these rates (deg/s) until closed."""
+    """Publishes positions of a hardware until closed: its set points sway, and its short arm `turns` times as far.
 
-    def __init__(self, stage: Stage, name: str, *, turns: float) -> None:
+    With `place` (deg) the arms stand there instead; `velocity` (deg/s) is published in any case.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        name: str,
+        *,
+        turns: float = 1.0,
+        place: float | None = None,
+        velocity: float = 0.0,
+    ) -> None:
+        self.place, self.velocity = place, velocity
         self._client = stage.client("fake")
         self._name, self._turns = name, turns
         self._began_s = time.monotonic()
@@ -56,14 +68,16 @@ class FakeHardware:
 
     def _positions(self, seq: int) -> Positions:
         now_s = time.monotonic()
-        angle = math.radians(10 * math.sin(now_s - self._began_s))
+        sway = 10 * math.sin(now_s - self._began_s)
+        angle = math.radians(sway if self.place is None else self.place)
+        velocity = math.radians(self.velocity)
         turned = angle * self._turns
         return Positions(
             seq=seq,
             t_mono_ns=round(now_s * 1e9),
             t_wall_ns=time.time_ns(),
             position=Vector3(turned, angle, angle),
-            velocity=Vector3(0.0, 0.0, 0.0),
+            velocity=Vector3(velocity, 0.0, 0.0),
             commanded=Vector3(angle, angle, angle),
             steps=Steps(0, 0, 0),
             head=Head(angle, 0.0, 0.0),
@@ -120,6 +134,36 @@ def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_wa
             fake.close()
         wait_status(simulation, lambda status: status.following is FollowState.WAITING, "waiting")
         assert "publishes no positions" in simulation.status().warnings[0]
+
+
+def test_a_simulation_that_must_wait_brakes_on_its_way() -> None:
+    with Stage() as stage:
+        stage.simulation("eli", "--follow", "--eyes-hz", "0")
+        simulation = stage.robot("eli", "sim")
+        fake = FakeHardware(stage, "eli", place=80.0)
+        try:
+            until(lambda: simulation.positions().arms.short > 5, "on its way")
+        finally:
+            fake.close()
+        wait_status(simulation, lambda status: status.following is FollowState.WAITING, "waiting")
+        until(lambda: not simulation.status().moving, "it has braked")
+        assert simulation.positions().arms.short < 60
+
+
+def test_impossible_velocities_do_not_end_the_simulation_and_are_named() -> None:
+    with Stage() as stage:
+        stage.simulation("fay", "--follow", "--eyes-hz", "0")
+        simulation = stage.robot("fay", "sim")
+        fake = FakeHardware(stage, "fay", place=0.0)
+        try:
+            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
+            fake.velocity = 1500.0
+            words = "impossible velocities"
+            wait_status(simulation, lambda status: words in " ".join(status.warnings), "the warning")
+            fake.velocity = 0.0
+            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
+        finally:
+            fake.close()
 
 
 def test_hardware_with_another_robot_file_is_reported(tmp_path: Path) -> None:
