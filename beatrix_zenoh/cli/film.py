@@ -92,7 +92,9 @@ def written_film(
         with replace_when_complete(path) as unfinished:
             count = write_video(unfinished, watched(frames, times, table))
             if not count:
-                raise Refused(Reason.BAD_VALUE, f"{path} is not written: all pictures are damaged.")
+                raise Refused(
+                    Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture."
+                )
     except OSError as error:
         raise Refused(
             Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."

@@ -23,6 +23,8 @@ BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""
 DECIMALS: Final = 6
 """Decimals of interpolated values: finer than the float32 of a robot's message, and still short as text."""
+APART_NS: Final = 3_600_000_000_000
+"""Files further apart than this are not parts of one recording: a table would have 180 000 empty rows for each hour."""
 OVERLAP_NS: Final = 1_000_000_000
 """Files of one recording may overlap by samples that arrived late; more than this is another recording."""
 ARMS: Final = ("short", "middle", "long")
@@ -156,13 +158,28 @@ def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
     """Return the samples of all robots in the order of time, from the files of one recording in any order.
 
     Raises:
-        Refused: BAD_VALUE, two files contain the same time of one robot, so they are not parts of one recording.
+        Refused: BAD_VALUE, two files contain the same time of one robot, or are far apart, so they are not parts of one
+            recording.
     """
+    spans = sorted(_span(part) for part in parts)
+    for (_, end_ns), (begin_ns, _) in itertools.pairwise(spans):
+        if begin_ns - end_ns > APART_NS:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"Two of the files are {(begin_ns - end_ns) / 3.6e12:.1f} h apart: they are not parts of one recording "
+                "(`beatrix record --rotate`). Export them one by one.",
+            )
     places = sorted({place for part in parts for place in part.robots})
     return {
         place: concatenated(place, [part.robots[place] for part in parts if place in part.robots])
         for place in places
     }
+
+
+def _span(part: Recorded) -> tuple[int, int]:
+    """Return the times (ns since 1970) of the first and the last sample of a file."""
+    robots = part.robots.values()
+    return min(int(each.time_ns[0]) for each in robots), max(int(each.time_ns[-1]) for each in robots)
 
 
 def concatenated(place: Place, parts: list[Samples]) -> Samples:

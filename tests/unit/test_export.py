@@ -165,6 +165,13 @@ def test_recordings_of_the_same_time_are_refused() -> None:
         table([one, one], Span())
 
 
+def test_recordings_of_different_days_are_refused_even_of_different_robots() -> None:
+    day_ns = 86_400_000_000_000
+    parts = [recorded({SIM: samples([0])}), recorded({HW: samples([day_ns])})]
+    with pytest.raises(Refused, match=r"24\.0 h apart: they are not parts of one recording"):
+        table(parts, Span())
+
+
 def test_a_robot_that_is_not_in_the_recording_is_refused() -> None:
     with pytest.raises(Refused, match="contains bea, and not cleo"):
         table([recorded({SIM: samples([0])})], Span(), ["bea", "cleo"])
