@@ -96,6 +96,18 @@ def times(*factors: float) -> Known:
     return changed(lambda _t, angles: angles * np.array(factors))
 
 
+def stopped_from(since_s: float, arms: Sequence[int]) -> Known:
+    """Return hardware whose arms stand still from a time (s) on."""
+
+    def change(t: Floats, angles: Floats) -> Floats:
+        """Return the angles with those of the arms held."""
+        held = angles.copy()
+        held[np.ix_(t >= since_s, np.array(arms))] = angles[np.searchsorted(t, since_s), np.array(arms)]
+        return held
+
+    return changed(change)
+
+
 ALL = ("short", "middle", "long")
 HOME: Arms = (0.0, 0.0, 0.0)
 LEADS = (0.0, 0.5, 1.5, 0.0, 1.5, 0.5, 0.0)
@@ -170,6 +182,20 @@ def of_wiring() -> list[Case]:
             "long stood still",
             times(1, 1, 0),
             UNKNOWN,
+            ((Cause.STOOD_STILL, ("long",), UNKNOWN),),
+            alike=False,
+        ),
+        Case(
+            "all stand still from 8 s on",
+            stopped_from(8.0, (0, 1, 2)),
+            0.0,
+            ((Cause.STOOD_STILL, (), UNKNOWN),),
+            alike=False,
+        ),
+        Case(
+            "long stands still from 10 s on",
+            stopped_from(10.0, (2,)),
+            0.0,
             ((Cause.STOOD_STILL, ("long",), UNKNOWN),),
             alike=False,
         ),

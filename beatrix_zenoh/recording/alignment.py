@@ -24,6 +24,7 @@ from beatrix_zenoh.recording.series import (
     resample,
     resting,
     runs,
+    sampled,
 )
 
 LOCAL_S = 0.15
@@ -241,13 +242,18 @@ def window(
 ) -> Floats:
     """Return the times of the first at which a motion is compared with the second, for shifts up to `limit_s` (s).
 
+    Times in a gap of a recording are left out; there are none if less than a quarter of the motion remains.
+
     At the ends of the recordings up to half of the motion is left out, so that the second was recorded at each shift.
     """
     begin_s = max(motion.begin_s - AROUND_S, float(first.t[0]))
     t = np.arange(begin_s, min(motion.end_s + AROUND_S, float(first.t[-1])), GRID_S)
     seconds = t + motion.shift_s
     inner = t[(seconds - limit_s >= second.t[0]) & (seconds + limit_s <= second.t[-1])]
-    return inner if 2 * len(inner) >= len(t) else t
+    kept = inner if 2 * len(inner) >= len(t) else t
+    seconds = kept + motion.shift_s
+    seen = kept[sampled(first, kept) & sampled(second, seconds, AGREE_S)]
+    return seen if 4 * len(seen) >= len(kept) else seen[:0]
 
 
 def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart:
@@ -259,7 +265,10 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
         found = best_shift(one, other, t, motion.shift_s, limit_s)
         if found.left < EXPLAINED and not math.isnan(found.s):
             break
-    why = motion.unknown or unknown(found, motion.limits_s[-1]) or disagreement(one, other, t, found.s)
+    gaps = "" if len(t) else "most of it lies in gaps of the recordings"
+    why = (
+        motion.unknown or gaps or unknown(found, motion.limits_s[-1]) or disagreement(one, other, t, found.s)
+    )
     lead_s = motion.lead_s or 0.0
     if not why and found.s < lead_s - SOONER_S:
         return MovedPart(

@@ -23,6 +23,7 @@ from beatrix_zenoh.recording.series import (
     regularity,
     resample,
     resting,
+    sampled,
     turned,
     unbroken,
 )
@@ -73,8 +74,11 @@ class Comparison:
     """angles of the second robot, as `first`"""
     second_after: Floats
     """angles of the second robot after removal of each motion's lead and lag, as `first`"""
+    asked: tuple[bool, bool]
+    """for each robot, whether it accepted a request, or its requests were not recorded"""
     compared: Flags
-    """at which times the differences were taken: where both robots were recorded and asked for the same movement"""
+    """at which times the differences were taken: where both robots were recorded without a gap, and asked for the
+    same movement"""
     rest: Flags
     """at which of these times both rest"""
     axes: tuple[AxisDifference, ...]
@@ -113,6 +117,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
     seconds = found.second_s(t)
     a, b, c = resample(first, t), resample(second, t), resample(second, seconds)
     compared = found.comparable(t) & (seconds >= second.t[0]) & (seconds <= second.t[-1])
+    compared &= sampled(first, t) & sampled(second, seconds)
     rest = resting(a) & resting(c) & compared
     before, after = differences(a, b), differences(a, c)
     return Comparison(
@@ -124,6 +129,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
         first=a,
         second=b,
         second_after=c,
+        asked=(asked(first), asked(second)),
         compared=compared,
         rest=rest,
         axes=tuple(
@@ -139,6 +145,11 @@ def compare(first: Recording, second: Recording) -> Comparison:
         off_set_points=(off_set_points(first, t[rest]), off_set_points(second, seconds[rest])),
         regularity=(regularity(whole[0]), regularity(whole[1])),
     )
+
+
+def asked(recorded: Recording) -> bool:
+    """Return whether a robot accepted a request of a motion, or its requests are unknown."""
+    return recorded.requests is None or any(not request.refused for request in recorded.requests)
 
 
 def columns(row: int) -> tuple[int, ...]:

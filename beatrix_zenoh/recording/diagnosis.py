@@ -41,6 +41,10 @@ FEWEST: Final = 5
 """Number of motions from which a drift can be told from chance."""
 EQUAL_S: Final = 0.05
 """Lags that differ by less than this (s) are equal."""
+AFTER_S: Final = 1.0
+"""The other robot must move later than this (s) after an arm stood still."""
+MOTIONS: Final = 2
+"""Number of motions during which an arm must stand still: a single one may be late."""
 REST_S: Final = 0.2
 """Rests that are shorter than this (s) are not looked at."""
 
@@ -96,8 +100,8 @@ def findings(found: Comparison) -> list[Finding]:
     seen = samples(found)
     if not len(seen.t) or not found.anything_moved:
         return result
-    if still := stood_still(seen):
-        return [*result, still]
+    if still := stood_still(found, seen) or stopped_moving(found, seen):
+        return [*result, *still]
     began = began_apart(found, seen)
     if began is not None:
         result.append(began)
@@ -113,7 +117,8 @@ def findings(found: Comparison) -> list[Finding]:
 def samples(found: Comparison) -> Seen:
     """Return the samples of the arms that can be compared."""
     arms = slice(0, len(ARMS))
-    kept = found.compared
+    finite = np.isfinite(np.hstack([found.first, found.second_after])).all(axis=1)
+    kept = found.compared & finite
     return Seen(
         found.t[kept] - found.t[0],
         found.first[kept, arms],
@@ -174,13 +179,42 @@ def stopped(found: Comparison) -> Iterator[Finding]:
             )
 
 
-def stood_still(seen: Seen) -> Finding | None:
-    """Return a finding if one robot stood still while the other moved."""
+def stood_still(found: Comparison, seen: Seen) -> list[Finding]:
+    """Return a finding if one robot was asked to move, and stood still while the other moved."""
+    if not found.moved:
+        return []
     ways = np.ptp(seen.first, axis=0), np.ptp(seen.second, axis=0)
-    for name, mine, other in (("hardware", ways[1], ways[0]), ("simulation", ways[0], ways[1])):
-        if mine.max() < STILL_DEG and other.max() > CLEAR_DEG:
-            return Finding(Cause.STOOD_STILL, f"The {name} stood still: check its motors, power and STOP.")
-    return None
+    for name, i in (("hardware", 1), ("simulation", 0)):
+        if found.asked[i] and ways[i].max() < STILL_DEG and ways[1 - i].max() > CLEAR_DEG:
+            return [Finding(Cause.STOOD_STILL, f"The {name} stood still: check its motors, power and STOP.")]
+    return []
+
+
+def stopped_moving(found: Comparison, seen: Seen) -> list[Finding]:
+    """Return findings for arms of the hardware that moved, and then stood still during all later motions."""
+    since: dict[str, float] = {}
+    for i, arm in enumerate(ARMS):
+        away = np.flatnonzero(np.abs(seen.second[:, i] - np.median(seen.second[-20:, i])) > STILL_DEG)
+        if not len(away):
+            continue
+        t = float(seen.t[away[-1]])
+        later = [part for part in found.moved if part.begin_s - found.t[0] > t and not part.measured]
+        way = seen.first[seen.t > t + AFTER_S, i]
+        if len(later) >= MOTIONS and len(way) and np.ptp(way) > CLEAR_DEG:
+            since[arm] = t
+    if len(since) == len(ARMS):
+        t = max(since.values())
+        sentence = f"The hardware stands still from {t:.1f} s on: check its motors, power and STOP."
+        return [Finding(Cause.STOOD_STILL, sentence, t=t)]
+    return [
+        Finding(
+            Cause.STOOD_STILL,
+            f"{arm.capitalize()} stands still on the hardware from {t:.1f} s on: check its motor.",
+            (arm,),
+            t=t,
+        )
+        for arm, t in since.items()
+    ]
 
 
 def began_apart(found: Comparison, seen: Seen) -> Finding | None:
@@ -283,7 +317,14 @@ def cause_of(seen: Seen, arm: int) -> Finding | None:
     ):
         return scale((name,), slope)
     steps = round(step / FULL_STEP_DEG)
-    if steps and left_step < 2 * BETTER * spread and abs(step - steps * FULL_STEP_DEG) < APART_DEG:
+    spans = rests(seen)
+    around_step = any(seen.t[b - 1] <= at for _, b in spans) and any(seen.t[a] >= at for a, _ in spans)
+    if (
+        steps
+        and around_step
+        and left_step < 2 * BETTER * spread
+        and abs(step - steps * FULL_STEP_DEG) < APART_DEG
+    ):
         missed = count(abs(steps), "full step")
         return Finding(
             Cause.MISSED_STEPS,
@@ -293,7 +334,7 @@ def cause_of(seen: Seen, arm: int) -> Finding | None:
             at,
         )
     varies = float(np.std(apart[seen.rest])) if seen.rest.any() else math.inf
-    if abs(constant) > max(APART_DEG, 2 * varies):
+    if len(spans) > 1 and abs(constant) > max(APART_DEG, 2 * varies):
         return Finding(
             Cause.OFFSET,
             f"{name.capitalize()} is {constant:+.2f}° off at rest, always: calibrate both robots at home.",

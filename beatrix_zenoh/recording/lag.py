@@ -60,6 +60,8 @@ def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
 def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float) -> Shift:
     """Return the best shift of the second at times t (s), within `limit_s` of `around_s`, where it was recorded."""
     t = t[:: 1 + len(t) // MOST]
+    if len(t) < 2:
+        return NO_SHIFT
     still = resample(first, t)
     if np.max(np.ptp(still, axis=0)) < REST_DEG:
         return NO_SHIFT

@@ -218,4 +218,4 @@ def why_alone(sim: Request, hw: Request | None) -> str:
         return "another motion replaced it before the hardware was asked"
     if sim.end not in (None, Reason.OK):
         return "it was aborted before the hardware was asked"
-    return "it was aborted, or replaced, before the hardware was asked"
+    return "the hardware was not asked"

@@ -31,6 +31,8 @@ SMOOTH_S = 0.04
 """Angles are averaged over this time (s) before and after, so that noise of 0.1 deg is no movement."""
 HOLE_S = 1.0
 """If two samples are further apart than this (s), the position between them is unknown."""
+GAP_S = 0.1
+"""Angles between two samples further apart than this (s) are interpolated, and are not compared."""
 GAP = 1.6
 """A period longer than this many usual periods is a gap."""
 
@@ -195,6 +197,14 @@ def common_grid(first: Recording, second: Recording) -> Floats:
 def resample(recorded: Recording, t: Floats) -> Floats:
     """Interpolate the angles (deg) linearly at times `t` (s)."""
     return np.column_stack([np.interp(t, recorded.t, column) for column in recorded.angles.T])
+
+
+def sampled(recorded: Recording, t: Floats, around_s: float = 0.0) -> Flags:
+    """Return which of the times `t` (s) are in no gap of a recording, nor within `around_s` (s) of one."""
+    flags = np.ones(len(t), dtype=np.bool_)
+    for i in np.flatnonzero(np.diff(recorded.t) > GAP_S + 1e-6):
+        flags &= (t <= recorded.t[i] - around_s) | (t >= recorded.t[i + 1] + around_s)
+    return flags
 
 
 def resting(angles: Floats) -> Flags:

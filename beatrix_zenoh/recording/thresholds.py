@@ -64,7 +64,7 @@ class Thresholds:
                 )
                 continue
             above = sorted(
-                (name for name in values if values[name] > allowed), key=lambda name: -values[name]
+                (name for name in values if not values[name] <= allowed), key=lambda name: -values[name]
             )
             if above:
                 also = f" (and {', '.join(above[1:])})" if above[1:] else ""
@@ -98,4 +98,6 @@ def why_no_lag(found: Comparison) -> str:
     if not found.moved:
         return "no motion was made by both robots."
     reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
-    return f"the two robots did not make the same movement ({'; '.join(reasons[:1])})."
+    if not reasons:
+        return "the set points of the two robots do not agree."
+    return f"the two robots did not make the same movement ({reasons[0]})."

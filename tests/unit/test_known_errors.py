@@ -6,12 +6,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import known_errors
+import numpy as np
 import pytest
 from known_errors import VARIANTS, Case, Variant, compared, wrong
-from known_robots import Known, acts, as_recordings
+from known_robots import Act, Known, acts, as_recordings
 
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.series import part_of
+from beatrix_zenoh.recording.diagnosis import findings
+from beatrix_zenoh.recording.requests import Request, why_alone
+from beatrix_zenoh.recording.series import Recording, part_of
+from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
 
 CASES = {case.name: case for case in known_errors.cases()}
 MEMORY = [variant for variant in VARIANTS if not variant.file]
@@ -45,3 +49,49 @@ def test_a_motion_that_began_before_the_recording_has_its_lead_only_from_its_req
     assert found.lag_s == pytest.approx(0.0, abs=0.005)
     assert [part.measured for part in found.moved] == [told, *[True] * 7]
     assert max(axis.rms_after for axis in found.axes) < 0.3
+
+
+@pytest.mark.parametrize("seconds", [1.6, 2.0])
+def test_a_recording_that_ends_before_the_robots_rest_has_no_cause(seconds: float) -> None:
+    sim = Known("sim", start=(15.0, 15.0, 15.0))
+    found = compare(*as_recordings((sim, Known("hw")), [Act(1.0, (30.0, 30.0, 30.0))], seconds, events=True))
+    assert findings(found) == []
+
+
+def test_a_gap_is_no_difference() -> None:
+    sim, hw = as_recordings((Known("sim"), Known("hw")), acts(), 24.5, events=True)
+    found = compare(sim, without(hw, 5.5, 6.46))
+    assert max(axis.largest_after for axis in found.axes) < 1.0
+    assert all(abs(part.lag_s) < 0.01 for part in found.moved if part.measured)
+
+
+def without(recorded: Recording, begin_s: float, end_s: float) -> Recording:
+    """Return a recording without the samples between two times (s)."""
+    kept = (recorded.t < begin_s) | (recorded.t > end_s)
+    assert recorded.commanded is not None
+    return replace(
+        recorded, t=recorded.t[kept], angles=recorded.angles[kept], commanded=recorded.commanded[kept]
+    )
+
+
+def test_a_robot_that_was_not_asked_to_move_is_not_said_to_stand_still() -> None:
+    noisy = replace(Known("hw"), noise_deg=0.5)
+    assert findings(compare(*as_recordings((Known("sim"), noisy), [], 21.0, events=True))) == []
+    swinging = Known("hw", change=lambda t, arms: arms + np.outer(np.sin(t) * 10, (1, 1, 1)))
+    assert findings(compare(*as_recordings((Known("sim"), swinging), [], 21.0, events=True))) == []
+
+
+def test_a_motion_that_nothing_ended_in_its_lead_was_not_asked() -> None:
+    assert why_alone(Request(1.0, "HOME", "ana", lead_s=0.5), None) == "the hardware was not asked"
+
+
+def test_an_unknown_lag_always_has_a_reason() -> None:
+    found = compare(*as_recordings((Known("sim"), Known("hw")), acts(), 24.5, events=True))
+    assert "()" not in why_no_lag(found)
+
+
+def test_angles_that_are_no_numbers_pass_no_threshold() -> None:
+    broken = Known("hw", change=lambda t, arms: np.where((t > 5)[:, None] & (t < 5.1)[:, None], np.nan, arms))
+    found = compare(*as_recordings((Known("sim"), broken), acts(), 24.5, events=True))
+    assert Thresholds(largest_deg=100.0).exceeded(found, None)
+    assert all(finding.sentence for finding in findings(found))
