@@ -19,7 +19,8 @@ from known_robots import GOALS, Act, Arms, Known, acts, as_recordings, from_file
 from beatrix_zenoh.cli.comparison_text import lag_sentence, lead_sentences
 from beatrix_zenoh.cli.output import columns
 from beatrix_zenoh.recording.compare import Comparison, compare
-from beatrix_zenoh.recording.diagnosis import FULL_STEP_DEG, Cause, Finding, findings
+from beatrix_zenoh.recording.diagnosis import FULL_STEP_DEG, findings
+from beatrix_zenoh.recording.finding import Cause, Finding
 from beatrix_zenoh.recording.series import Floats
 
 SECONDS = 21.0

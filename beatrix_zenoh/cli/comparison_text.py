@@ -9,7 +9,8 @@ import msgspec
 
 from beatrix_zenoh.cli.output import columns
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison
-from beatrix_zenoh.recording.diagnosis import count, findings
+from beatrix_zenoh.recording.diagnosis import findings
+from beatrix_zenoh.recording.finding import count
 from beatrix_zenoh.recording.record_robots import LiveRecording
 from beatrix_zenoh.recording.series import HOLE_S
 from beatrix_zenoh.recording.thresholds import why_no_lag

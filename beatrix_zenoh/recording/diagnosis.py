@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -14,6 +12,7 @@ import numpy as np
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs
 
 FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
@@ -47,38 +46,6 @@ MOTIONS: Final = 2
 """Number of motions during which an arm must stand still: a single one may be late."""
 REST_S: Final = 0.2
 """Rests that are shorter than this (s) are not looked at."""
-
-
-class Cause(StrEnum):
-    """The cause of differences."""
-
-    STOOD_STILL = "stood still"
-    NOT_ASKED = "not asked"
-    STOPPED = "stopped"
-    BEGAN_APART = "began apart"
-    EXCHANGED = "exchanged"
-    REVERSED = "reversed"
-    SCALE = "scale"
-    OFFSET = "offset"
-    MISSED_STEPS = "missed steps"
-    DRIFT = "drift"
-    CLOCK = "clock"
-    LOSS = "loss"
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A cause, the arms that it concerns, its size and a sentence about it."""
-
-    cause: Cause
-    sentence: str
-    arms: tuple[str, ...] = ()
-    value: float = math.nan
-    """deg of BEGAN_APART and OFFSET, full steps of MISSED_STEPS, hardware / simulation - 1 of SCALE, s per s of DRIFT,
-    s of CLOCK, share of LOSS, number of motions of NOT_ASKED"""
-    t: float = math.nan
-    """time since the begin of the comparison (s), if the cause has one"""
-
 
 Mapped = tuple[tuple[int, ...], tuple[int, ...]]
 """For each arm of the first robot the index of an arm of the second, and its sign."""
@@ -407,13 +374,3 @@ def clocks(found: Comparison) -> Iterator[Finding]:
             "request names.",
             value=typical,
         )
-
-
-def listed(names: tuple[str, ...]) -> str:
-    """Join names: 'short, middle and long'."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def count(number: int, what: str) -> str:
-    """Return a number with its noun."""
-    return f"{number} {what}" + "s" * (number != 1)

@@ -14,7 +14,8 @@ from stage import Stage, until
 from beatrix_zenoh import Interrupted, Twin
 from beatrix_zenoh.recording.alignment import MovedPart
 from beatrix_zenoh.recording.compare import Comparison, compare
-from beatrix_zenoh.recording.diagnosis import Cause, findings
+from beatrix_zenoh.recording.diagnosis import findings
+from beatrix_zenoh.recording.finding import Cause
 from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
 from beatrix_zenoh.recording.series import Floats
 
