@@ -162,13 +162,15 @@ def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
             recording.
     """
     spans = sorted(_span(part) for part in parts)
-    for (_, end_ns), (begin_ns, _) in itertools.pairwise(spans):
+    end_ns = spans[0][1]
+    for begin_ns, last_ns in spans:
         if begin_ns - end_ns > APART_NS:
             raise Refused(
                 Reason.BAD_VALUE,
                 f"Two of the files are {(begin_ns - end_ns) / 3.6e12:.1f} h apart: they are not parts of one recording "
                 "(`beatrix record --rotate`). Export them one by one.",
             )
+        end_ns = max(end_ns, last_ns)
     places = sorted({place for part in parts for place in part.robots})
     return {
         place: concatenated(place, [part.robots[place] for part in parts if place in part.robots])

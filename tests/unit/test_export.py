@@ -172,6 +172,14 @@ def test_recordings_of_different_days_are_refused_even_of_different_robots() -> 
         table(parts, Span())
 
 
+def test_a_long_recording_of_one_robot_may_contain_a_short_one_of_another() -> None:
+    hour_ns = 3_600_000_000_000
+    both = {SIM: samples([0, 10 * hour_ns]), HW: samples([hour_ns])}
+    other = samples([10 * hour_ns])
+    parts = [recorded({place: found}) for place, found in both.items()] + [recorded({("cleo", "hw"): other})]
+    assert set(table(parts, Span()).robots) == {SIM, HW, ("cleo", "hw")}
+
+
 def test_a_robot_that_is_not_in_the_recording_is_refused() -> None:
     with pytest.raises(Refused, match="contains bea, and not cleo"):
         table([recorded({SIM: samples([0])})], Span(), ["bea", "cleo"])
