@@ -273,9 +273,7 @@ def test_the_end_names_positions_that_the_network_lost(stage: Stage, tmp_path: P
             if seq % 10 != 5:
                 now = {"t_mono_ns": time.monotonic_ns(), "t_wall_ns": time.time_ns()}
                 publication.put(codec.encode(msgspec.structs.replace(sample, seq=seq, repeated=False, **now)))
-        process.expect_all(
-            "Recording lossy (hw).", "So far: lossy (hw): 20 of 201 positions were lost on the network."
-        )
+        process.expect_all("Recording lossy (hw).", "So far: lossy (hw): ")  # perhaps before the last loss
     assert process.end(signal.SIGTERM) == 0
     summary = next(line for line in process.lines if line.startswith(str(path)))
     assert "181 positions, 20 lost on the network" in summary
