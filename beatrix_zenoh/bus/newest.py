@@ -26,9 +26,8 @@ def subscribe_newest(
     ends with the subscription or the session.
     """
     subscriber = session.declare_subscriber(key, RingChannel(WAITING))
-    ring = (
-        subscriber.handler
-    )  # while a thread waits in `subscriber.recv`, the subscriber cannot be undeclared
+    # While a thread waits in `subscriber.recv`, the subscriber cannot be undeclared.
+    ring = subscriber.handler
 
     def run() -> None:
         while True:
@@ -36,8 +35,11 @@ def subscribe_newest(
                 sample = ring.recv()
             except zenoh.ZError:
                 return
-            if not skips(str(sample.key_expr)):
-                handle(Received.of(sample))
+            try:
+                if not skips(str(sample.key_expr)):
+                    handle(Received.of(sample))
+            except Exception as error:  # noqa: BLE001 # the next publication must still arrive
+                threads.show_error(error)
 
     threads.start(run, "newest")
     return subscriber

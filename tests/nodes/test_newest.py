@@ -10,7 +10,7 @@ from patience import PATIENCE_S
 from stage import Stage, until
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec
+from beatrix_zenoh import codec, threads
 from beatrix_zenoh.bus import Bus, Incoming, Received
 from beatrix_zenoh.bus.newest import WAITING
 
@@ -65,3 +65,26 @@ def test_a_query_waits_for_no_publication_of_a_flood_and_the_newest_arrives(
     put_until("last")
     assert "0" not in flooded.received, "the oldest are dropped"
     flooded.end()
+
+
+def test_a_publication_that_cannot_be_handled_does_not_end_the_subscription(
+    sessions: tuple[Bus, Bus], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[Exception] = []
+    monkeypatch.setattr(threads, "show_error", shown.append)
+    received: list[bytes] = []
+
+    def handle(publication: Received) -> None:
+        received.append(publication.payload)
+        if len(received) == 1:
+            raise ValueError
+
+    end = sessions[0].subscribe_newest(KEY, handle, lambda _key: False)
+
+    def arrived() -> bool:
+        sessions[1].put(KEY, b"", codec.JSON)
+        return len(received) > 1
+
+    until(arrived, "the next publication has arrived")
+    assert [type(error) for error in shown] == [ValueError]
+    end()
