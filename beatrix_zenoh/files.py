@@ -120,6 +120,37 @@ def write_private(path: Path, text: str) -> None:
 
 
 @contextlib.contextmanager
+def replace_when_complete(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path`, rename it to `path` when the block ends, delete it if the block raises."""
+    unfinished = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        yield unfinished
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def check_new(path: Path) -> None:
+    """Raise Refused if a file exists."""
+    if path.exists():
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} exists and is not overwritten. Name another file, or delete it."
+        )
+
+
+@contextlib.contextmanager
+def new_file(path: Path) -> Iterator[Path]:
+    """As `replace_when_complete`; raises Refused if the file cannot be written."""
+    try:
+        with replace_when_complete(path) as unfinished:
+            yield unfinished
+    except OSError as error:
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
+        ) from error
+
+
+@contextlib.contextmanager
 def locked(path: Path, busy: str) -> Iterator[None]:
     """Lock a file, which is made (mode 0600) if it is missing and stays; the lock ends with the block or with the process.
 

@@ -17,6 +17,7 @@ LATIN = str.maketrans(
 """Small letters that Unicode does not decompose into a letter of a-z and an accent."""
 PATTERN = keys.NAME
 TWINS = ("sim", "hw")
+TWIN_TITLES = {"sim": "simulation", "hw": "hardware"}
 EYES = ("left", "right")
 OUTSIDE = "outside"
 """The camera that sees the simulated head from outside; only simulations have it."""

@@ -13,6 +13,7 @@ from beatrix_zenoh.cli.output import FAILED, note, print_json, say
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.names import TWINS
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
@@ -164,8 +165,6 @@ def only_robot(path: Path, names: list[str], found: Recorded) -> str:
 
 def draw(path: Path, found: Comparison, title: str) -> None:
     """Write the plot, completely or not at all; raises Refused if it cannot be drawn or written."""
-    from beatrix_zenoh.cli.demo_files import replace_when_complete
-
     try:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:

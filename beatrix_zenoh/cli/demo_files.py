@@ -7,8 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from beatrix_zenoh._generated.messages import Positions
 from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.cli.processes import Child, Supervisor
 from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.series import AXES
 from beatrix_zenoh.settings import Settings
@@ -69,17 +69,6 @@ def write_files(out: Path, found: Comparison, more: Mapping[str, Write]) -> File
         else:
             files.written.append(str(out / name))
     return files
-
-
-@contextmanager
-def replace_when_complete(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, rename it to `path` when the block ends, delete it if the block raises."""
-    unfinished = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
-        yield unfinished
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def write_csv(path: Path, found: Comparison) -> None:

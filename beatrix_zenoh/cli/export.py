@@ -13,6 +13,7 @@ from beatrix_zenoh.cli.film import EyeName, check_video, written_film
 from beatrix_zenoh.cli.options import Json, Names, Which, finite
 from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.files import check_new, new_file
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
@@ -114,14 +115,6 @@ def sources_and_table(files: Sequence[Path], *, film: bool) -> tuple[list[Path],
     return recordings, others[0]
 
 
-def check_new(path: Path) -> None:
-    """Raise Refused if a file exists."""
-    if path.exists():
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} exists and is not overwritten. Name another file, or delete it."
-        )
-
-
 def opened(recordings: Sequence[Path], begin: float, end: float | None, names: Sequence[str]) -> Table:
     """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
     from beatrix_zenoh.cli.recording_files import read_recording
@@ -137,21 +130,15 @@ def written(path: Path, found: Table, *, samples: bool) -> int:
     Raises:
         Refused: BAD_VALUE, the part contains no samples, or the file cannot be written.
     """
-    from beatrix_zenoh.cli.demo_files import replace_when_complete
     from beatrix_zenoh.recording.table_files import write_table
 
-    try:
-        with replace_when_complete(path) as unfinished:
-            rows = write_table(unfinished, found.samples() if samples else found.grid())
-            if not rows:
-                raise Refused(
-                    Reason.BAD_VALUE,
-                    f"{path} is not written: no samples are in this part of the recording. Change --from or --to.",
-                )
-    except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
-        ) from error
+    with new_file(path) as unfinished:
+        rows = write_table(unfinished, found.samples() if samples else found.grid())
+        if not rows:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{path} is not written: no samples are in this part of the recording. Change --from or --to.",
+            )
     return rows
 
 

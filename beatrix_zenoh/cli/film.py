@@ -13,7 +13,8 @@ from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import TWINS
+from beatrix_zenoh.files import new_file
+from beatrix_zenoh.names import TWIN_TITLES, TWINS
 
 if TYPE_CHECKING:  # importing numpy, rerun and av would delay every verb
     from beatrix_zenoh.recording.export import Table
@@ -75,8 +76,7 @@ def written_film(
     Raises:
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
     """
-    from beatrix_zenoh.cli.demo_files import replace_when_complete
-    from beatrix_zenoh.recording.film import TITLES, side_by_side
+    from beatrix_zenoh.recording.film import side_by_side
     from beatrix_zenoh.recording.rrd.eyes import read_eyes
     from beatrix_zenoh.recording.video import write_video
 
@@ -84,21 +84,14 @@ def written_film(
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     times: list[int] = []
     if eye is None:
-        twins = [TITLES[twin] for twin in TWINS if (name, twin) in table.robots]
+        twins = [TWIN_TITLES[twin] for twin in TWINS if (name, twin) in table.robots]
         shows, frames = f"{name}, {' and '.join(twins)}", side_by_side(table, name, eyes)
     else:
         shows, frames = of_eye(eyes, name, eye, on)
-    try:
-        with replace_when_complete(path) as unfinished:
-            count = write_video(unfinished, watched(frames, times, table))
-            if not count:
-                raise Refused(
-                    Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture."
-                )
-    except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
-        ) from error
+    with new_file(path) as unfinished:
+        count = write_video(unfinished, watched(frames, times, table))
+        if not count:
+            raise Refused(Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture.")
     return Film(count, (times[-1] - times[0]) / 1e9, shows)
 
 

@@ -22,11 +22,11 @@ from beatrix_zenoh.cli.processes import Child, Role, Supervisor, signals_interru
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.errors import NoAnswer
 from beatrix_zenoh.motion.robot_file import load
+from beatrix_zenoh.names import TWIN_TITLES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 
 POLL_S = 0.2
 WINDOW = "window"
-TITLES = {"sim": "simulation", "hw": "hardware"}
 FIRST = ("enable", "calibrate")
 NEXT = ("look --yaw 20", "top", "stop")
 BOTH = " --on both"
@@ -120,7 +120,7 @@ def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions)
     if options.window:
         open_window(supervisor, settings)
     for twin in options.served:
-        supervisor.start(TITLES[twin], twin, *where, *options.arguments(twin), role=Role.ROBOT)
+        supervisor.start(TWIN_TITLES[twin], twin, *where, *options.arguments(twin), role=Role.ROBOT)
     supervisor.wait_ready()
 
 
@@ -132,7 +132,7 @@ def report(
         found = {robot.place: robot.status for robot in look_up(client)}
         supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
     running = {child.title for child in supervisor.children}
-    own = {twin: found.get((settings.robot, twin)) for twin in options.served if TITLES[twin] in running}
+    own = {twin: found.get((settings.robot, twin)) for twin in options.served if TWIN_TITLES[twin] in running}
     with end_on_interrupt():
         if as_json:
             show_json(supervisor, settings, options, own)
@@ -177,20 +177,24 @@ def show(
     rows = [("router", "", settings.connect, router)]
     for twin, status in own.items():
         text = "does not answer" if status is None else state(status)
-        rows.append((TITLES[twin], settings.robot, options.served[twin], text))
+        rows.append((TWIN_TITLES[twin], settings.robot, options.served[twin], text))
     if window:
         rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
     for line in warnings(own):
         say(line)
     if options.legacy is not None:
-        say(f"Programs of 2023 open {options.legacy.absolute()} and drive the {TITLES[legacy_twin(own)]}.")
+        say(
+            f"Programs of 2023 open {options.legacy.absolute()} and drive the {TWIN_TITLES[legacy_twin(own)]}."
+        )
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:
     """Return faults and warnings, a line for each robot that has any."""
     return [
-        f"{TITLES[twin]}: {' '.join(found)}" for twin, status in own.items() if (found := problems(status))
+        f"{TWIN_TITLES[twin]}: {' '.join(found)}"
+        for twin, status in own.items()
+        if (found := problems(status))
     ]
 
 

@@ -260,8 +260,8 @@ class Access:
     def session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> bool:
         """Record that a client's session has begun, returned or ended; return whether a running motion lost its client.
 
-        `now_s` is the time at which its token arrived or disappeared. A session that has ended keeps its lease and its place in the queue until
-        `give_up_sessions` ends them, because the router may have been lost.
+        `now_s` is the time at which its token arrived or disappeared. A session that has ended keeps its lease and its
+        place in the queue until `give_up_sessions` ends them, because the router may have been lost.
 
         The end counts only for this seat with this session. In a class the router lets each client declare tokens of
         its own seat only, so no client can end the session of another seat.

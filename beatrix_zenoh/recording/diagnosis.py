@@ -350,8 +350,9 @@ def clocks(found: Comparison) -> Iterator[Finding]:
     lags = np.array([part.lag_s for part in known])
     begins = np.array([part.begin_s for part in known])
     if len(known) >= FEWEST:
-        growth, _ = np.polyfit(begins - begins[0], lags, 1)
-        left = lags - np.polyval(np.polyfit(begins, lags, 1), begins)
+        since = begins - begins[0]
+        line = np.polyfit(since, lags, 1)
+        growth, left = line[0], lags - np.polyval(line, since)
         if (
             abs(growth) > DRIFT
             and abs(lags[-1] - lags[0]) > EQUAL_S

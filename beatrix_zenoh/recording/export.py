@@ -18,6 +18,7 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.errors import Refused
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
+from beatrix_zenoh.recording.series import ARMS, HEAD
 
 BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""
@@ -27,8 +28,6 @@ APART_NS: Final = 3_600_000_000_000
 """Files further apart than this are not parts of one recording: a table would have 180 000 empty rows for each hour."""
 OVERLAP_NS: Final = 1_000_000_000
 """Files of one recording may overlap by samples that arrived late; more than this is another recording."""
-ARMS: Final = ("short", "middle", "long")
-HEAD: Final = ("yaw", "pitch", "roll")
 FORMULA: Final = ("=", "+", "-", "@", "\t")
 """Beginnings of formulas in a spreadsheet."""
 

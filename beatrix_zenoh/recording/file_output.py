@@ -11,6 +11,7 @@ from typing import Final
 
 from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet, Say
 from beatrix_zenoh.recording.rows import Row
@@ -112,11 +113,7 @@ class FileOutput:
             while self.files and numbered(path, self._number).exists():
                 self._number += 1
             path = numbered(path, self._number)
-        if path.exists():
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"{path} exists and is not overwritten. Name another file, or delete it.",
-            )
+        check_new(path)
         stream = Stream(str(uuid.uuid4()), path.stem)
         try:
             stream.to_file(path)

@@ -10,10 +10,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from beatrix_zenoh.names import EYES, TWINS
+from beatrix_zenoh.names import EYES, TWIN_TITLES, TWINS
 from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
-from beatrix_zenoh.recording.export import ARMS, HEAD, Block, Table
+from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.series import ARMS, HEAD
 
 STEPS: Final = 2
 """Steps of the grid of 20 ms between two frames: 25 frames a second."""
@@ -25,7 +26,6 @@ OLD_NS: Final = 1_500_000_000
 INK: Final = (45, 52, 60)
 EMPTY: Final = (70, 76, 84)
 PALE: Final = (200, 205, 210)
-TITLES: Final = {"sim": "simulation", "hw": "hardware"}
 
 
 class Picture(NamedTuple):
@@ -73,7 +73,8 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[Frame]:
         for column, twin in enumerate(twins):
             left = column * PANEL[0]
             canvas.paste(
-                panel(drawings[twin], block, row, f"{name}_{twin}_", f"{name}, {TITLES[twin]}"), (left, 0)
+                panel(drawings[twin], block, row, f"{name}_{twin}_", f"{name}, {TWIN_TITLES[twin]}"),
+                (left, 0),
             )
             for index, eye in enumerate(EYES if with_eyes else ()):
                 tile = shown.get((name, twin, eye))

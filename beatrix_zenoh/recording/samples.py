@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -17,6 +18,23 @@ NUMBERS: Final = 2**32
 """Sequence numbers are counted modulo this."""
 Floats = npt.NDArray[np.float64]
 Nanoseconds = npt.NDArray[np.int64]
+
+
+def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = None) -> int | None:
+    """Return how many sequence numbers are missing between the first and the last; None if any is unknown (-1).
+
+    A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
+
+    Args:
+        numbers: (n,) sequence numbers in the order of publication.
+        repeats: (n,) how many publications before each were repetitions, which are no samples; None: none were left out.
+    """
+    counted = np.array(numbers, dtype=np.int64)
+    if np.any(counted < 0):
+        return None
+    steps = np.diff(counted) % NUMBERS
+    steps -= 0 if repeats is None else repeats[1:]
+    return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
 
 
 @dataclass(frozen=True)
@@ -46,15 +64,8 @@ class Samples:
 
     @property
     def lost(self) -> int | None:
-        """Number of missing sequence numbers; None: not known.
-
-        The numbers of a restarted node begin again, which is no loss.
-        """
-        if self.seq is None or np.any(self.seq < 0):
-            return None
-        steps = np.diff(self.seq) % NUMBERS
-        steps -= 0 if self.repeats is None else self.repeats[1:]
-        return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
+        """Number of missing sequence numbers; None: not known."""
+        return None if self.seq is None else lost(self.seq, self.repeats)
 
 
 @dataclass(frozen=True)

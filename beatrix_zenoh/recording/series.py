@@ -12,7 +12,7 @@ import numpy.typing as npt
 from beatrix_zenoh._generated.messages import Event, Positions
 from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.recording.requests import Request, requests
-from beatrix_zenoh.recording.samples import NUMBERS, Samples, TimedEvent
+from beatrix_zenoh.recording.samples import Samples, TimedEvent, lost
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -97,18 +97,6 @@ def recording(
         lost([each.seq for each in positions]),
         asked,
     )
-
-
-def lost(numbers: Sequence[int]) -> int | None:
-    """Return how many sequence numbers are missing between the first and the last; None if any is unknown (-1).
-
-    A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
-    """
-    counted = np.array(numbers, dtype=np.int64)
-    if np.any(counted < 0):
-        return None
-    steps = np.diff(counted) % NUMBERS
-    return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
 
 
 def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | None = None) -> Recording:

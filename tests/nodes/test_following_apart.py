@@ -7,21 +7,20 @@ import threading
 import time
 from pathlib import Path
 
+from msgspec.structs import replace
 from old_program import Program
 from stage import Stage, until, wait_status
+from statuses import READY
 
 from beatrix_zenoh import codec
 from beatrix_zenoh._generated import keys
 from beatrix_zenoh._generated.messages import (
-    BoardStatus,
-    Fault,
     FollowState,
     Head,
     LeaseAction,
     LeaseQuery,
     LeaseReply,
     Positions,
-    Status,
     Steps,
     Vector3,
 )
@@ -63,7 +62,11 @@ class FakeHardware:
             seq += 1
             bus = self._client.bus
             if seq % 50 == 1:
-                bus.put(keys.status(self._name, "hw"), codec.encode(self._status()), codec.MSGPACK)
+                bus.put(
+                    keys.status(self._name, "hw"),
+                    codec.encode(replace(READY, robot=self._name, t_mono_ns=time.monotonic_ns())),
+                    codec.MSGPACK,
+                )
             bus.put(keys.positions(self._name, "hw"), codec.encode(self._positions(seq)), codec.MSGPACK)
 
     def _positions(self, seq: int) -> Positions:
@@ -81,32 +84,6 @@ class FakeHardware:
             commanded=Vector3(angle, angle, angle),
             steps=Steps(0, 0, 0),
             head=Head(angle, 0.0, 0.0),
-        )
-
-    def _status(self) -> Status:
-        return Status(
-            t_mono_ns=time.monotonic_ns(),
-            t_wall_ns=time.time_ns(),
-            robot=self._name,
-            twin="hw",
-            enabled=True,
-            calibrated=True,
-            moving=False,
-            motion=0,
-            fault=Fault.NONE,
-            warnings=[],
-            calibrations=0,
-            holder="",
-            board=BoardStatus(
-                connected=True,
-                port="",
-                name="",
-                firmware="",
-                contract="",
-                boot=1,
-                rejected_frames=0,
-                retries=0,
-            ),
         )
 
     def close(self) -> None:

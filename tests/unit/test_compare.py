@@ -18,12 +18,12 @@ from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.lag import best_shift, lag
 from beatrix_zenoh.recording.requests import HOME, Request
+from beatrix_zenoh.recording.samples import lost
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
     Recording,
     heads_apart,
-    lost,
     recording,
     regularity,
     resample,

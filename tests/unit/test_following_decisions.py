@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 import pytest
+from msgspec.structs import replace
+from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import BoardStatus, Fault, FollowState, Head, Positions, Status, Steps
+from beatrix_zenoh._generated.messages import FollowState, Head, Positions, Status, Steps
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
 from sim_node.following.course import SetPoint
@@ -53,24 +55,8 @@ def sample(
 
 
 def status(*, enabled: bool = True, calibrated: bool = True, connected: bool = True) -> Status:
-    board_status = BoardStatus(
-        connected=connected, port="", name="", firmware="", contract="", boot=1, rejected_frames=0, retries=0
-    )
-    return Status(
-        t_mono_ns=0,
-        t_wall_ns=0,
-        robot="bea",
-        twin="hw",
-        enabled=enabled,
-        calibrated=calibrated,
-        moving=False,
-        motion=0,
-        fault=Fault.NONE,
-        warnings=[],
-        calibrations=0,
-        holder="",
-        board=board_status,
-    )
+    board = replace(BOARD, connected=connected)
+    return replace(READY, enabled=enabled, calibrated=calibrated, board=board)
 
 
 @pytest.fixture

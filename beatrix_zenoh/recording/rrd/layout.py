@@ -9,10 +9,11 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.names import TWIN_TITLES
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME
-from beatrix_zenoh.recording.rrd.scene import MECHANISM, TWINS, solids_of
+from beatrix_zenoh.recording.rrd.scene import MECHANISM, solids_of
 
 WINDOW_S: Final = 20.0
 """Time span of plots and states."""
@@ -107,7 +108,7 @@ def scene_view(origin: str, contents: Sequence[str], title: str, places: Sequenc
 def eye_view(place: Place, side: str) -> rrb.View:
     """Return a view of the pictures of one eye."""
     return rrb.Spatial2DView(
-        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TWINS[place[1]]}"
+        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TWIN_TITLES[place[1]]}"
     )
 
 
@@ -172,4 +173,4 @@ def log() -> rrb.View:
 
 def titled(place: Place) -> str:
     """Return the title of a robot."""
-    return f"{place[0]}: {TWINS[place[1]]}"
+    return f"{place[0]}: {TWIN_TITLES[place[1]]}"

@@ -9,6 +9,7 @@ import rerun as rr
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
+from beatrix_zenoh.names import TWIN_TITLES
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import mechanism
 from beatrix_zenoh.recording.robot_rows import State
@@ -23,7 +24,6 @@ GHOST = (20, 120, 255, 120)
 """Colour and opacity of the simulation over the hardware."""
 THINNER_M = 0.001
 """Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
-TWINS = {"sim": "simulation", "hw": "hardware"}
 CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
 MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
@@ -103,7 +103,7 @@ def curves(place: Place) -> Iterator[Item]:
             of_robot(place, what),
             lines(
                 {
-                    f"{name}, {TWINS[place[1]]}{label} ({unit})": colour if hardware else pale(colour)
+                    f"{name}, {TWIN_TITLES[place[1]]}{label} ({unit})": colour if hardware else pale(colour)
                     for name, colour in colours.items()
                 },
                 width=6.0 if hardware else 2.0,
