@@ -120,6 +120,7 @@ def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
             mute.declare_token(keys.alive(name, twin))
             if name != "zoe":  # its node has lost its queryables
                 mute.serve(keys.lease(name, twin, "*"), waiting.append)
+        until(lambda: {("bea1", "hw"), *silent} <= {*teacher.robots()}, "all robots are on line")
         begin = time.monotonic()
         results = govern(teacher, teacher.robots(), LeaseQuery(action=LeaseAction.FREEZE))
         place, reply = next(results)
