@@ -36,20 +36,20 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.robot import Robot as Robot
     from beatrix_zenoh.client.subscription import Subscription as Subscription
     from beatrix_zenoh.client.twin import Twin as Twin
-    from beatrix_zenoh.errors import BeatrixError as BeatrixError
-    from beatrix_zenoh.errors import Interrupted as Interrupted
-    from beatrix_zenoh.errors import NoAnswer as NoAnswer
-    from beatrix_zenoh.errors import Refused as Refused
+    from beatrix_zenoh.contract.errors import BeatrixError as BeatrixError
+    from beatrix_zenoh.contract.errors import Interrupted as Interrupted
+    from beatrix_zenoh.contract.errors import NoAnswer as NoAnswer
+    from beatrix_zenoh.contract.errors import Refused as Refused
 else:
     MODULES = {
-        "BeatrixError": "errors",
+        "BeatrixError": "contract.errors",
         "CameraImage": "client.camera",
-        "Interrupted": "errors",
+        "Interrupted": "contract.errors",
         "Monitor": "client.monitor",
         "Motion": "client.motion",
-        "NoAnswer": "errors",
+        "NoAnswer": "contract.errors",
         "Plan": "client.plan",
-        "Refused": "errors",
+        "Refused": "contract.errors",
         "Robot": "client.robot",
         "Subscription": "client.subscription",
         "Twin": "client.twin",

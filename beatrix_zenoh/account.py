@@ -10,9 +10,10 @@ from typing import Literal
 
 import msgspec
 
-from beatrix_zenoh import codec, files, names
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh import files
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 
 LONGEST = 32 * 1024
 """Largest size of an account file (bytes); one has 2 kB, and the teacher's also the names of 99 pupils."""

@@ -19,8 +19,8 @@ from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
 LETTERS = 80
 """Number of first bytes by which text in UTF-16 without byte order mark is recognised: every second one is 0."""

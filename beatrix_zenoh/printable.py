@@ -6,7 +6,7 @@ import re
 from functools import cache
 from typing import Final, get_args
 
-from beatrix_zenoh._generated.messages import Label, Name, Text
+from beatrix_zenoh.contract._generated.messages import Label, Name, Text
 
 _OTHER: Final = re.compile(r"[^a-z0-9-]")
 

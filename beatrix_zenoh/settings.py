@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from beatrix_zenoh import account, files, names
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 FILE = "beatrix.toml"

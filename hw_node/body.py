@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from beatrix_zenoh._generated.messages import Fault, PlantStatus
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Telemetry
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import Component, Context, Pose
 from hw_node.cameras import PATTERN, Camera, CameraChoice, same_for_both

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from beatrix_zenoh import files
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 from hw_node.stk500 import FLASH
 
 BLANK = 0xFF

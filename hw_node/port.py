@@ -11,10 +11,10 @@ from typing import Final
 import serial
 from serial.tools import list_ports
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import BAUD
 from beatrix_zenoh.board.handshake import BOOT_S
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import BAUD
+from beatrix_zenoh.contract.errors import NoAnswer
 
 try:
     from termios import error as TerminalError  # noqa: N812 - it is a class

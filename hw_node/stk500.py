@@ -11,8 +11,8 @@ from functools import reduce
 from operator import xor
 from typing import Final, Protocol
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 
 BAUD: Final = 115_200
 PAGE: Final = 256

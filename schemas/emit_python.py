@@ -1,4 +1,4 @@
-"""Python side of the contract: beatrix_zenoh/_generated/*.py."""
+"""Python side of the contract: beatrix_zenoh/contract/_generated/*.py."""
 
 from __future__ import annotations
 
@@ -267,7 +267,7 @@ def serial(contract: Contract) -> str:
     table = contract.serial
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
     out += "from enum import IntEnum, IntFlag\nfrom struct import Struct\nfrom typing import Final, NamedTuple\n\n"
-    out += "from beatrix_zenoh._generated.messages import Reason\n\n"
+    out += "from beatrix_zenoh.contract._generated.messages import Reason\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
@@ -333,7 +333,7 @@ def robot(contract: Contract) -> str:
 
 def files(contract: Contract) -> dict[str, str]:
     """Return the text of every generated Python file by its relative path."""
-    base = "beatrix_zenoh/_generated/"
+    base = "beatrix_zenoh/contract/_generated/"
     return {
         base + "__init__.py": '"""Generated from schemas/*.toml by schemas/generate.py."""\n',
         base + "messages.py": messages(contract),

@@ -6,11 +6,11 @@ import threading
 import time
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Fault, PlantStatus
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
+from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import Component, Context, Pose, Preview, PreviewHandler
 from sim_node.clock import StepClock
 from sim_node.eyes import Eyes

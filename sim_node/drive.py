@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh._generated.robot import ROBOT, Drive
+from beatrix_zenoh.contract._generated.robot import ROBOT, Drive
 from beatrix_zenoh.motion.gear import Arms, Gear
 
 CYCLE_FULL_STEPS: Final = 4

@@ -12,9 +12,10 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh import names, threads
-from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, StatusFields
 from sim_node import gl
 from sim_node.painter import SceneState

@@ -8,7 +8,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.recording.figure import Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import mechanism
 from sim_node.model import build_spec

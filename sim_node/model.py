@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.robot import ROBOT, Drive, Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, Drive, Geometry, RobotData
 from sim_node.visuals import (
     ARMS,
     COLLISION,

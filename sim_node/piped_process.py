@@ -17,7 +17,7 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.robot import RobotData
 
 NICE: Final = 5
 """Added to the niceness of a drawing process (POSIX): on a busy computer physics has priority."""

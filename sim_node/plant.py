@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of

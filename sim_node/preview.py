@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import (
     ERROR_REASON,
     ERROR_TEXT,
     HEARTBEAT_PERIOD,
@@ -20,9 +22,7 @@ from beatrix_zenoh._generated.serial import (
     State,
     Telemetry,
 )
-from beatrix_zenoh.board.link import Decoder, Frame, encode
-from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
 from sim_node.model import TIMESTEP_MS

@@ -20,8 +20,8 @@ import msgspec
 import numpy as np
 import simplejpeg
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.robot import RobotData
 from sim_node.gl import GlPainter
 from sim_node.lettering import cells
 from sim_node.painter import Image, Painter, SceneState

@@ -9,8 +9,8 @@ from typing import Final
 
 import mujoco
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from sim_node.model import build_spec
 from sim_node.person import add_person
 from sim_node.room import add_room

@@ -8,11 +8,11 @@ from concurrent.futures import ThreadPoolExecutor
 from enum import StrEnum
 from typing import Final
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node import Component, Context
 from sim_node.person import HOME, Place
 

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import RobotData
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
 from sim_node.painter import SceneState
 from sim_node.piped_process import PipedProcess

@@ -17,7 +17,7 @@ from typing import Final
 import msgspec
 import numpy as np
 
-from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.robot import RobotData
 from sim_node.mechanism import MECHANISM, add_mechanism, show_through
 from sim_node.painter import PosedModel
 from sim_node.piped_process import NICE

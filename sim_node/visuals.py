@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from beatrix_zenoh import colours
-from beatrix_zenoh._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.robot import RobotData
 from sim_node.shapes import Shape, Vector, internal_gear, superellipsoid, twisted_rod
 
 Point = Sequence[float] | Vector

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.access import TEXT_SESSION, Access, Action
 from beatrix_zenoh.node.lease import Caller
 

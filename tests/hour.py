@@ -23,12 +23,12 @@ from recording_link import RecordingLink, WatchedState
 from window_views import ready
 from worlds import positions
 
-from beatrix_zenoh._generated.messages import Event, EventKind
 from beatrix_zenoh.client import CameraImage, RobotState
-from gui.state.actions import Outcome, Send
-from gui.state.intents import Jog, ShowTab, Tab
-from gui.state.world import World
-from gui.window import Window
+from beatrix_zenoh.contract._generated.messages import Event, EventKind
+from gui.console.state.actions import Outcome, Send
+from gui.console.state.intents import Jog, ShowTab, Tab
+from gui.console.state.world import World
+from gui.window.window import Window
 
 HOUR_S = 3600
 ROUNDS = 500

@@ -8,14 +8,14 @@ from typing import Self
 
 from stage import until
 
-from beatrix_zenoh._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.queries import motion_query, pose_query
+from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import Settings
-from gui.link import Link
-from gui.state.actions import Action, Outcome, Ready, SendCommand, StopBoth
-from gui.state.world import World
+from gui.console.link import Link
+from gui.console.state.actions import Action, Outcome, Ready, SendCommand, StopBoth
+from gui.console.state.world import World
 
 PATIENCE_S = 40.0
 

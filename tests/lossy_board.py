@@ -6,10 +6,10 @@ import threading
 
 from stage import until
 
-from beatrix_zenoh._generated.serial import Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.contract._generated.serial import Telemetry
 
 
 class LossyPort:

@@ -10,8 +10,8 @@ import msgspec
 import serial
 from stage import Stage, ask_raw, until
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, Events
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, Events
 
 PATIENCE_S = 40.0
 

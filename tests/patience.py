@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Final, TypeVar
 
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract.errors import NoAnswer
 
 PATIENCE_S: Final = 20.0
 T = TypeVar("T")

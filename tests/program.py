@@ -9,15 +9,15 @@ from typing import Final
 
 from rig import Core, Steps
 
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import (
     FrameType,
     Telemetry,
     Text,
     TextWarning,
     WarningCode,
 )
-from beatrix_zenoh.board.link import Decoder, Frame, encode
-from beatrix_zenoh.board.virtual import Firmware
 
 BYTE_MS: Final = 10 / 9.6
 """Time of a byte (ms) at 9600 baud."""

@@ -10,9 +10,9 @@ import tty
 from pathlib import Path
 from typing import Self
 
-from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.contract._generated.serial import FrameType
 
 
 class PtyBoard:

@@ -11,10 +11,11 @@ import msgspec
 from excuses import in_time
 from stage import EVENT_S
 
-from beatrix_zenoh import Robot, codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions, Status
+from beatrix_zenoh import Robot
 from beatrix_zenoh.bus import Received
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions, Status
 
 M = TypeVar("M", bound=msgspec.Struct)
 AT_ONCE_S = 0.3

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from window_views import ready
 
-from gui.link import Link
-from gui.state.actions import Action
-from gui.state.intents import Intent
-from gui.state.state import State
-from gui.state.views import View
-from gui.state.world import World
+from gui.console.link import Link
+from gui.console.state.actions import Action
+from gui.console.state.intents import Intent
+from gui.console.state.state import State
+from gui.console.state.views import View
+from gui.console.state.world import World
 
 
 class RecordingLink(Link):

@@ -8,8 +8,10 @@ import struct
 from pathlib import Path
 from typing import Protocol
 
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import (
     Enable,
     Error,
     FrameType,
@@ -19,8 +21,6 @@ from beatrix_zenoh._generated.serial import (
     State,
     Telemetry,
 )
-from beatrix_zenoh.board.link import Decoder, Frame, encode
-from beatrix_zenoh.board.virtual import Firmware
 
 ROOT = Path(__file__).resolve().parents[1]
 _TURN = ROBOT.drive.full_steps * ROBOT.drive.microsteps * ROBOT.drive.gear_ring / ROBOT.drive.gear_pinion

@@ -20,8 +20,8 @@ from typing import Any
 from stage import ROOT, Process, free_endpoint, until, untraced
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import EventKind
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node.lease import QUIET_S
 from beatrix_zenoh.shutdown import SIGNALS
 

@@ -16,9 +16,9 @@ from typing import Self
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Status
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import BoardStatus, Fault, Status
+from beatrix_zenoh.contract._generated.messages import BoardStatus, Fault, Status
 
 BOARD = BoardStatus(
     connected=True, port="", name="bea", firmware="", contract="", boot=1, rejected_frames=0, retries=0

@@ -22,7 +22,7 @@ from beatrix_zenoh.cli.top import rows_of
 from beatrix_zenoh.client import Client, network
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.seats import Seats
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
 
 SEATS = 12

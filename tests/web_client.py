@@ -20,7 +20,7 @@ from tornado.websocket import websocket_connect
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
-from beatrix_zenoh.web import server
+from gui.page import server
 
 T = TypeVar("T")
 PIN = "246810"

@@ -9,11 +9,19 @@ from typing import Any
 import msgspec
 from worlds import absent, robot, status, world
 
-from beatrix_zenoh._generated.messages import Alternative, Detail, Fault, Head, LeaseAction, Limit, Reason
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path
-from gui.state.actions import Action, Govern, Outcome
-from gui.state.intents import (
+from beatrix_zenoh.contract._generated.messages import (
+    Alternative,
+    Detail,
+    Fault,
+    Head,
+    LeaseAction,
+    Limit,
+    Reason,
+)
+from gui.console.state.actions import Action, Govern, Outcome
+from gui.console.state.intents import (
     AimHead,
     GovernClass,
     Intent,
@@ -27,9 +35,9 @@ from gui.state.intents import (
     Theme,
     TogglePage,
 )
-from gui.state.state import State
-from gui.state.views import View
-from gui.state.world import LinkPhase, PlanPhase, PlanProgress, World
+from gui.console.state.state import State
+from gui.console.state.views import View
+from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ROBOTS = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
 STATES = (*ROBOTS, "taken", "turn", "frozen", "class")

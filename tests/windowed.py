@@ -14,10 +14,10 @@ from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QWi
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.settings import Settings
-from gui.run import linked_window
-from gui.state.saved import Saved
-from gui.state.state import State
-from gui.window import Window
+from gui.console.state.saved import Saved
+from gui.console.state.state import State
+from gui.window.run import linked_window
+from gui.window.window import Window
 
 PATIENCE_S = 40.0
 PAUSE_MS = 5

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.contract._generated.messages import (
     BoardStatus,
     CameraStatus,
     Detail,
@@ -19,12 +21,10 @@ from beatrix_zenoh._generated.messages import (
     Steps,
     Vector3,
 )
-from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import Path as MotionPath
-from gui.state.actions import Action, Outcome, Send
-from gui.state.intents import Intent, SetDestination
-from gui.state.state import State
-from gui.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
+from gui.console.state.actions import Action, Outcome, Send
+from gui.console.state.intents import Intent, SetDestination
+from gui.console.state.state import State
+from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 

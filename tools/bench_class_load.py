@@ -18,7 +18,7 @@ from typing import Final, Self
 
 from bench_node import ROOT, Row, Served, cpu_s, free_endpoint
 
-from beatrix_zenoh._generated import keys
+from beatrix_zenoh.contract._generated import keys
 
 LASTS_S: Final = 5.0
 TOGETHER: Final = 4

@@ -25,9 +25,9 @@ from cable import Cable
 
 from beatrix_zenoh import BeatrixError, Robot
 from beatrix_zenoh import account as accounts
-from beatrix_zenoh._generated.messages import EventKind, LeaseAction, Status
 from beatrix_zenoh.classroom import class_file, provision
 from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Status
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from bench_node import Served, cpu_s, free_endpoint, regularity, spread_ms
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Positions
 from beatrix_zenoh.client import CameraImage
+from beatrix_zenoh.contract._generated.messages import Positions
 
 NAME = "bench"
 SECONDS = 12.0

@@ -10,7 +10,7 @@ from bench_node import Served, free_endpoint
 from following_lag import lag_s, series
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import FollowState
+from beatrix_zenoh.contract._generated.messages import FollowState
 
 SETTLE_S = 0.6
 STREAM_S = 6.0

@@ -19,7 +19,7 @@ from bench_node import ROOT, Row, Served, free_endpoint, receive, regularity, sp
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client, camera
 from beatrix_zenoh.client.camera import CameraImage
-from beatrix_zenoh.names import EYES
+from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.settings import Settings
 from hw_node.cameras.pattern import number_and_time
 

@@ -28,9 +28,9 @@ from avr.bench import BUDGETS, CYCLES_PER_MS, VECTORS  # noqa: E402 - the bench 
 from avr.mega import HEX, Mega  # noqa: E402
 from rig import Steps  # noqa: E402
 
-from beatrix_zenoh._generated import serial  # noqa: E402
-from beatrix_zenoh._generated.serial import TELEMETRY_PERIOD, FrameType, Move, MoveStraight  # noqa: E402
 from beatrix_zenoh.board.link import Decoder, encode  # noqa: E402
+from beatrix_zenoh.contract._generated import serial  # noqa: E402
+from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, FrameType, Move, MoveStraight  # noqa: E402
 
 CYCLES_PER_S: Final = 16_000_000
 EVEN: Final = {(800, 800, 800): 2, (800, 560, 240): 2, (4189, 4189, 4189): 2, (4189, 3000, 1000): None}

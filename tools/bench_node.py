@@ -18,13 +18,14 @@ from tempfile import TemporaryDirectory
 
 import zenoh
 
-from beatrix_zenoh import Refused, Robot, codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionReply, PoseQuery, Positions
-from beatrix_zenoh._generated.serial import MoveStraight
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import MotionReply, PoseQuery, Positions
+from beatrix_zenoh.contract._generated.serial import MoveStraight
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.port import SerialPort

@@ -6,10 +6,10 @@ import math
 import statistics
 import time
 
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Enable, FrameType, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType, MoveStraight
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node.model import TIMESTEP_MS

@@ -7,11 +7,11 @@ import random
 from dataclasses import dataclass
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import PoseQuery
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.messages import PoseQuery
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.node.planner import Planner
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant

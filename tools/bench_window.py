@@ -19,13 +19,13 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.stopping import Press
 from beatrix_zenoh.settings import Settings
-from gui.run import SIZE, linked_window, qt_application
-from gui.state.actions import Outcome
-from gui.state.intents import SetCameras, SetDestination, SetIncrement, SetSpeed, ShowTab, Tab
-from gui.state.saved import Saved
-from gui.state.state import State
-from gui.widgets.eyes import Picture
-from gui.window import Window
+from gui.console.state.actions import Outcome
+from gui.console.state.intents import SetCameras, SetDestination, SetIncrement, SetSpeed, ShowTab, Tab
+from gui.console.state.saved import Saved
+from gui.console.state.state import State
+from gui.window.run import SIZE, linked_window, qt_application
+from gui.window.widgets.eyes import Picture
+from gui.window.window import Window
 
 NAME: Final = "bench"
 PRESSES: Final = 60

@@ -22,10 +22,10 @@ from zenoh.handlers import Callback
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated.keys import POSITIONS_HZ
-from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh.contract.errors import Refused
 
 SETTLE_S: Final = 1.0
 """Time (s) from a subscription to the first message that counts."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh.contract._generated.messages import Positions
 
 Series = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
 """Times (s), and the angles (deg) of the three arms at them."""

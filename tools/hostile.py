@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Final, Self
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import PoseQuery
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import PoseQuery
 from beatrix_zenoh.settings import resolve
 
 KINDS: Final = ("random", "garbage frame", "truncated", "replayed", "mutated", "oversize", "http")

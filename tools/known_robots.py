@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.cli.compare import recorded
+from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
     Head,
@@ -21,7 +22,6 @@ from beatrix_zenoh._generated.messages import (
     Steps,
     Vector3,
 )
-from beatrix_zenoh.cli.compare import recorded
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet

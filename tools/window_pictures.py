@@ -13,11 +13,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from PyQt5.QtWidgets import QApplication, QMainWindow
 from window_views import STATES, example
 
-from gui.panels import Panels
-from gui.state.intents import Theme
-from gui.state.views import View
-from gui.texts import Texts
-from gui.theme import apply_theme, style_of
+from gui.console.state.intents import Theme
+from gui.console.state.views import View
+from gui.console.texts import Texts
+from gui.window.panels import Panels
+from gui.window.theme import apply_theme, style_of
 
 SIZES = ((1366, 768), (1024, 768), (1024, 600))
 

@@ -7,9 +7,12 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.connection import Connection
+from beatrix_zenoh.board.link import Frame, encode
+from beatrix_zenoh.board.state import Link, Port, Sample, not_connected
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import (
     ERROR_REASON,
     ERROR_TEXT,
     Error,
@@ -20,10 +23,7 @@ from beatrix_zenoh._generated.serial import (
     Text,
     TextWarning,
 )
-from beatrix_zenoh.board.connection import Connection
-from beatrix_zenoh.board.link import Frame, encode
-from beatrix_zenoh.board.state import Link, Port, Sample, not_connected
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 STOPS: Final = (FrameType.STOP, FrameType.EMERGENCY_STOP)
 MOTIONS: Final = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)

@@ -9,14 +9,14 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import FrameType, HelloReply, Telemetry
 from beatrix_zenoh.board.board_clock import BoardClock
 from beatrix_zenoh.board.handshake import Handshake
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.state import Link, Port, Sample, mismatch_text, not_connected, same_contract
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD
+from beatrix_zenoh.contract._generated.serial import MAX_ENCODED, MAX_PAYLOAD
 
 _CRC_SIZE: Final = 2
 _SHORTEST: Final = 2 + _CRC_SIZE

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Protocol
 
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import HelloReply, Telemetry
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import HelloReply, Telemetry
+from beatrix_zenoh.contract.errors import NoAnswer
 
 NO_TELEMETRY: Final = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0, 0)
 

@@ -11,8 +11,8 @@ from importlib import resources
 from typing import TYPE_CHECKING, Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 
 if TYPE_CHECKING:
     from wasmtime import Engine, Module

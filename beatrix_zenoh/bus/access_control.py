@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.transport import LARGEST_MESSAGE
+from beatrix_zenoh.contract._generated import keys
 
 ROOT = keys.KEYS["alive"].key.partition("/")[0]
 EVERYTHING = (

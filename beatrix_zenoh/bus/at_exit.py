@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from typing import Final, Protocol
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 CLOSE_S: Final = 2.0
 """After this time (s) no further session is closed, and no call is waited for; Zenoh needs up to 15 s to close one."""

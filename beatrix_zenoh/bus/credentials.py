@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.files import private_file
 
 PROBE_S = 2.0

@@ -10,10 +10,10 @@ from typing import Protocol, TypeVar
 
 import zenoh
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.forks import ProcessBound
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
 T = TypeVar("T")

@@ -6,9 +6,9 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import ProgramInfo
 from beatrix_zenoh.bus.session import PUBLISHER, QUERYABLE, SUBSCRIBER, Bus
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import ProgramInfo
 
 COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
 """Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""

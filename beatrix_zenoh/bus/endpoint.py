@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
 ROUTER_PROBE_S = 1.0

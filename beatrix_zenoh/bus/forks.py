@@ -10,8 +10,8 @@ import os
 from typing import Final, NoReturn, Self
 from weakref import WeakSet
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 CURE: Final = (
     'Start the child with the start method "spawn", for example with multiprocessing.get_context("spawn"), and create '

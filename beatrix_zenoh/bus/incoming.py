@@ -10,7 +10,7 @@ import zenoh
 
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.query_forms import RawQuery
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 
 
 class Incoming:

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import zenoh
 from zenoh.handlers import Callback
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.query import PRIORITIES
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract.errors import WrongUsage
 
 CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import zenoh
 from zenoh.handlers import Callback
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.at_exit import OPEN
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract.errors import WrongUsage
 
 QUERY_S = 60.0
 """Timeout (s) of a query if the caller gives none."""

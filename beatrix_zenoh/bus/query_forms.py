@@ -9,8 +9,8 @@ from urllib.parse import unquote
 
 import msgspec
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import (
     Command,
     CommandQuery,
     Detail,
@@ -23,8 +23,8 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     TargetQuery,
 )
-from beatrix_zenoh.errors import QUOTED, Refused, quoted
-from beatrix_zenoh.refusals import COMMANDS, bad_field
+from beatrix_zenoh.contract.errors import QUOTED, Refused, quoted
+from beatrix_zenoh.contract.refusals import COMMANDS, bad_field
 
 M = TypeVar("M", bound=msgspec.Struct)
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import zenoh
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.access_control import Grant, access_control, downsampling, low_pass_filter
 from beatrix_zenoh.bus.credentials import Identity, tls
 from beatrix_zenoh.bus.endpoint import endpoints, is_local
 from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 DESCRIPTORS = Path("/proc/self/fd")
 

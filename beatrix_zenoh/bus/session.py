@@ -15,8 +15,6 @@ from typing import Self
 import zenoh
 from zenoh.handlers import Callback
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks, newest
 from beatrix_zenoh.bus.declarations import Declarations, Declared
@@ -26,7 +24,9 @@ from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.query import QUERY_S, Query, intersects, priority_of
 from beatrix_zenoh.bus.transport import OPEN_MS, opened
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 HEALTH = "_health"
 """Selector parameter of the session watchdog's queries; no request has a parameter that begins with _."""

@@ -8,12 +8,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import ProgramInfo
 from beatrix_zenoh.bus.description import describe
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.session import Bus
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import ProgramInfo
 
 CONTROL = "control"
 """Traffic class of tokens, STOP and commands; its session is always open and is closed last."""

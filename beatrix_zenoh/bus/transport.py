@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping
 
 import zenoh
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import forks
 from beatrix_zenoh.bus.at_exit import OPEN
-from beatrix_zenoh.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 
 LEASE_MS = 2000
 """Time after which an unresponsive session or router counts as lost; the default, 10 s, is too long for moving arms."""

@@ -6,10 +6,10 @@ import threading
 from collections.abc import Callable
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.session import HEALTH, HEALTHY, Bus
 from beatrix_zenoh.bus.sessions import Sessions
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 PERIOD_S = 1.0
 ANSWER_S = 1.0

@@ -12,11 +12,12 @@ from pathlib import Path
 import msgspec
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import files, names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import files
 from beatrix_zenoh.account import Role
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from beatrix_zenoh import account, files
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account, Role
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.classroom.class_file import Classroom
 from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
-from beatrix_zenoh.errors import Refused, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 

@@ -8,12 +8,12 @@ from typing import Literal
 import msgspec
 
 from beatrix_zenoh import files
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import RouterAccess
 from beatrix_zenoh.classroom import rules
 from beatrix_zenoh.classroom.class_file import Classroom, read
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 ROUTER = "@router"
 """Common name in the certificate of the router; no account can have it."""

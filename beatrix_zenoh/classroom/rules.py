@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
 
 ANY = "*"
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 import typer
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.output import FAILED, note, print_json, say
 from beatrix_zenoh.cli.processes import Role, Supervisor, signals_interrupt
@@ -18,7 +17,8 @@ from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, shipped
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
 
 if TYPE_CHECKING:

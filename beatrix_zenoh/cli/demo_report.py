@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import MotionQuery, PlantStatus, PoseQuery, Positions
 from beatrix_zenoh.cli.comparison_text import AFTER, axes_table, lag_sentence
 from beatrix_zenoh.cli.demo_files import Files
 from beatrix_zenoh.cli.output import columns
@@ -22,7 +21,8 @@ from beatrix_zenoh.client.play import play
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PlantStatus, PoseQuery, Positions
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison, compare
 from beatrix_zenoh.recording.series import recording
 

@@ -12,7 +12,6 @@ from typing import Annotated, TypeVar
 import msgspec
 import typer
 
-from beatrix_zenoh._generated.messages import Event, Positions, Status
 from beatrix_zenoh.cli.listing import problems, state, state_row
 from beatrix_zenoh.cli.motions import reading_row
 from beatrix_zenoh.cli.options import Connect, Name, On, Who
@@ -24,7 +23,8 @@ from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.sentences.events import sentence
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
+from beatrix_zenoh.contract.sentences.events import sentence
 
 T = TypeVar("T")
 PAST = 10

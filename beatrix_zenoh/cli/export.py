@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.film import EyeName, check_video, written_film
 from beatrix_zenoh.cli.options import Json, Names, Which, finite
 from beatrix_zenoh.cli.output import print_json, say
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new, new_file
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb

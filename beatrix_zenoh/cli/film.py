@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.progress import progress_bar
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import TWIN_TITLES, TWINS
 from beatrix_zenoh.files import new_file
-from beatrix_zenoh.names import TWIN_TITLES, TWINS
 
 if TYPE_CHECKING:  # importing numpy, rerun and av would delay every verb
     from beatrix_zenoh.recording.export import Table

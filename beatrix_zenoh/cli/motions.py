@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 from msgspec import structs
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.output import note, print_failure, print_json, say
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
@@ -22,6 +21,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 
 Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles from the present position.")]
 Speed = Annotated[

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import NoteReply
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import exit_code, print_json, say
 from beatrix_zenoh.client.notes import send_note
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract._generated.messages import NoteReply
 from beatrix_zenoh.settings import resolve
 
 

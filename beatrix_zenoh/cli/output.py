@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 
 FAILED, USAGE, INTERRUPTED, UNREAD = 1, 2, 130, 141
 """Exit codes; 0 means success. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""

@@ -16,9 +16,9 @@ from pathlib import Path
 from types import FrameType
 from typing import Self
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.output import CODES, FAILED, INTERRUPTED, USAGE, note
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.shutdown import SIGNALS
 
 READY_S = 20.0

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.cli.output import note
@@ -19,7 +18,8 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.queries import FASTEST, SLOWEST, checked_factor
 from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import Limits
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s

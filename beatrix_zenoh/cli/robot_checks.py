@@ -6,8 +6,6 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CONTRACT, Fault, Info, Reason, Status
 from beatrix_zenoh.cli.checks import Finding
 from beatrix_zenoh.cli.listing import ListedRobot, listed, problems, state
 from beatrix_zenoh.client.clocks import clock_offset
@@ -16,7 +14,9 @@ from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import CONTRACT, Fault, Info, Reason, Status
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.settings import Settings
 
 OFFSET_S = 0.05

@@ -12,7 +12,6 @@ from typing import cast
 
 import typer
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.output import (
     FAILED,
     INTERRUPTED,
@@ -23,7 +22,8 @@ from beatrix_zenoh.cli.output import (
     note,
     print_failure,
 )
-from beatrix_zenoh.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 
 EXTRA_ARGUMENT = "Got unexpected extra argument"
 """The beginning of typer's message about a word without an option."""

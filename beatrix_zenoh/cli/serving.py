@@ -1,4 +1,4 @@
-"""Verbs that run a program in this process: router, sim, hw, gui, flash."""
+"""Verbs that run a program in this process: router, sim, hw, gui, web, flash."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli.output import say
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
 
@@ -131,6 +131,11 @@ def hw(context: typer.Context) -> None:
 def gui(context: typer.Context) -> None:
     """Open the window that drives and shows both robots. `beatrix gui --help` lists its options."""
     raise typer.Exit(run("gui", context.args))
+
+
+def web(context: typer.Context) -> None:
+    """Serve a page that drives robots from a browser. `beatrix web --help` lists its options."""
+    raise typer.Exit(run("web", context.args))
 
 
 def flash(context: typer.Context) -> None:

@@ -9,8 +9,6 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated.messages import Reason, Source
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
 from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, is_named
@@ -18,7 +16,9 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import absent_reason
 from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, matches, sentence, silences
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.messages import Reason, Source
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.settings import resolve_valid
 
 ALL = "*"

@@ -17,7 +17,7 @@ VERBS = {
     "sim": "serving",
     "hw": "serving",
     "gui": "serving",
-    "web": "web",
+    "web": "serving",
     "ls": "listing",
     "info": "listing",
     "echo": "echo",
@@ -54,7 +54,7 @@ VERBS = {
 """Each verb and its module, in the order of the help text."""
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Settings of verbs that pass their options to another program."""
-PROCESSES = ("sim", "hw", "gui", "flash")
+PROCESSES = ("sim", "hw", "gui", "web", "flash")
 SETTINGS: dict[str, dict[str, object]] = {
     **dict.fromkeys(PROCESSES, PASS_THROUGH),
     "move": {"ignore_unknown_options": True},  # so that -10 is an angle and not an option

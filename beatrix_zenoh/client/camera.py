@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from beatrix_zenoh import codec, names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import FrameHeader, Reason
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Sample, Subscription
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import FrameHeader, Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 
 START_S = 10.0
 """Time limit (s) for the first picture; some cameras take two seconds, a simulation on a busy computer longer."""

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place
 from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.client.readings import HeadAngles
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
 

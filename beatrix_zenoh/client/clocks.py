@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import NamedTuple
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Clock
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Clock
 
 TRIES = 20
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseQuery, LeaseReply, Reason
 from beatrix_zenoh.client.request import Place, Request
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseQuery, LeaseReply, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import Positions
 from beatrix_zenoh.client.readings import ArmAngles, reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.contract._generated.messages import Positions
 
 MOVED_DEG = 0.5
 """Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""

@@ -7,12 +7,12 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.queries import number
-from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.robot import Robot

@@ -6,14 +6,14 @@ import threading
 from collections.abc import Callable
 from typing import Self
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.clocks import Offsets, clock_offsets
 from beatrix_zenoh.client.request import Place, own_place
 from beatrix_zenoh.client.robot_state import Record, RobotState
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
 
 ASK_S = 1.0
 """Time limit (s) of the queries for the state that was published before the monitor began."""

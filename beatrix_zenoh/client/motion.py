@@ -8,11 +8,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Protocol, cast
 
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Reason
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.slips import Suggesting, value_method
-from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer
+from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
 MARGIN_S = 3.0
 """Time (s) from the announced end of a motion until its final reply counts as lost."""

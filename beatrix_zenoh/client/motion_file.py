@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from beatrix_zenoh import codec, files
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import files
 from beatrix_zenoh.client.queries import DAY_S
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 
 LONGEST_FILE: Final = 1 << 23
 """Largest size of a file (bytes): four hours at 20 points per second."""

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec, names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import ProgramInfo
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import ProgramInfo
 
 ANSWER_S: Final = 2.0
 """How long (s) to wait for the descriptions; programs that hang are then listed without keys."""

@@ -6,11 +6,11 @@ import contextlib
 import time
 from typing import Final
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import NoteQuery, NoteReply, Reason
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 
 ANSWER_S: Final = 2.0
 NONE: Final = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from beatrix_zenoh._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.queries import true_or_false, wait_s
@@ -12,7 +11,8 @@ from beatrix_zenoh.client.readings import Path, RobotInfo, arm_angles, head_angl
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, query_plan_position
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

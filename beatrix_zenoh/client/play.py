@@ -11,7 +11,6 @@ from typing import NamedTuple, Protocol
 
 from msgspec.structs import replace
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.plan import Plan
@@ -20,7 +19,8 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stop_events import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
-from beatrix_zenoh.errors import WrongUsage, naming
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
+from beatrix_zenoh.contract.errors import WrongUsage, naming
 
 POLL_S = 0.01
 Progress = Callable[[str, Step], None]

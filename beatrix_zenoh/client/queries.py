@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from numbers import Real
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh.contract.errors import WrongUsage
 
 DAY_S = 86400.0
 SLOWEST, FASTEST = 0.01, 100.0

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import Head, Info, KeyInfo, Positions, Vector3
 from beatrix_zenoh.client.slips import Suggesting
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Head, Info, KeyInfo, Positions, Vector3
+from beatrix_zenoh.contract.errors import BeatrixError
 
 
 class ArmAngles(NamedTuple):

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import msgspec
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply
 from beatrix_zenoh.bus import Query, Reply
 from beatrix_zenoh.client.silence import Unanswered
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply
+from beatrix_zenoh.contract.errors import NoAnswer
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.session import Client

@@ -6,22 +6,6 @@ import math
 
 from msgspec import structs
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import (
-    Command,
-    CommandQuery,
-    CommandReply,
-    Fault,
-    FollowQuery,
-    MotionQuery,
-    MotionReply,
-    PoseQuery,
-    Source,
-    TargetQuery,
-    TargetReply,
-)
-from beatrix_zenoh._generated.robot import ALLOWED
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.queries import (
@@ -38,7 +22,23 @@ from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    CommandQuery,
+    CommandReply,
+    Fault,
+    FollowQuery,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    Source,
+    TargetQuery,
+    TargetReply,
+)
+from beatrix_zenoh.contract._generated.robot import ALLOWED
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
 LONGEST_WAY_DEG = 720.0

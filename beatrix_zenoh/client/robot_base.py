@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from typing import Self
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, Events, Info, Positions, Reason, Status
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import camera, streams
 from beatrix_zenoh.client.camera import CameraImage
@@ -17,7 +14,10 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.streams import SILENCE_S
 from beatrix_zenoh.client.subscription import Subscription, message
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import resolve
 
 

@@ -11,12 +11,12 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, EventKind, Events, Positions, Reason, Status
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.clocks import Offsets
 from beatrix_zenoh.client.readings import Reading, reading
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Positions, Reason, Status
 
 LOST_S = 0.5
 """A robot without positions for this long (s) is lost, even with a token; positions arrive every 20 ms."""

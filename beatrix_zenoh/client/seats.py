@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract._generated import keys
 
 SESSIONS = 1000
 """Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""

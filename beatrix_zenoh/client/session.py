@@ -9,13 +9,13 @@ from typing import Self, TypeVar
 import msgspec
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Info, Reason, Source
 from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
 from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.request import GroupRequest, Place, Request
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Info, Reason, Source
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import Settings
 
 M = TypeVar("M", bound=msgspec.Struct)

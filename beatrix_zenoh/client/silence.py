@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import sentences
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Detail, Reason
 from beatrix_zenoh.bus import Bus, Received
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.request import Place

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_state import RobotState
-from beatrix_zenoh.errors import Interrupted
+from beatrix_zenoh.contract._generated.messages import EventKind, Reason
+from beatrix_zenoh.contract.errors import Interrupted
 
 
 class StopEvents:

@@ -17,16 +17,17 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from beatrix_zenoh import codec, threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Detail, Reason
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.client.request import GroupRequest, Place, Request
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import publishing, title
 from beatrix_zenoh.client.wakeup import Wakeup
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Detail, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 
 ROBOT_S: Final = 2.0
 """Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
+from beatrix_zenoh.contract.errors import NoAnswer
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.robot_base import RobotBase

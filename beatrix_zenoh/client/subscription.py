@@ -11,14 +11,14 @@ from typing import Generic, NamedTuple, Self, TypeVar
 
 import msgspec
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.wakeup import Wakeup
-from beatrix_zenoh.errors import NoAnswer
-from beatrix_zenoh.names import view_title
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract.names import view_title
 
 LENGTH = 3000
 """Length of the queue: one minute of positions."""

@@ -18,8 +18,9 @@ from typing import TypeVar, cast
 
 import msgspec
 
-from beatrix_zenoh import codec, printable
-from beatrix_zenoh._generated.messages import Label, Name, Text
+from beatrix_zenoh import printable
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import Label, Name, Text
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 UNKNOWN = "UNKNOWN"

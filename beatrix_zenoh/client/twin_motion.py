@@ -15,7 +15,6 @@ from typing import NamedTuple, Self
 from msgspec.structs import replace
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
 from beatrix_zenoh.client.motion import Motion
@@ -24,7 +23,8 @@ from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stop_events import StopEvents
 from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.client.twin_state import PlanPosition
-from beatrix_zenoh.errors import BeatrixError, Interrupted, NoAnswer, naming
+from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 POLL_S = 0.02

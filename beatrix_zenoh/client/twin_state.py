@@ -7,16 +7,16 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import FAULT_TEXT, Fault, Reason, Status
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.readings import ArmAngles, Reading, RobotInfo
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_state import Presence, RobotState
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import NoAnswer, Refused, naming
-from beatrix_zenoh.names import TEACHER, TWINS
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, Reason, Status
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, naming
+from beatrix_zenoh.contract.names import TEACHER, TWINS
 
 NEW_S = 0.1
 """Largest age (s) of published positions, which arrive every 20 ms."""

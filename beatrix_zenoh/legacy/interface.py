@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from beatrix_zenoh._generated.messages import Detail, Phase
+from beatrix_zenoh.contract._generated.messages import Detail, Phase
 from beatrix_zenoh.legacy.line import Cause, Effect
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Final, NamedTuple
 
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
 
 ACK: Final = b"ACK\n"
 NACK: Final = b"NACK\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 
-from beatrix_zenoh._generated.serial import Text, TextWarning
+from beatrix_zenoh.contract._generated.serial import Text, TextWarning
 from beatrix_zenoh.legacy import outcomes
 from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import ACK, NACK, REFUSED, UNKNOWN, Effect, Line, readable

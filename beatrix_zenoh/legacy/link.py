@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import REFUSED, Effect, Line
 from beatrix_zenoh.legacy.outcomes import Outcomes

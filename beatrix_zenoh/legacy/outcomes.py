@@ -9,9 +9,9 @@ import re
 import time
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Detail, Phase, Reason
-from beatrix_zenoh._generated.serial import WARNING_TEXT, WarningCode
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Detail, Phase, Reason
+from beatrix_zenoh.contract._generated.serial import WARNING_TEXT, WarningCode
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import Cause, Effect, Line
 

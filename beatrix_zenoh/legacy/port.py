@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from beatrix_zenoh._generated.serial import Text, TextWarning
 from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.contract._generated.serial import Text, TextWarning
 from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import Effect, effect_of
 from beatrix_zenoh.legacy.line_queue import LineQueue

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Protocol
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.legacy.terminal_path import claim, link, share, unlink
 
 try:

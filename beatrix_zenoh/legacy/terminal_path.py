@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 
 try:
     import grp

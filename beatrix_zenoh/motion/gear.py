@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh._generated.robot import ROBOT, Drive
+from beatrix_zenoh.contract._generated.robot import ROBOT, Drive
 
 _SINGLE: Final = 0.005
 """Quarter microsteps per second, added before rounding down: single precision may have made a whole number smaller."""

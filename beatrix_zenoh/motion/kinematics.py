@@ -21,9 +21,9 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from beatrix_zenoh._generated.messages import Detail, Limit, Reason
-from beatrix_zenoh._generated.robot import ROBOT, Geometry
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import (
     Rotation,

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh import codec, files
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, Range, RobotData
-from beatrix_zenoh.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
+from beatrix_zenoh import files
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, Range, RobotData
+from beatrix_zenoh.contract.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, Limits, known_tilt

@@ -24,8 +24,8 @@ from enum import Enum, auto
 from functools import wraps
 from typing import Concatenate, ParamSpec, TypeVar
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.known_sessions import KnownSessions
 from beatrix_zenoh.node.lease import NO_CALLER, Caller, Lease
 from beatrix_zenoh.node.pauses import Pauses

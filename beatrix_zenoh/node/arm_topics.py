@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from beatrix_zenoh import codec, refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionQuery, MotionReply, Reason, Source, Vector3
 from beatrix_zenoh.bus import Received, Sessions
-from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.names import ARM_TOPICS
+from beatrix_zenoh.contract import codec, refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, Reason, Source, Vector3
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.names import ARM_TOPICS
 from beatrix_zenoh.node import motions, replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.lease import Caller

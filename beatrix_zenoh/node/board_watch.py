@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from beatrix_zenoh._generated import messages as msg
-from beatrix_zenoh._generated.messages import Fault
-from beatrix_zenoh._generated.serial import State, Telemetry, Text, TextWarning
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated import messages as msg
+from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh.contract._generated.serial import State, Telemetry, Text, TextWarning
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.component import Component, StatusFields
 from beatrix_zenoh.node.hardware import HardwareInterface

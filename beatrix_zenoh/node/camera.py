@@ -28,10 +28,10 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh import codec, names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CameraStatus, EventKind, FrameHeader, Reason
 from beatrix_zenoh.bus import Publication, Sessions
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import CameraStatus, EventKind, FrameHeader, Reason
 from beatrix_zenoh.node.component import Context, StatusFields
 
 JPEG: Final = "image/jpeg"

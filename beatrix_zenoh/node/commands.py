@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from beatrix_zenoh import names, refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
     Command,
     CommandQuery,
     EventKind,
@@ -18,8 +19,7 @@ from beatrix_zenoh._generated.messages import (
     Source,
     Vector3,
 )
-from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node import lifecycle, replies
 from beatrix_zenoh.node.access import Action
 from beatrix_zenoh.node.component import Component, Context, StatusFields

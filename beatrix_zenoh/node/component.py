@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-from beatrix_zenoh._generated.messages import CameraStatus
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import CameraStatus
 
 if TYPE_CHECKING:
     from beatrix_zenoh.node.access import Access

@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh._generated.serial import FrameType, Move, MoveStraight, Outcome, State, Telemetry
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight, Outcome, State, Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.access import Access, Action

@@ -9,10 +9,11 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh import files, names
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import files
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.component import Component, Context, StatusFields
 
 LONGEST: Final = 64 * 1024

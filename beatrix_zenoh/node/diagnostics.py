@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from beatrix_zenoh._generated.messages import EventKind, Reason
+from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.node.events import EventLog
 
 SHOWN_S = 10.0

@@ -13,7 +13,7 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh import printable
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated.messages import (
     Detail,
     Event,
     EventKind,
@@ -25,8 +25,8 @@ from beatrix_zenoh._generated.messages import (
     Source,
     Vector3,
 )
+from beatrix_zenoh.contract.sentences.events import sentence
 from beatrix_zenoh.node.lease import NO_CALLER, Caller
-from beatrix_zenoh.sentences.events import sentence
 
 KEPT: Final = 200
 """Number of newest events that the log keeps, for queries and for the publisher."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from beatrix_zenoh._generated.messages import Fault, PlantStatus
-from beatrix_zenoh._generated.serial import Telemetry
 from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
+from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
 
 if TYPE_CHECKING:

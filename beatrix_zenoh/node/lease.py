@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh.names import TEACHER
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract.names import TEACHER
 
 LINGER_S = 2.0
 """Time for which a seat holds the robot after its motion."""

@@ -7,11 +7,18 @@ import time
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from beatrix_zenoh import names, refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Detail, EventKind, LeaseAction, LeaseQuery, LeaseReply, Reason
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
+    Detail,
+    EventKind,
+    LeaseAction,
+    LeaseQuery,
+    LeaseReply,
+    Reason,
+)
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.component import Component, Context, StatusFields
 from beatrix_zenoh.node.lease import Caller

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.planner import degrees

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 
-from beatrix_zenoh._generated.messages import EventKind
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import events
 from beatrix_zenoh.node.component import Component
 

@@ -13,8 +13,8 @@ from logging.handlers import QueueHandler
 from pathlib import Path
 
 from beatrix_zenoh import printable, threads
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node.log_events import LOGGERS
 
 CAPACITY = 10_000

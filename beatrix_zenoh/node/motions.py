@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionQuery, Phase, PoseQuery, Reason
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import MotionQuery, Phase, PoseQuery, Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.controller import MotionController

@@ -6,11 +6,12 @@ import threading
 from contextlib import ExitStack
 from pathlib import Path
 
-from beatrix_zenoh import names, threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh._generated.serial import FrameType
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.arm_topics import ArmTopics

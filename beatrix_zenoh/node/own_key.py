@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from beatrix_zenoh import refusals
+from beatrix_zenoh.contract import refusals
 
 ANONYMOUS = "anonymous"
 """Seat in the key of a reply if the query had none."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 
 WAIT_S = 3.0
 """Longest time (s) to wait until another claimant withdraws or serves; a node starts in less than two seconds."""

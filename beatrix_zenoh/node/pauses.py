@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import OLD_PROGRAMS
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.node.lease import QUIET_S, Caller
 
 QUIET_OLD_PROGRAM_S = 5.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from msgspec import structs
 
-from beatrix_zenoh import sentences
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,
     Limit,
@@ -18,14 +18,14 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh._generated.robot import RobotData
-from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.refusals import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG, Limits, with_alternative
 from beatrix_zenoh.motion.trajectory import Trajectory
-from beatrix_zenoh.refusals import ARMS
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.bus import Sessions, SessionWatchdog
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind, Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease import Caller

@@ -7,12 +7,13 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh import refusals, threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.serial import Move, MoveStraight
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview

@@ -7,10 +7,11 @@ import time
 
 import msgspec
 
-from beatrix_zenoh import codec, threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import NOT_ON_CHANGE
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Publication, Sessions
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import NOT_ON_CHANGE
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.status_events import StatusEvents
 

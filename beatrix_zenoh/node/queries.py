@@ -10,8 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import msgspec
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import Incoming, Sessions
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.unknown_keys import UnknownKeys
 

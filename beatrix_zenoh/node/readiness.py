@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.serial import State, Telemetry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import not_connected
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.serial import State, Telemetry
 
 
 def ready_telemetry(board: Board) -> Telemetry:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from enum import Enum
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
     Detail,
     Head,
@@ -13,9 +14,8 @@ from beatrix_zenoh._generated.messages import (
     PreviewReply,
     Reason,
 )
-from beatrix_zenoh._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, Outcome, State
-from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.contract._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, Outcome, State
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.hardware import Preview
 from beatrix_zenoh.node.planner import degrees, vector

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
     EventKind,
     LeaseReply,
@@ -19,7 +20,6 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Source,
 )
-from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.own_key import own_key, seat_of

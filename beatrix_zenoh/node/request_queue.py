@@ -13,8 +13,8 @@ from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 CAPACITY = 64
 """Largest number of waiting entries. Beginning a motion takes about 1 ms, and a command that waits for telemetry 10 ms;

@@ -12,10 +12,10 @@ from pathlib import Path
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.logs import log_to

@@ -9,13 +9,13 @@ import time
 from collections.abc import Sequence
 from importlib import metadata
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated import messages as msg
-from beatrix_zenoh._generated.messages import Head, Info, Positions, Status, Steps
-from beatrix_zenoh._generated.robot import Geometry
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY, Sample
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated import messages as msg
+from beatrix_zenoh.contract._generated.messages import Head, Info, Positions, Status, Steps
+from beatrix_zenoh.contract._generated.robot import Geometry
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node.component import Component, StatusFields
 from beatrix_zenoh.node.hardware import HardwareInterface

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.messages import EventKind, Fault, Reason, Status
+from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Reason, Status
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
 

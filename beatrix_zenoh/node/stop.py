@@ -16,13 +16,14 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from beatrix_zenoh import refusals, threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, Reason
-from beatrix_zenoh._generated.serial import FrameType, State
+from beatrix_zenoh import threads
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming, Received, Sessions
-from beatrix_zenoh.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, State
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.component import Component, Context

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
-from beatrix_zenoh._generated.serial import State
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
+from beatrix_zenoh.contract._generated.serial import State
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.legacy import Cause, Effect
-from beatrix_zenoh.names import OLD_PROGRAMS
 from beatrix_zenoh.node.access import TEXT_SESSION, Action
 from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.commands import CommandHandler

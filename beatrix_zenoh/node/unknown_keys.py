@@ -6,10 +6,10 @@ import difflib
 from functools import lru_cache
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Detail, ErrorReply
-from beatrix_zenoh.errors import quoted
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Detail, ErrorReply
+from beatrix_zenoh.contract.errors import quoted
 
 SIMILAR = 3
 """Largest number of similar keys that a sentence names."""

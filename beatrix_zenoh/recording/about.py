@@ -7,9 +7,9 @@ from importlib import metadata
 
 import msgspec
 
-from beatrix_zenoh._generated import messages
-from beatrix_zenoh._generated.messages import Info
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.contract._generated import messages
+from beatrix_zenoh.contract._generated.messages import Info
 
 DISTRIBUTION = "beatrix-zenoh"
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, lag
 from beatrix_zenoh.recording.requests import Alone, Request, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import (

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from beatrix_zenoh._generated.robot import RobotData
-from beatrix_zenoh._generated.serial import Telemetry
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.serial import Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import Planner
 from beatrix_zenoh.recording.path import arms_of

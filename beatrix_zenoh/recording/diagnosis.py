@@ -9,8 +9,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs

@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
 from beatrix_zenoh.recording.series import ARMS, HEAD

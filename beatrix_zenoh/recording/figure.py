@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
-from beatrix_zenoh._generated.messages import GeometryInfo
-from beatrix_zenoh._generated.robot import ROBOT, Geometry, Head
 from beatrix_zenoh.colours import ARMS, Colour
+from beatrix_zenoh.contract._generated.messages import GeometryInfo
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, Head
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation, Vector, cross, dot
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet, Say

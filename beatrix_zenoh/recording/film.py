@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from beatrix_zenoh.names import EYES, TWIN_TITLES, TWINS
+from beatrix_zenoh.contract.names import EYES, TWIN_TITLES, TWINS
 from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
 from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure

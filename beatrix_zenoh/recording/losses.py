@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Final
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, Positions, Status
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.samples import NUMBERS
 
 POSITIONS: Final = "positions"

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import printable
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import NoteQuery, NoteReply, Reason
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.bus.query_forms import read
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.codec import encode_json
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Reason
+from beatrix_zenoh.contract.codec import encode_json
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.recording.robot_rows import clock
 from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, Row
 from beatrix_zenoh.recording.samples import Note

@@ -9,11 +9,11 @@ from typing import Final
 
 import numpy as np
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point
 from beatrix_zenoh.client.queries import DAY_S, checked_factor
 from beatrix_zenoh.client.readings import HeadAngles
-from beatrix_zenoh.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
 

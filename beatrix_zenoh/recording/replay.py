@@ -9,7 +9,6 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from beatrix_zenoh._generated.messages import MotionQuery, Reason, Source, Vector3
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import stopping
@@ -19,7 +18,8 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stop_events import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended
-from beatrix_zenoh.errors import Interrupted, Refused, WrongUsage, naming
+from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source, Vector3
+from beatrix_zenoh.contract.errors import Interrupted, Refused, WrongUsage, naming
 from beatrix_zenoh.recording.follow import LEAD_IN_S, Following
 from beatrix_zenoh.recording.record_robots import clock_s
 

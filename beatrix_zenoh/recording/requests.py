@@ -9,7 +9,15 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from beatrix_zenoh._generated.messages import Event, EventKind, MotionQuery, Phase, PoseQuery, Reason, Source
+from beatrix_zenoh.contract._generated.messages import (
+    Event,
+    EventKind,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+    Source,
+)
 
 FAR_S: Final = 5.0
 """The hardware may receive a request this much (s) before the simulation, or after the lead: clocks may differ."""

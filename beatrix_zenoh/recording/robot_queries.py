@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Info
-from beatrix_zenoh._generated.robot import ROBOT, Geometry
 from beatrix_zenoh.client.clocks import Offset, clock_offsets
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Info
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.recording.figure import geometry_of
 
 AGAIN_S: Final = 30.0

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from enum import StrEnum
 from typing import Final
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
     Fault,
@@ -20,12 +21,11 @@ from beatrix_zenoh._generated.messages import (
     Status,
     Vector3,
 )
-from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.codec import encode_json
+from beatrix_zenoh.contract.codec import encode_json
+from beatrix_zenoh.contract.sentences.plain import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
-from beatrix_zenoh.sentences.plain import plain_sentence
 
 STILL: Final = 5e-5
 """If all components of a quaternion change by at most this (0.006 deg), there is no new row."""

@@ -10,8 +10,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.messages import Event
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.contract._generated.messages import Event
 from beatrix_zenoh.recording.about import About
 
 NUMBERS: Final = 2**32

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh._generated.messages import Event, Positions
 from beatrix_zenoh.client.readings import reading
+from beatrix_zenoh.contract._generated.messages import Event, Positions
 from beatrix_zenoh.recording.requests import Request, requests
 from beatrix_zenoh.recording.samples import Samples, TimedEvent, lost
 

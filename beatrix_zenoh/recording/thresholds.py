@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.recording.compare import Comparison
 
 

@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Self
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 HOST: Final = "127.0.0.1"
 """The viewer accepts data and commands from every program, so other computers must not reach its port."""

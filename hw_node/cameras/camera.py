@@ -11,9 +11,9 @@ import time
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraPublisher, Component, Context, StatusFields
 from hw_node.cameras.source import FrameSource
 

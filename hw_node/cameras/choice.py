@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from beatrix_zenoh import names
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import WrongUsage, quoted
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage, quoted
 from hw_node.cameras.files import Files
 from hw_node.cameras.pattern import Pattern
 from hw_node.cameras.source import FrameSource

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import Frame
 from hw_node.cameras import jpeg
 from hw_node.cameras.source import HZ, FrameTimer

@@ -14,8 +14,8 @@ import simplejpeg
 from numpy.typing import NDArray
 
 from beatrix_zenoh import threads
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import Frame
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH
 

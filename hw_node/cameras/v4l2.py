@@ -11,8 +11,8 @@ from typing import Final
 
 from linuxpy.video import device as v4l2
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import Frame
 from hw_node.cameras import jpeg
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH

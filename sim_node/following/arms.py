@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh._generated.serial import Move, MoveStraight
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Context
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.planner import tuple3

@@ -7,7 +7,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from beatrix_zenoh._generated.messages import FollowState, Positions, Status
+from beatrix_zenoh.contract._generated.messages import FollowState, Positions, Status
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import tuple3
 from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place

@@ -6,11 +6,11 @@ import time
 from dataclasses import replace
 from typing import Final
 
-from beatrix_zenoh import names, refusals
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, Context, StatusFields, replies
 from beatrix_zenoh.node.access import Action

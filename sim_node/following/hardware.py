@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Info, Positions, Status
 from beatrix_zenoh.bus import Received, Reply, Sessions
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Info, Positions, Status
+from beatrix_zenoh.contract.errors import BeatrixError
 from sim_node.following.follower import Sample
 
 ANSWER_S: Final = 5.0

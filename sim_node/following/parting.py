@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from beatrix_zenoh.contract.refusals import ARMS
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.refusals import ARMS
 
 ARM_APART: Final = math.radians(0.5)
 """Allowed distance (rad) of two arms at rest, less than a full step of a motor (0.69 deg)."""

@@ -30,8 +30,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from avr.bench import CYCLES_PER_MS, EEPROM_SIZE, Avr
 from avr.mega import HEX
 
-from beatrix_zenoh._generated.serial import BAUD, FrameType
 from beatrix_zenoh.board.link import Decoder
+from beatrix_zenoh.contract._generated.serial import BAUD, FrameType
 
 SLICE_S: Final = 0.001
 """Longest delay of bytes from the board (s); bytes to the board are passed on at once."""

@@ -10,11 +10,11 @@ import pytest
 from class_router import Answering, ClassRouter, ReceivedKeys, certified, replies, settled
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus.watchdog import reached
 from beatrix_zenoh.classroom.certificates import Authority
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 
 SIM, HW = "sim", "hw"
 FORGED = b"forged"

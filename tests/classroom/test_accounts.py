@@ -16,13 +16,13 @@ from stage import Process, free_endpoint
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.cli import robot_checks
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.settings import Settings, resolve
 
 

@@ -19,9 +19,9 @@ from stage import Process, until
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware

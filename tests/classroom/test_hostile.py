@@ -15,9 +15,9 @@ from seat import use_account
 from stage import ROOT, Process, ready, until
 
 from beatrix_zenoh import Interrupted, Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import EventKind
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.settings import Settings
 
 STOPS = 3

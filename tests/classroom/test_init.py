@@ -14,7 +14,7 @@ from beatrix_zenoh import account
 from beatrix_zenoh.classroom import class_file
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.classroom.rules import grants
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 
 
 @pytest.fixture

@@ -11,9 +11,9 @@ from stage import ready, until
 from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import NoAnswer, Refused
+from beatrix_zenoh.contract._generated.messages import Fault, Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
 
 

@@ -11,10 +11,10 @@ import pytest
 import zenoh
 from class_router import Answering, ClassRouter, ReceivedKeys, settled
 
-from beatrix_zenoh._generated import keys
 from beatrix_zenoh.bus import credentials
 from beatrix_zenoh.bus.access_control import LARGEST_REQUEST
 from beatrix_zenoh.bus.transport import LARGEST_MESSAGE, opened
+from beatrix_zenoh.contract._generated import keys
 
 PICTURES = 50
 HUGE = 100_000_000

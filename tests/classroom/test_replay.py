@@ -14,7 +14,7 @@ from class_router import Answering, ClassRouter, replies, settled
 from patience import PATIENCE_S, patiently
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
+from beatrix_zenoh.contract._generated import keys
 
 COMMAND = keys.command("bea1", "hw", "ana")
 

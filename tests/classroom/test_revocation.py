@@ -16,12 +16,12 @@ from shell import beatrix
 from stage import until
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.output import exit_code
-from gui.state.actions import Connect
-from gui.state.world import LinkPhase
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
+from gui.console.state.actions import Connect
+from gui.console.state.world import LinkPhase
 
 ROLES = {"ana": "the seat", "bea1": "the robot", "teacher": "the teacher"}
 STOP = keys.stop("bea2", "hw", "{}")

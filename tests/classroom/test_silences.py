@@ -19,18 +19,18 @@ from shell import beatrix
 from stage import PATIENCE_S, Process, free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.keys import POSITIONS_HZ
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.silence import ABSENT_S
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.settings import Settings
-from gui.state.actions import StopBoth
-from gui.state.state import State
-from gui.state.world import LinkPhase
+from gui.console.state.actions import StopBoth
+from gui.console.state.state import State
+from gui.console.state.world import LinkPhase
 
 HW = "hw"
 
@@ -103,7 +103,7 @@ NODE = """
 import sys, threading
 from pathlib import Path
 from beatrix_zenoh import account, bus
-from beatrix_zenoh._generated import keys
+from beatrix_zenoh.contract._generated import keys
 own, kept = account.load(Path(sys.argv[1])), []
 session = bus.connect(own.connect, account=own)
 session.serve(keys.command("bea2", "hw", "*"), kept.append)

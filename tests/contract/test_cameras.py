@@ -11,7 +11,7 @@ from body import Body
 from stage import until, wait_status
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.names import EYES
+from beatrix_zenoh.contract.names import EYES
 
 LONG_S = 60.0
 """Time limit (s) of a first picture, which may need an OpenGL context on a busy machine."""

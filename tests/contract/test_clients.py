@@ -9,13 +9,14 @@ import pytest
 from body import Body
 from stage import ask_raw, until
 
-from beatrix_zenoh import Interrupted, Refused, Robot, codec
+from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.bus import Query
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.lease import QUIET_S
 

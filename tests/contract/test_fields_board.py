@@ -13,10 +13,10 @@ from published import at_once, published_statuses, regular, without_clocks
 from stage import Process, Stage, ready
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Fault
-from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh.contract._generated.serial import FrameType
 from hw_node.body import VirtualHardware
 
 LOST_NS = 0.5e9

@@ -13,10 +13,11 @@ from excuses import in_time
 from published import Published, published_positions
 from stage import ask_raw, until
 
-from beatrix_zenoh import Robot, codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh import Robot
 from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 

@@ -14,9 +14,10 @@ from excuses import in_time
 from published import at_once, published_positions, published_statuses, regular, without_clocks
 from stage import ask_raw
 
-from beatrix_zenoh import Refused, Robot, codec
-from beatrix_zenoh._generated import keys, serial
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys, serial
+from beatrix_zenoh.contract._generated.messages import (
     CONTRACT,
     Clock,
     Command,
@@ -27,7 +28,7 @@ from beatrix_zenoh._generated.messages import (
     PoseQuery,
     Reason,
 )
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.robot_file import fingerprint
 

@@ -10,9 +10,9 @@ from body import Body
 from stage import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.client import lease
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 
 pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about leases
 

@@ -8,9 +8,10 @@ import pytest
 from excuses import in_time
 from stage import ask_raw, until
 
-from beatrix_zenoh import Interrupted, Refused, Robot, codec, suggestion
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
+from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 

@@ -9,9 +9,10 @@ import msgpack
 import pytest
 from stage import ask_raw, until
 
-from beatrix_zenoh import Robot, codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import MotionReply, Positions, Reason, Status
+from beatrix_zenoh import Robot
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import MotionReply, Positions, Reason, Status
 
 pytestmark = pytest.mark.bodies("in-process")
 

@@ -8,8 +8,8 @@ import pytest
 from stage import ask_raw, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import PoseQuery, PreviewReply
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import PoseQuery, PreviewReply
 from beatrix_zenoh.motion.gear import Gear
 
 STEP_DEG = 360 / Gear().steps_per_turn

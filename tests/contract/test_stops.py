@@ -8,12 +8,13 @@ from body import Body
 from excuses import within
 from stage import ready, until
 
-from beatrix_zenoh import Interrupted, Refused, Robot, codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
+from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.bus import Query
 from beatrix_zenoh.client import Monitor
 from beatrix_zenoh.client.stopping import publish_stop, stop_key
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:

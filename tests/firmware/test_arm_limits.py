@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rig import ARM_SPACING, GAP_MIN, ROOT, SPEED_MAX, YAW_SUM_MAX, Rig, Steps, least_gap
 
-from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
 
 CORE = ROOT / "firmware/beatrix/src/core"
 TARGETS = st.one_of(

@@ -14,9 +14,16 @@ from dialogue import DIALOGUES, expected_replies, read
 from program import BYTE_MS, Program
 from rig import ROOT, SPEED_MAX, Core, HostFirmware
 
-from beatrix_zenoh._generated.serial import CONTRACT, Enable, FrameType, HelloReply, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import (
+    CONTRACT,
+    Enable,
+    FrameType,
+    HelloReply,
+    Move,
+    MoveStraight,
+)
 
 SHIPPED = ROOT / "beatrix_zenoh/board/firmware.wasm"
 Build = Callable[..., Path]

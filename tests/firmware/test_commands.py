@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 from rig import SPEED_MAX, Rig
 
-from beatrix_zenoh._generated.serial import Error, FrameType, HelloReply, Outcome, SetName, State
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import Error, FrameType, HelloReply, Outcome, SetName, State
 
 OFF, ON = State(0), State.ENABLED
 HOME, MOVING = State.ENABLED | State.CALIBRATED, State.ENABLED | State.CALIBRATED | State.MOVING

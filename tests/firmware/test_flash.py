@@ -17,9 +17,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
-from beatrix_zenoh._generated.serial import CONTRACT, FrameType, HelloReply
 from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.serial import CONTRACT, FrameType, HelloReply
+from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import flash, hexfile, stk500
 from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 

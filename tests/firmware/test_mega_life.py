@@ -7,8 +7,8 @@ import random
 import pytest
 from avr.mega import START_MS, Mega, pin_faults
 
-from beatrix_zenoh._generated.serial import CONTRACT, Error, FrameType, HelloReply, SetName, State
 from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.contract._generated.serial import CONTRACT, Error, FrameType, HelloReply, SetName, State
 
 WATCHDOG_MS = 256
 """Timeout of WDTO_250MS: 32 768 cycles at 128 kHz."""

@@ -11,7 +11,7 @@ from avr.bench import BUDGETS, VECTORS
 from avr.mega import HEX, Mega
 from rig import KEEP_ALIVE_MS, SPEED_MAX, Steps
 
-from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
 
 
 @pytest.fixture(params=["shipped", "sketch"])

@@ -11,9 +11,9 @@ from avr.mega import Mega
 from numpy.typing import NDArray
 from rig import SPEED_MAX, Rig, Steps
 
-from beatrix_zenoh._generated.serial import FrameType, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight
 
 IN_TICK = 550
 """Cycles from the time a tick is due to the end of a frame: the tick still runs, and the main loop handles the frame

@@ -10,8 +10,8 @@ from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
 from rig import damaged
 
-from beatrix_zenoh._generated.serial import Error, FrameType, Move, Outcome, State
 from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.contract._generated.serial import Error, FrameType, Move, Outcome, State
 
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
 

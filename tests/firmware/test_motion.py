@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from rig import ACCELERATION, SPEED_MAX, Rig, Steps
 
-from beatrix_zenoh._generated.serial import Error, FrameType, Outcome, State
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
 
 Point = tuple[float, float, float]
 ROUNDING = 4 / (1 << 26)

@@ -8,7 +8,9 @@ import pytest
 from program import Program
 from rig import Rig
 
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import (
     HOST_GONE,
     TELEMETRY_SIZE,
     Enable,
@@ -19,8 +21,6 @@ from beatrix_zenoh._generated.serial import (
     TextWarning,
     WarningCode,
 )
-from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.board.virtual import Firmware
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED = [ACK, ACK], [ACK, NACK]

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from program import Program
 from rig import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
 
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 

@@ -5,8 +5,15 @@ from __future__ import annotations
 import pytest
 from program import Program
 
-from beatrix_zenoh._generated.serial import Enable, FrameType, MoveStraight, Outcome, State, WarningCode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import (
+    Enable,
+    FrameType,
+    MoveStraight,
+    Outcome,
+    State,
+    WarningCode,
+)
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED = [ACK, ACK], [ACK, NACK]

@@ -8,7 +8,7 @@ import pytest
 from program import Program
 from rig import Core
 
-from beatrix_zenoh._generated.serial import Outcome, State, WarningCode
+from beatrix_zenoh.contract._generated.serial import Outcome, State, WarningCode
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]

@@ -11,7 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rig import ROOT, Rig, damaged
 
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import (
     CONTRACT,
     HOST_GONE,
     TELEMETRY_PATIENCE,
@@ -24,8 +26,6 @@ from beatrix_zenoh._generated.serial import (
     MoveStraight,
     State,
 )
-from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.board.virtual import Firmware
 
 VECTORS = json.loads((ROOT / "schemas/vectors/serial.json").read_text(encoding="utf-8"))
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())

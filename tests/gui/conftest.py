@@ -15,11 +15,11 @@ from stage import Stage, ready, until
 from windowed import HOME, Windowed, windowed
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node.lease import QUIET_S
-from gui.state.intents import Intent
-from gui.state.saved import Saved
-from gui.window import Window
+from gui.console.state.intents import Intent
+from gui.console.state.saved import Saved
+from gui.window.window import Window
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -12,10 +12,10 @@ from hour import HOUR_S, ROUNDS, at
 from stage import ROOT, untraced
 from window_views import ready
 
-from gui.state.history import SHOWN
-from gui.state.memory import KEPT
-from gui.widgets.plots import CAPACITY
-from gui.window import Window
+from gui.console.state.history import SHOWN
+from gui.console.state.memory import KEPT
+from gui.window.widgets.plots import CAPACITY
+from gui.window.window import Window
 
 HZ = 2
 """Refreshes a second: a tenth of the window's, but enough to fill all rows several times."""

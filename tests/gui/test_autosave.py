@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from worlds import world
 
-from gui.autosave import Autosave
-from gui.state import intents, saved
-from gui.state.intents import Theme
-from gui.state.saved import Saved
-from gui.state.state import State
+from gui.console.state import intents, saved
+from gui.console.state.intents import Theme
+from gui.console.state.saved import Saved
+from gui.console.state.state import State
+from gui.window.autosave import Autosave
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ from stage import Stage, until
 from windowed import Windowed, windowed
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import LeaseAction
 from beatrix_zenoh.client import lease
-from gui.state.intents import SetIncrement, SetRelative, SetSpeed
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+from gui.console.state.intents import SetIncrement, SetRelative, SetSpeed
 
 
 @pytest.fixture

@@ -13,11 +13,11 @@ from recording_link import RecordingLink, WatchedState
 from window_views import class_world
 from worlds import robot, status, world
 
-from beatrix_zenoh._generated.messages import LeaseAction
-from gui.state.actions import Govern, SendLease, StopAll, WatchClass
-from gui.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
-from gui.widgets.class_page import STATE, ClassPage
-from gui.window import Window
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+from gui.console.state.actions import Govern, SendLease, StopAll, WatchClass
+from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
+from gui.window.widgets.class_page import STATE, ClassPage
+from gui.window.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
 

@@ -11,12 +11,12 @@ from PyQt5.QtGui import QColor, QImage
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import CameraImage
-from gui.state.intents import Theme
-from gui.state.views import EyeView
-from gui.texts import Texts
-from gui.theme import style_of
-from gui.widgets import eyes
-from gui.widgets.eyes import Eyes, OutsideView, Picture
+from gui.console.state.intents import Theme
+from gui.console.state.views import EyeView
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets import eyes
+from gui.window.widgets.eyes import Eyes, OutsideView, Picture
 
 RED, BLUE = (220, 20, 20), (20, 20, 220)
 WORDS = Texts("en")

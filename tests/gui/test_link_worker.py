@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from gui.link.worker import Worker
+from gui.console.link.worker import Worker
 
 
 def test_an_error_goes_to_the_excepthook_and_later_jobs_run(monkeypatch: pytest.MonkeyPatch) -> None:

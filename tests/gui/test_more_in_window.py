@@ -13,8 +13,8 @@ from windowed import HOME, Windowed, near
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.recording.rrd.read import read
-from gui.state.intents import Theme
-from gui.theme import style_of
+from gui.console.state.intents import Theme
+from gui.window.theme import style_of
 
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # popups and dialogs without a display
 

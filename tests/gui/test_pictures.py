@@ -11,7 +11,7 @@ from stage import Process, Stage, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import CameraImage, Client
-from gui.link.pictures import CLOSE_S, Pictures
+from gui.console.link.pictures import CLOSE_S, Pictures
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
@@ -124,7 +124,7 @@ def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
     endpoint = client.settings.connect
     client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
     pictures = Pictures(client, "bea", images_taken.add)
-    monkeypatch.setattr("gui.link.pictures.RETRY_S", 0.1)
+    monkeypatch.setattr("gui.console.link.pictures.RETRY_S", 0.1)
     pictures.watch(frozenset({LEFT}))
     client.settings = type(client.settings)("bea", endpoint, "window")
     until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)

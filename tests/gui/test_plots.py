@@ -17,12 +17,12 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.clocks import Offset, Offsets
-from gui.state.intents import Theme
-from gui.state.world import World
-from gui.texts import Texts
-from gui.theme import style_of
-from gui.widgets import plots as plots_module
-from gui.widgets.plots import CAPACITY, History, Plots, difference, sample_time_s, span
+from gui.console.state.intents import Theme
+from gui.console.state.world import World
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets import plots as plots_module
+from gui.window.widgets.plots import CAPACITY, History, Plots, difference, sample_time_s, span
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2

@@ -15,14 +15,14 @@ from recording_link import RecordingLink
 from stage import ROOT
 from window_views import class_world, example
 
-from gui.state.intents import Theme
-from gui.state.views import Orientation
-from gui.texts import Texts
-from gui.theme import style_of
-from gui.widgets.eyes import Eyes, OutsideView
-from gui.widgets.head_pad import HeadPad
-from gui.widgets.plots import Plots
-from gui.window import Window
+from gui.console.state.intents import Theme
+from gui.console.state.views import Orientation
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets.eyes import Eyes, OutsideView
+from gui.window.widgets.head_pad import HeadPad
+from gui.window.widgets.plots import Plots
+from gui.window.window import Window
 
 PAGE = (ROOT / "docs/how-to/window.md").read_text(encoding="utf-8")
 SIM, HW = Orientation(-60.0, -15.0, 15.0), Orientation(60.0, 15.0, -15.0)

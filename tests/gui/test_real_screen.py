@@ -18,8 +18,8 @@ from stage import START_S, Process, Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.recording.rrd.read import read
-from gui.state.intents import Theme
-from gui.theme import style_of
+from gui.console.state.intents import Theme
+from gui.window.theme import style_of
 
 MISSING = [program for program in ("Xvfb", "xdotool") if shutil.which(program) is None]
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")

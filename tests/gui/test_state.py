@@ -22,13 +22,13 @@ from worlds import (
     world,
 )
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated.messages import (
     CameraStatus,
     Command,
     PoseQuery,
 )
-from gui.state import intents
-from gui.state.actions import (
+from gui.console.state import intents
+from gui.console.state.actions import (
     BeginRecording,
     EndRecording,
     Ready,
@@ -38,10 +38,10 @@ from gui.state.actions import (
     ViewRecording,
     WatchCameras,
 )
-from gui.state.intents import Jog, RunCommand, SetDestination, Tab
-from gui.state.state import State
-from gui.state.views import ButtonView, View
-from gui.state.world import LinkPhase, RecordingProgress, World
+from gui.console.state.intents import Jog, RunCommand, SetDestination, Tab
+from gui.console.state.state import State
+from gui.console.state.views import ButtonView, View
+from gui.console.state.world import LinkPhase, RecordingProgress, World
 
 
 def motion_buttons(view: View) -> list[ButtonView]:

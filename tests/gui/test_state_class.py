@@ -9,13 +9,22 @@ import pytest
 from window_views import class_world
 from worlds import status, world
 
-from beatrix_zenoh._generated.messages import Event, EventKind, LeaseAction, Reason
-from gui.state import intents
-from gui.state.actions import Govern, Outcome, Select, StopAll, StopBoth, WatchCameras, WatchClass
-from gui.state.intents import ChooseRobot, GovernClass, Intent, LimitClass, MuteSeat, Page, Stop, TogglePage
-from gui.state.state import State
-from gui.state.views import ClassView, Condition
-from gui.state.world import LinkPhase, World
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
+from gui.console.state import intents
+from gui.console.state.actions import Govern, Outcome, Select, StopAll, StopBoth, WatchCameras, WatchClass
+from gui.console.state.intents import (
+    ChooseRobot,
+    GovernClass,
+    Intent,
+    LimitClass,
+    MuteSeat,
+    Page,
+    Stop,
+    TogglePage,
+)
+from gui.console.state.state import State
+from gui.console.state.views import ClassView, Condition
+from gui.console.state.world import LinkPhase, World
 
 TEACHER = class_world()
 PLACE = ("bea2", "hw")

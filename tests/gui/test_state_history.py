@@ -13,18 +13,18 @@ import pytest
 import typer.main
 from worlds import robot, status, world
 
-from beatrix_zenoh._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
 from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.client.choreography import Choreography, choreography
 from beatrix_zenoh.client.motion_file import parse
-from beatrix_zenoh.refusals import not_enabled
-from gui.state import intents
-from gui.state.actions import Outcome, Play, Send, SendCommand, WriteFile
-from gui.state.intents import Intent, Jog, RunCommand, SetDestination
-from gui.state.state import State
-from gui.state.views import HistoryRowView
-from gui.state.world import World
+from beatrix_zenoh.contract._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
+from beatrix_zenoh.contract.refusals import not_enabled
+from gui.console.state import intents
+from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
+from gui.console.state.state import State
+from gui.console.state.views import HistoryRowView
+from gui.console.state.world import World
 
 BOTH = SetDestination("hw", checked=True)
 HW_ONLY = (BOTH, SetDestination("sim", checked=False))

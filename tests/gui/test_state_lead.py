@@ -15,22 +15,22 @@ from worlds import (
     world,
 )
 
-from beatrix_zenoh._generated.messages import (
-    Reason,
-)
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
 from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.contract._generated.messages import (
+    Reason,
+)
 from beatrix_zenoh.motion.gear import Gear
-from gui.state import intents
-from gui.state.actions import (
+from gui.console.state import intents
+from gui.console.state.actions import (
     AbortPlan,
     Outcome,
     SendPlanNow,
 )
-from gui.state.intents import Jog
-from gui.state.state import State
-from gui.state.views import Orientation
-from gui.state.world import PlanPhase, PlanProgress
+from gui.console.state.intents import Jog
+from gui.console.state.state import State
+from gui.console.state.views import Orientation
+from gui.console.state.world import PlanPhase, PlanProgress
 
 
 def test_the_countdown_is_shown_with_its_buttons() -> None:

@@ -7,15 +7,15 @@ from typing import Any
 import pytest
 from worlds import ENDPOINT, absent, refused, robot, state_after, status, world
 
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.client import Presence
-from beatrix_zenoh.refusals import taken_by
-from gui.state import intents
-from gui.state.actions import Govern, Outcome, Select, SendLease
-from gui.state.intents import AskLease, DismissNotice, Jog, SetLanguage, TakeAlternative
-from gui.state.state import State
-from gui.state.views import PillView
-from gui.state.world import LinkPhase, World
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.contract.refusals import taken_by
+from gui.console.state import intents
+from gui.console.state.actions import Govern, Outcome, Select, SendLease
+from gui.console.state.intents import AskLease, DismissNotice, Jog, SetLanguage, TakeAlternative
+from gui.console.state.state import State
+from gui.console.state.views import PillView
+from gui.console.state.world import LinkPhase, World
 
 TAKE, WAIT, GIVE_BACK = LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK
 

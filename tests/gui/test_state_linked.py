@@ -11,10 +11,10 @@ from stage import Stage, until
 
 from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.client.twin import Twin
-from gui.state import intents
-from gui.state.intents import Intent, Jog, SetDestination
-from gui.state.state import State
-from gui.state.views import Condition, View
+from gui.console.state import intents
+from gui.console.state.intents import Intent, Jog, SetDestination
+from gui.console.state.state import State
+from gui.console.state.views import Condition, View
 
 
 @pytest.fixture

@@ -8,13 +8,21 @@ from typing import Any
 import pytest
 from worlds import absent, robot, status, world
 
-from beatrix_zenoh._generated.messages import CameraStatus, Command, Fault, FollowState
 from beatrix_zenoh.client import Presence, RobotState
-from gui.state.intents import ChooseRobot, Intent, MakeReady, Retry, RunCommand, SetLanguage, StartSimulation
-from gui.state.pills import SYMBOLS
-from gui.state.state import State
-from gui.state.views import Condition, PillView
-from gui.state.world import LinkPhase, World
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState
+from gui.console.state.intents import (
+    ChooseRobot,
+    Intent,
+    MakeReady,
+    Retry,
+    RunCommand,
+    SetLanguage,
+    StartSimulation,
+)
+from gui.console.state.pills import SYMBOLS
+from gui.console.state.state import State
+from gui.console.state.views import Condition, PillView
+from gui.console.state.world import LinkPhase, World
 
 CALIBRATE_SIM = RunCommand(Command.CALIBRATE, twin="sim")
 

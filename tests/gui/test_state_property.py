@@ -10,8 +10,11 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from window_views import class_world
 from worlds import absent, robot, status, vector, world
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
@@ -24,11 +27,8 @@ from beatrix_zenoh._generated.messages import (
     Phase,
     Reason,
 )
-from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.client.readings import Path as MotionPath
-from gui.state import intents
-from gui.state.actions import (
+from gui.console.state import intents
+from gui.console.state.actions import (
     Action,
     Govern,
     Outcome,
@@ -40,9 +40,9 @@ from gui.state.actions import (
     StopAll,
     StopBoth,
 )
-from gui.state.intents import ALL_ARMS, ARMS, Intent, Page, Tab, Theme
-from gui.state.state import State
-from gui.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
+from gui.console.state.intents import ALL_ARMS, ARMS, Intent, Page, Tab, Theme
+from gui.console.state.state import State
+from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
 TWINS = st.sampled_from(["sim", "hw"])
 ANGLES = st.floats(-1e6, 1e6)

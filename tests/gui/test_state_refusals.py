@@ -19,7 +19,7 @@ from worlds import (
     world,
 )
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
@@ -29,8 +29,8 @@ from beatrix_zenoh._generated.messages import (
     PoseQuery,
     Reason,
 )
-from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.refusals import (
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.refusals import (
     driven_by,
     emergency_latched,
     frozen,
@@ -40,8 +40,8 @@ from beatrix_zenoh.refusals import (
     stopped_pause,
     taken_by,
 )
-from gui.state import intents
-from gui.state.actions import (
+from gui.console.state import intents
+from gui.console.state.actions import (
     DESELECTED,
     Action,
     Outcome,
@@ -49,9 +49,9 @@ from gui.state.actions import (
     SendCommand,
     SendLease,
 )
-from gui.state.intents import Jog, RunCommand
-from gui.state.state import State
-from gui.state.world import PlanPhase
+from gui.console.state.intents import Jog, RunCommand
+from gui.console.state.state import State
+from gui.console.state.world import PlanPhase
 
 # -- refusals ----------------------------------------------------------------------------------------
 

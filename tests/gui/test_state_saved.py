@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from worlds import robot, world
 
-from gui.state import intents, saved
-from gui.state.intents import Theme
-from gui.state.saved import Saved, SavedPose
-from gui.state.state import State
+from gui.console.state import intents, saved
+from gui.console.state.intents import Theme
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.state import State
 
 
 def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> None:

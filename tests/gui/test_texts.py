@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from gui.texts import LANGUAGES, Texts
+from gui.console.texts import LANGUAGES, Texts
 
 GUI = Path(__file__).resolve().parents[2] / "gui"
 CALLERS = ("texts", "_texts", "words")
@@ -57,7 +57,7 @@ def modules() -> dict[Path, ast.Module]:
     """Return all modules of the window except the tables of texts."""
     return {
         path: ast.parse(path.read_text(encoding="utf-8"))
-        for path in GUI.rglob("*.py")
+        for path in (*(GUI / "console").rglob("*.py"), *(GUI / "window").rglob("*.py"))
         if path.parent.name != "texts" or path.name == "__init__.py"
     }
 

@@ -14,8 +14,8 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 from window_views import example
 
-from beatrix_zenoh._generated.messages import Command
-from gui.state.intents import (
+from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state.intents import (
     Abort,
     AimHead,
     Change,
@@ -42,9 +42,9 @@ from gui.state.intents import (
     ToggleRecording,
     Undo,
 )
-from gui.state.views import Orientation
-from gui.widgets.head_pad import HeadPad
-from gui.window import Window
+from gui.console.state.views import Orientation
+from gui.window.widgets.head_pad import HeadPad
+from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 LEFT, NO_BUTTON = Qt.MouseButton.LeftButton, Qt.MouseButton.NoButton

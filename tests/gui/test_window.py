@@ -17,12 +17,10 @@ from recording_link import RecordingLink, WatchedState
 from window_views import posed
 from worlds import absent
 
-from beatrix_zenoh._generated.messages import Command
 from beatrix_zenoh.client.readings import HeadAngles
-from gui.bridge import Bridge
-from gui.run import begin_size, errors_shown
-from gui.state.actions import Outcome, Play, Send, SendCommand, WriteFile
-from gui.state.intents import (
+from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.console.state.intents import (
     ChooseRobot,
     Intent,
     Jog,
@@ -38,8 +36,10 @@ from gui.state.intents import (
     Tab,
     Theme,
 )
-from gui.theme import style_of
-from gui.window import Window
+from gui.window.bridge import Bridge
+from gui.window.run import begin_size, errors_shown
+from gui.window.theme import style_of
+from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 LEFT = Qt.MouseButton.LeftButton

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.errors import Refused
-from gui.app import PLUGINS, check_display, main
+from beatrix_zenoh.contract.errors import Refused
+from gui.window.app import PLUGINS, check_display, main
 
-PROGRAM = "import sys; from gui.app import main; sys.exit(main(sys.argv[1:]))"
+PROGRAM = "import sys; from gui.window.app import main; sys.exit(main(sys.argv[1:]))"
 NOWHERE = "tcp/127.0.0.1:1"
 START_S, END_S = 30.0, 3.0
 

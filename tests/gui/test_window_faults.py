@@ -17,8 +17,8 @@ from PyQt5.QtCore import Qt
 from stage import Stage, free_endpoint
 from windowed import Windowed, windowed
 
-from gui.state.saved import Saved
-from gui.window import PERIOD_MS
+from gui.console.state.saved import Saved
+from gui.window.window import PERIOD_MS
 
 SOON_S = 0.5
 """Longest time (s) from the moment at which a fault can be detected to its display."""

@@ -11,10 +11,10 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
 from pytestqt.qtbot import QtBot
 
-from gui.state.intents import Intent, PlayFile, SaveChoreography, SavePose, SetLanguage, Stop
-from gui.widgets.controls import IntentButton
-from gui.widgets.file_dialog import FileDialog, begin_folder
-from gui.window import Window
+from gui.console.state.intents import Intent, PlayFile, SaveChoreography, SavePose, SetLanguage, Stop
+from gui.window.widgets.controls import IntentButton
+from gui.window.widgets.file_dialog import FileDialog, begin_folder
+from gui.window.window import Window
 
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # dialogs without a display
 Taken = Callable[[], list[Intent]]

@@ -12,8 +12,8 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.state.actions import BeginRecording, Send, StopBoth
-from gui.state.intents import (
+from gui.console.state.actions import BeginRecording, Send, StopBoth
+from gui.console.state.intents import (
     AimHead,
     Intent,
     Jog,
@@ -24,7 +24,7 @@ from gui.state.intents import (
     ToggleRecording,
     Undo,
 )
-from gui.window import Window
+from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # popups and dialogs without a display

@@ -12,13 +12,13 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 from window_views import STATES, example
 
-from gui.state.intents import Theme
-from gui.state.views import Condition
-from gui.texts import LANGUAGES
-from gui.theme import Style, style_of
-from gui.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
-from gui.widgets.eyes import BAR_PX
-from gui.window import LEAST_HEIGHT, LEAST_WIDTH, Window
+from gui.console.state.intents import Theme
+from gui.console.state.views import Condition
+from gui.console.texts import LANGUAGES
+from gui.window.theme import Style, style_of
+from gui.window.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
+from gui.window.widgets.eyes import BAR_PX
+from gui.window.window import LEAST_HEIGHT, LEAST_WIDTH, Window
 
 SIZES = [(1366, 768), (1024, 600), (LEAST_WIDTH, LEAST_HEIGHT)]
 READABLE, LEGIBLE = 4.5, 3.0

@@ -9,7 +9,7 @@ from avr.mega import HEX, LOADER
 from stage import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 
 END = ":00000001FF"
 

@@ -14,10 +14,10 @@ from stage import Stage, until
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import EventKind, Reason
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind, Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, Node, StatusFields
 from hw_node.body import VirtualHardware
 

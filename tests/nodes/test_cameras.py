@@ -12,9 +12,9 @@ from stage import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import Component, Context, Frame, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera

@@ -14,10 +14,10 @@ from stage import until
 from storm import SEATS, storm
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Clock, ProgramInfo
 from beatrix_zenoh.bus.description import program_name
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Clock, ProgramInfo
 
 NODES = {f"{NAME} (sim)", f"{NAME} (hw)"}
 SEAT = f"seat ana: {program_name(sys.argv)}"

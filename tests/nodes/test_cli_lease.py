@@ -8,10 +8,10 @@ import time
 from shell import NAME, Shell
 from stage import Stage, until
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, LeaseQuery, Reason
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.client.govern import govern
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, Reason
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:

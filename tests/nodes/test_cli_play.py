@@ -12,8 +12,8 @@ from shell import Shell
 from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions, Steps
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions, Steps
 
 MINE = """t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure
 0.0,0,8,0,,,,60,yes

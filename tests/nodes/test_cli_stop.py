@@ -9,7 +9,7 @@ from shell import NAME, Shell, another
 from stage import END_S, until
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 
 
 def test_stop_ends_a_motion_and_the_command_that_sent_it_fails(free: Shell) -> None:

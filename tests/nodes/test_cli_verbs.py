@@ -15,9 +15,9 @@ from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import CONTRACT
 from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import CONTRACT
 
 
 def wait_for(process: subprocess.Popen[str], words: str) -> str:

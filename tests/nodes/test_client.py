@@ -11,10 +11,14 @@ import pytest
 from stage import Stage, free_endpoint, ready, until
 from statuses import READY
 
-from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot, codec
+from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.bus import SUBSCRIBER, Incoming
+from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
+from beatrix_zenoh.client.stopping import publish_stop
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     CommandQuery,
@@ -29,10 +33,7 @@ from beatrix_zenoh._generated.messages import (
     Status,
     Vector3,
 )
-from beatrix_zenoh.bus import SUBSCRIBER, Incoming
-from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
-from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 PATIENCE_S = 10.0
 

@@ -16,12 +16,13 @@ import simplejpeg
 from drawn import FIRST_S, fresh
 from stage import Process, Stage, ask_raw, until
 
-from beatrix_zenoh import Robot, codec
+from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason, TargetReply
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason, TargetReply
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node import renderer as drawing

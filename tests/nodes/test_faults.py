@@ -17,10 +17,10 @@ from stage import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import serial
-from beatrix_zenoh._generated.messages import Command, Fault, Reason
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated import serial
+from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.stop import StopHandler
 from hw_node.body import VirtualHardware

@@ -10,11 +10,11 @@ from stage import Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
 

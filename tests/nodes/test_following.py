@@ -16,8 +16,8 @@ from shell import Shell
 from stage import Stage, ask_raw, until, wait_status
 
 from beatrix_zenoh import Refused, Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
     FollowState,
     Positions,
     Reason,
@@ -38,6 +38,8 @@ class Both:
     def ready(self) -> Both:
         """Let the simulation follow a calibrated hardware at its home."""
         self.hw.disable()
+        if self.sim.status().following is not FollowState.OFF:
+            self.wait(FollowState.WAITING)  # else the wait below would see the state of before
         self.hw.enable()
         self.hw.calibrate()
         if self.sim.status().following is FollowState.OFF:
@@ -244,7 +246,7 @@ def test_raw_zenoh_words_switch_it(both: Both, payload: bytes, words: str) -> No
 
 def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
     shell = Shell(both.stage.endpoint)
-    assert "follows hw" in shell.good("ls")
+    until(lambda: "follows hw" in shell.good("ls"), "the list knows both robots")
     assert "does not follow the hardware" in shell.good("follow", "off", "--name", "bea")
     assert "follows hw" not in shell.good("ls")
     shell.good("follow", "on", "--name", "bea", "--who", "ben")

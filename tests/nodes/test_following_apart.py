@@ -12,9 +12,9 @@ from old_program import Program
 from stage import Stage, until, wait_status
 from statuses import READY
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import (
     FollowState,
     Head,
     LeaseAction,

@@ -19,7 +19,7 @@ from statuses import READY
 from zenoh.handlers import Callback
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from old_program import Place, Program
 from stage import Stage, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
-from beatrix_zenoh._generated.messages import Command, EventKind, Phase, Reason
+from beatrix_zenoh.contract._generated.messages import Command, EventKind, Phase, Reason
 
 
 @pytest.mark.bodies("sim")

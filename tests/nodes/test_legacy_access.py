@@ -10,7 +10,7 @@ import pytest
 from old_program import Place, Program
 from stage import until, wait_status
 
-from beatrix_zenoh._generated.messages import Command, Event, EventKind, Phase, Reason, Source
+from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, Phase, Reason, Source
 from beatrix_zenoh.motion.gear import Gear
 
 pytestmark = pytest.mark.bodies("hw")

@@ -18,8 +18,8 @@ from stage import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Command, Fault
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import Command, Fault
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from hw_node.body import Hardware

@@ -14,10 +14,10 @@ from shell import Shell
 from stage import Stage, ask_raw, ready, until
 
 from beatrix_zenoh import Refused, Robot, Twin
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, EventKind, Events, Phase, Positions, Source
 from beatrix_zenoh.client.choreography import Choreography, Pose
 from beatrix_zenoh.client.play import play
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Phase, Positions, Source
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 from stage import ROOT, Stage, ready, until, untraced
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind
 
 SMALLEST_PIPE = 4096
 

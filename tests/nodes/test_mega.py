@@ -11,11 +11,11 @@ import pytest
 from stage import Process, Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Command, CommandQuery, CommandReply, Reason
-from beatrix_zenoh._generated.serial import FrameType, Move
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, Move
+from beatrix_zenoh.contract.errors import BeatrixError
 from hw_node.port import SerialPort
 
 BEHIND_MS = 5.0

@@ -10,9 +10,10 @@ from patience import PATIENCE_S
 from stage import Stage, until
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import codec, threads
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus, Incoming, Received
 from beatrix_zenoh.bus.newest import WAITING
+from beatrix_zenoh.contract import codec
 
 KEY = "beatrix/bea/sim/stop/ana"
 FLOOD = 3 * WAITING

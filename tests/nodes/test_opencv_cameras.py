@@ -7,8 +7,8 @@ from fake_opencv import FakeOpenCv
 from stage import Stage, until
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import EventKind
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import Component, Context, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera

@@ -14,7 +14,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import CameraImage
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions
 from sim_node import gl

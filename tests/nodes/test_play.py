@@ -11,10 +11,10 @@ from excuses import in_time
 from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Robot, Twin
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 
 
 @dataclass

@@ -16,12 +16,13 @@ from blueprint import tabs_of
 from rerun.chunk import RrdReader
 from stage import Process, Stage, ready, until
 
-from beatrix_zenoh import Interrupted, Refused, codec
+from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.client import streams
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.recording.difference import GRID_NS
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Recorded, Samples

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from stage import Stage, until
 
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, ViewerState
 from beatrix_zenoh.recording.output import RobotSet

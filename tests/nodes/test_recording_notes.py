@@ -9,7 +9,7 @@ from pathlib import Path
 from shell import Shell
 from stage import Process, Stage, ask_raw
 
-from beatrix_zenoh._generated import keys
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.rrd.read import read, read_about
 
 

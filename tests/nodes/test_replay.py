@@ -14,10 +14,10 @@ from excuses import Late
 from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Positions, Source, Steps
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions, Source, Steps
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.follow import Following, follow

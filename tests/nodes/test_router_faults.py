@@ -18,11 +18,11 @@ from stage import Stage, free_endpoint, ready, routing, start_router, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.motion import MARGIN_S
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware

@@ -7,9 +7,9 @@ import math
 import bench_poses
 import pytest
 
-from beatrix_zenoh._generated.messages import PoseQuery
-from beatrix_zenoh._generated.serial import FrameType, Move
 from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.contract._generated.messages import PoseQuery
+from beatrix_zenoh.contract._generated.serial import FrameType, Move
 
 
 @pytest.mark.no_cover  # tests/unit/test_plant.py covers the same code

@@ -11,11 +11,11 @@ from stage import Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, files
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import EventKind, Fault, LeaseAction, Reason
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import lease
-from beatrix_zenoh.errors import BeatrixError
-from beatrix_zenoh.names import OLD_PROGRAMS
+from beatrix_zenoh.contract._generated.messages import EventKind, Fault, LeaseAction, Reason
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
 

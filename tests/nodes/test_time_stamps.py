@@ -10,7 +10,7 @@ import pytest
 from stage import Stage, ready, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Positions
+from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.series import Recording, recording
 

@@ -12,9 +12,9 @@ import pytest
 from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.stopping import stop_robots
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 
 
 @pytest.fixture

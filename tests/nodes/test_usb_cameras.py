@@ -13,9 +13,9 @@ from fake_camera import FakeCamera, library
 from stage import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import CameraStatus, Event, EventKind, Reason
 from beatrix_zenoh.client import Subscription
 from beatrix_zenoh.client.camera import CameraImage
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Event, EventKind, Reason
 from hw_node.cameras import jpeg
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has V4L2")

@@ -13,8 +13,8 @@ from stage import Stage, ready, until
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh._generated.messages import Source
-from beatrix_zenoh.web.handlers import MESSAGES_MAX
+from beatrix_zenoh.contract._generated.messages import Source
+from gui.page.handlers import MESSAGES_MAX
 
 NAMES, PRESSES = itertools.count(1), itertools.count(1)
 

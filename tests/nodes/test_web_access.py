@@ -15,10 +15,10 @@ from stage import EVENT_S, Process, Stage, until
 from tornado.websocket import WebSocketClosedError
 from web_client import PIN, WebClient, serving
 
-from beatrix_zenoh.cli import web
 from beatrix_zenoh.recording.viewer import free_port
-from beatrix_zenoh.web import server
-from beatrix_zenoh.web.connections import ADDRESS_FULL, ADDRESS_MAX, REFUSED_MAX
+from gui.page import app as web
+from gui.page import server
+from gui.page.connections import ADDRESS_FULL, ADDRESS_MAX, REFUSED_MAX
 
 FLOOD = ADDRESS_MAX + 2 * REFUSED_MAX
 

@@ -12,7 +12,7 @@ from stage import Stage, until
 from web_client import PIN, serving
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.web import server
+from gui.page import server
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, refusal, stop
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.lease import LINGER_S, Caller
 from sim_node.following.arms import follows

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, finish_motion, refusal, stop
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.lease import LINGER_S, NO_CALLER, QUIET_S, Caller
 from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S

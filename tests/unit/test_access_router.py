@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from callers import ANA, BEN, CLEO, begin_motion, refusal
 
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease import IDLE_S

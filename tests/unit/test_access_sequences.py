@@ -7,9 +7,9 @@ from callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import TEACHER
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.known_sessions import RETURN_S
 from beatrix_zenoh.node.lease import QUIET_S, Caller

@@ -9,8 +9,8 @@ import pytest
 
 from beatrix_zenoh import BeatrixError, Robot
 from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, to_rad
-from beatrix_zenoh.errors import WrongUsage
-from beatrix_zenoh.names import check_name
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.names import check_name
 
 
 @pytest.mark.parametrize("angle", [90, 90.0, np.float32(90), np.float64(90), np.int64(90)])

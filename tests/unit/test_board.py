@@ -11,8 +11,13 @@ from lossy_board import LossyPort, Rig
 from stage import until
 
 from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import (
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.handshake import LOADER_S
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.state import not_connected
+from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import (
     Error,
     FrameType,
     HelloReply,
@@ -23,11 +28,6 @@ from beatrix_zenoh._generated.serial import (
     Text,
     TextWarning,
 )
-from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.handshake import LOADER_S
-from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.board.state import not_connected
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 
 FOREIGN = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
 

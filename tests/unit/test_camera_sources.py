@@ -12,7 +12,7 @@ import pytest
 import simplejpeg
 
 from beatrix_zenoh import NoAnswer
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import cameras
 from hw_node.cameras import jpeg
 from hw_node.cameras.files import Files

@@ -11,13 +11,13 @@ from typing import cast
 import pytest
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, choreography, load, shipped
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import Limits

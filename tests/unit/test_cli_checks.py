@@ -87,8 +87,8 @@ def test_cameras_are_listed_by_their_path(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 
 def test_the_error_for_a_missing_program_names_its_extra() -> None:
-    with pytest.raises(Refused, match=r'pip install "\.\[web\]"'):
-        serving.run("web", [])
+    with pytest.raises(Refused, match=r'pip install "\.\[other\]"'):
+        serving.run("other", [])
 
 
 def test_the_error_for_a_missing_library_names_it_and_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Head, PlantStatus, Positions, Steps, Vector3
 from beatrix_zenoh.cli import demo_files
 from beatrix_zenoh.cli.demo import conclude
 from beatrix_zenoh.cli.demo_report import Measured, Measurement
+from beatrix_zenoh.contract._generated.messages import Head, PlantStatus, Positions, Steps, Vector3
 from beatrix_zenoh.files import replace_when_complete
 
 PLANT = PlantStatus(real_time_factor=1.0, late_steps=0, slipped_steps=0, re_placed=0)

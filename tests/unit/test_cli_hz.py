@@ -8,7 +8,7 @@ import pytest
 
 from beatrix_zenoh.cli.hz import Rate, rate, show_rates
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract.errors import NoAnswer
 
 PERIOD_NS = 20_000_000
 

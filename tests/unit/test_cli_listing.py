@@ -6,9 +6,9 @@ import msgspec
 import pytest
 from statuses import READY
 
-from beatrix_zenoh._generated.messages import Fault, Status
 from beatrix_zenoh.cli.listing import CELL, PROBLEM, WARNINGS, ListedRobot, problems, show, some
 from beatrix_zenoh.cli.top import Row, cells, notes
+from beatrix_zenoh.contract._generated.messages import Fault, Status
 from beatrix_zenoh.settings import resolve
 
 LONG = "x" * 1000

@@ -10,10 +10,10 @@ import pytest
 from stage import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.cli import processes
 from beatrix_zenoh.cli.output import CODES
 from beatrix_zenoh.cli.processes import CRASHES_S, Ending, Role, Supervisor, classify
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.shutdown import FAULT
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from beatrix_zenoh import NoAnswer, Refused, names
-from beatrix_zenoh._generated.messages import Reason
+from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.targets import Selection, is_named, only_name, select_twins
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.settings import Settings
 
 SIM, HW, OTHER = ("bea", "sim"), ("bea", "hw"), ("bob", "hw")

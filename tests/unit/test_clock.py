@@ -7,9 +7,9 @@ import threading
 import pytest
 from stage import until
 
-from beatrix_zenoh._generated.serial import FrameType, MoveStraight
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.virtual import VirtualBoard
+from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight
 from sim_node.body import Simulation
 from sim_node.clock import LATE_S, PERIOD_S, SLICE_S, STALL_S, StepClock
 

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import Head, Positions, Reason, Steps, Vector3
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Reason, Steps, Vector3
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare

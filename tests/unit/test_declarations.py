@@ -12,10 +12,10 @@ import pytest
 import zenoh
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import Settings
 
 THREADS, ROUNDS, RENEWALS = 4, 60, 15

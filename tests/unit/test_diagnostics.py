@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from beatrix_zenoh._generated.messages import EventKind
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node.diagnostics import RESTARTED, SHOWN_S, Diagnostics
 from beatrix_zenoh.node.events import EventLog
 

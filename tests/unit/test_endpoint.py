@@ -9,7 +9,7 @@ import pytest
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus.transport import RUNTIME, RUNTIME_FORM
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import Settings
 
 WRONG = (

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
     MotionQuery,
@@ -20,7 +20,7 @@ from beatrix_zenoh._generated.messages import (
     Source,
     Vector3,
 )
-from beatrix_zenoh.sentences.events import FROM, angle, request, sentence
+from beatrix_zenoh.contract.sentences.events import FROM, angle, request, sentence
 
 
 def rad(degrees: float) -> float:

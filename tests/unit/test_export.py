@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import difference
 from beatrix_zenoh.recording.export import Span, Table, at, table
 from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples

@@ -9,8 +9,8 @@ from stage import ROOT, untraced
 
 PROGRAM = """
 import json, sys, threading
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import messages
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import messages
 sys.setswitchinterval(1e-6)
 for vector in json.load(open("schemas/vectors/messages.json")):
     kind = getattr(messages, vector["message"])

@@ -12,10 +12,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import Limits
 from beatrix_zenoh.motion.trajectory import plan

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.contract._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
 from beatrix_zenoh.motion.gear import Arms, Gear
 from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place
 from sim_node.following.follower import Limits

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import FollowState, Head, Positions, Status, Steps
+from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Status, Steps
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
 from sim_node.following.course import SetPoint

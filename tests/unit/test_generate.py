@@ -14,7 +14,7 @@ from shutil import copytree
 import generate
 import pytest
 
-from beatrix_zenoh._generated.serial import CONTRACT
+from beatrix_zenoh.contract._generated.serial import CONTRACT
 
 pytestmark = pytest.mark.no_cover  # runs only code of schemas/, whose coverage is not measured
 

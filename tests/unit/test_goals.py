@@ -7,9 +7,9 @@ import math
 import pytest
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Move, MoveStraight, Telemetry
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import Planner
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import Geometry
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import Geometry
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import dot, rotation_of, tilt_of

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from callers import ANA, ANA_AGAIN, BEN, BOSS, CLEO, refusal
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
-from beatrix_zenoh.names import TEACHER
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.known_sessions import SETTLE_S
 from beatrix_zenoh.node.lease import IDLE_S, LINGER_S, WAITING_MAX, Caller

@@ -7,9 +7,9 @@ from typing import cast
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Detail, Phase, Reason
-from beatrix_zenoh._generated.serial import FrameType, Telemetry, Text
 from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.contract._generated.messages import Detail, Phase, Reason
+from beatrix_zenoh.contract._generated.serial import FrameType, Telemetry, Text
 from beatrix_zenoh.legacy import Cause, Effect
 from beatrix_zenoh.legacy.line import ACK, NACK, Answer, Line, effect_of, readable
 from beatrix_zenoh.legacy.line_queue import CAPACITY, LAST, REFUSED_MAX, LineQueue

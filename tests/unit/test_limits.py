@@ -7,10 +7,10 @@ import time
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Alternative, Detail, Limit, Reason, Vector3
-from beatrix_zenoh._generated.robot import Geometry, RobotData
-from beatrix_zenoh._generated.robot import Limits as LimitData
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason, Vector3
+from beatrix_zenoh.contract._generated.robot import Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import Limits as LimitData
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import Limits

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import Limits as LimitData
-from beatrix_zenoh._generated.robot import RobotData
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import Limits as LimitData
+from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import Limits

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.serial import MAX_ENCODED, MAX_PAYLOAD, FrameType
 from beatrix_zenoh.board.link import Decoder, Frame, crc16, encode
+from beatrix_zenoh.contract._generated.serial import MAX_ENCODED, MAX_PAYLOAD, FrameType
 
 VECTORS = json.loads(
     (Path(__file__).resolve().parents[2] / "schemas/vectors/serial.json").read_text(encoding="utf-8")

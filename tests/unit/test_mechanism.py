@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import colours
-from beatrix_zenoh._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
 from beatrix_zenoh.recording.figure import Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import AXIS_RADIUS, mechanism
 from sim_node.mechanism import MECHANISM, SKIN_OPACITY, add_mechanism, show_through

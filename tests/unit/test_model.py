@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from beatrix_zenoh._generated.robot import ROBOT, Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, RobotData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from sim_node.model import build, build_spec, chains

@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from beatrix_zenoh._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
 from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.errors import Interrupted, NoAnswer
+from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
+from beatrix_zenoh.contract.errors import Interrupted, NoAnswer
 
 ORIGIN = Vector3(0.0, 0.0, 0.0)
 PATIENCE_S = 5.0

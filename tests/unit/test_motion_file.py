@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh.client.motion_file import ARMS, FORM, HEAD, Place, lines_of, parse, read
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 
 ANGLE = st.floats(-400, 400)
 TIMES = st.lists(st.floats(0, 86400), min_size=1, max_size=30).map(sorted)

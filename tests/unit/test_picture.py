@@ -13,7 +13,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl

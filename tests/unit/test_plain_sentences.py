@@ -9,8 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.messages import Event, EventKind, MotionQuery, Phase, PoseQuery, Reason, Vector3
-from beatrix_zenoh.sentences.plain import plain_sentence
+from beatrix_zenoh.contract._generated.messages import (
+    Event,
+    EventKind,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+    Vector3,
+)
+from beatrix_zenoh.contract.sentences.plain import plain_sentence
 
 LOOK = PoseQuery(yaw=math.radians(26), pitch=math.radians(-8))
 EVENT = Event(

@@ -11,8 +11,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from msgspec import structs
 
-from beatrix_zenoh import Refused, codec
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh import Refused
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,
     Limit,
@@ -21,8 +22,8 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.rotation import leaning
 from beatrix_zenoh.node.planner import Planner
 

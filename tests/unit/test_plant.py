@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of

@@ -7,12 +7,12 @@ import math
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Enable, FrameType, Move, MoveStraight
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, MoveStraight
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.node.hardware import Preview

@@ -9,8 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh import Refused, codec
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh import Refused
+from beatrix_zenoh.bus import query_forms
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import (
     CommandQuery,
     Detail,
     MotionQuery,
@@ -19,8 +22,6 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh.bus import query_forms
-from beatrix_zenoh.bus.query_forms import RawQuery
 
 
 def refusal_of(raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery] | None) -> Refused:

@@ -7,9 +7,9 @@ import time
 import pytest
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import MotionQuery
 from beatrix_zenoh.bus import query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.contract._generated.messages import MotionQuery
 
 
 @pytest.mark.parametrize(

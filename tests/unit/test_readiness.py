@@ -6,9 +6,9 @@ import msgspec
 import pytest
 from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import Fault, Reason
 from beatrix_zenoh.client.twin_state import may_move
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Fault, Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 
 LOST = msgspec.structs.replace(BOARD, connected=False)
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.robot import ROBOT, Geometry
 from beatrix_zenoh.colours import ARMS
+from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
 from beatrix_zenoh.recording.figure import Figure, Form, Quaternion, arc, quaternion, scaled, towards

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import file_output
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure

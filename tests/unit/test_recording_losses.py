@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated import keys
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.losses import (
     EVENTS,
     POSITIONS,

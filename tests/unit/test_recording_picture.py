@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure

@@ -13,10 +13,18 @@ import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
 
-from beatrix_zenoh._generated.messages import Event, EventKind, Info, LimitInfo, MotionQuery, Phase, Vector3
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.codec import encode_json
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import (
+    Event,
+    EventKind,
+    Info,
+    LimitInfo,
+    MotionQuery,
+    Phase,
+    Vector3,
+)
+from beatrix_zenoh.contract.codec import encode_json
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from statuses import BOARD, READY
 
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
     Fault,

@@ -13,11 +13,19 @@ import pytest
 from stage import until
 from statuses import READY
 
-from beatrix_zenoh._generated.messages import Event, EventKind, Head, Positions, Status, Steps, Vector3
-from beatrix_zenoh._generated.robot import ROBOT
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.codec import decode_json
+from beatrix_zenoh.contract._generated.messages import (
+    Event,
+    EventKind,
+    Head,
+    Positions,
+    Status,
+    Steps,
+    Vector3,
+)
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.notes import Arrived, NoteInbox

@@ -10,9 +10,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh._generated.messages import MotionQuery, PoseQuery, Vector3
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import Telemetry
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Vector3
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import Goal, Planner
 

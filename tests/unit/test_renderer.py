@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import simplejpeg
 
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.errors import Refused
 from sim_node import piped_process
 from sim_node import renderer as rendering
 from sim_node.painter import SceneState

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import Outcome
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import Outcome
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.replies import StopCause
 

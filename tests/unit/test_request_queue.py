@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node.request_queue import CAPACITY, RequestQueue, Task
 
 

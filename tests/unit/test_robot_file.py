@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 import hw_node.app
 import sim_node.app
-from beatrix_zenoh._generated.messages import PoseQuery
-from beatrix_zenoh._generated.robot import ALLOWED, ROBOT, RobotData
-from beatrix_zenoh._generated.serial import Telemetry
 from beatrix_zenoh.cli.output import USAGE
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import PoseQuery
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
+from beatrix_zenoh.contract._generated.serial import Telemetry
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file
 from beatrix_zenoh.node.planner import Planner
 

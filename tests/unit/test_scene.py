@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 import simplejpeg
 
-from beatrix_zenoh._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.lettering import ROWS
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh import BeatrixError, NoAnswer, Refused, codec, refusals, sentences
-from beatrix_zenoh._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
-from beatrix_zenoh.sentences import LANGUAGES, figures
+from beatrix_zenoh import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract import codec, refusals, sentences
+from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
+from beatrix_zenoh.contract.sentences import LANGUAGES, figures
 
 RAD = math.radians
 HERE = Vector3(RAD(10), RAD(-20), RAD(30.25))

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh import Refused, names
+from beatrix_zenoh import Refused
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, resolve
 
 

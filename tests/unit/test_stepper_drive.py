@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh._generated.robot import Drive
+from beatrix_zenoh.contract._generated.robot import Drive
 from beatrix_zenoh.motion.gear import Gear
 from sim_node.drive import StepperDrive
 

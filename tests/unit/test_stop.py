@@ -10,11 +10,11 @@ from typing import cast
 import msgspec
 import pytest
 
-from beatrix_zenoh._generated.messages import Command, CommandReply, EventKind, Reason
-from beatrix_zenoh._generated.robot import ROBOT
-from beatrix_zenoh._generated.serial import FrameType
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import FrameType
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node.access import Action
 from beatrix_zenoh.node.component import Context
 from beatrix_zenoh.node.lease import Caller

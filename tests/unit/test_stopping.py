@@ -13,8 +13,6 @@ import pytest
 from patience import PATIENCE_S
 from stage import until
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated.messages import CommandReply, Reason, Source, Vector3
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client import Place, stopping
 from beatrix_zenoh.client.request import Request
@@ -32,7 +30,9 @@ from beatrix_zenoh.client.stopping import (
     sentence,
     stop_robots,
 )
-from beatrix_zenoh.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import CommandReply, Reason, Source, Vector3
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
 
 HW, SIM = ("bea", "hw"), ("bea", "sim")
 HOME = Vector3(0.0, 0.0, 0.0)

@@ -11,15 +11,15 @@ import msgspec
 import pytest
 from statuses import READY
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import Event, EventKind, Events, Status
 from beatrix_zenoh.bus import Received, Reply
 from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.robot_state import Channel, EventLog, Presence, Record
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
-from beatrix_zenoh.errors import NoAnswer
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Status
+from beatrix_zenoh.contract.errors import NoAnswer
 
 KEY = keys.status("bea", "hw")
 M = TypeVar("M", bound=msgspec.Struct)

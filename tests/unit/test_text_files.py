@@ -12,9 +12,9 @@ import pytest
 from beatrix_zenoh import account, files, settings
 from beatrix_zenoh.classroom import class_file, router_file
 from beatrix_zenoh.client import choreography, motion_file
-from beatrix_zenoh.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file
-from gui.state import saved
+from gui.console.state import saved
 from hw_node import hexfile
 
 

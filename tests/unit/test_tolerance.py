@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from statuses import READY
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated.messages import (
+from beatrix_zenoh.client.tolerance import ITEMS, Reporter, Undecodable, decode
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
     Event,
     Events,
@@ -26,7 +27,6 @@ from beatrix_zenoh._generated.messages import (
     Reason,
     Status,
 )
-from beatrix_zenoh.client.tolerance import ITEMS, Reporter, Undecodable, decode
 from beatrix_zenoh.printable import longest
 
 

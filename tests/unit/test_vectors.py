@@ -10,9 +10,9 @@ import msgpack
 import pytest
 from msgspec import Struct
 
-from beatrix_zenoh import codec
-from beatrix_zenoh._generated import messages
-from beatrix_zenoh._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import messages
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
 
 VECTORS = Path(__file__).resolve().parents[2] / "schemas/vectors/messages.json"
 

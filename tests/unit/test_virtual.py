@@ -9,13 +9,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from beatrix_zenoh._generated import serial as wire
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh._generated.serial import Enable, FrameType, HelloReply, Move, Telemetry
 from beatrix_zenoh.board import virtual
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract._generated import serial as wire
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType, HelloReply, Move, Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError
 
 SPEED = (4189, 4189, 4189)
 HELLO, PING = encode(FrameType.HELLO, 3, b""), encode(FrameType.PING, 3, b"")

@@ -8,13 +8,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from beatrix_zenoh._generated.messages import Fault
-from beatrix_zenoh.errors import WrongUsage
-from beatrix_zenoh.web import connections, messages, protection
-from beatrix_zenoh.web.driving import AHEAD_S, BRAKE_S, DEAD_MAN_S, jog_query
-from beatrix_zenoh.web.handlers import FULL
-from beatrix_zenoh.web.protection import Attempts, Login, Visitors
-from beatrix_zenoh.web.server import STATIC
+from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh.contract.errors import WrongUsage
+from gui.page import connections, messages, protection
+from gui.page.driving import AHEAD_S, BRAKE_S, DEAD_MAN_S, jog_query
+from gui.page.handlers import FULL
+from gui.page.protection import Attempts, Login, Visitors
+from gui.page.server import STATIC
 
 
 @pytest.mark.parametrize(

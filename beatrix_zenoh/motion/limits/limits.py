@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh import refusals
-from beatrix_zenoh._generated.messages import Alternative, Detail, Limit, Reason
-from beatrix_zenoh._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import in_single, typed_speed

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from beatrix_zenoh.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import dot, leaning

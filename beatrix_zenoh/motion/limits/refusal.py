@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from beatrix_zenoh._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
-from beatrix_zenoh.errors import BeatrixError, Refused
+from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import furthest, in_single, nearest_pose, typed_speed

@@ -11,7 +11,7 @@ from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.names import EYES
+from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.film import EyePictures, Picture
 from beatrix_zenoh.recording.rows import of_robot
 from beatrix_zenoh.recording.rrd.read import TIME

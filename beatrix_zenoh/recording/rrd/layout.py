@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.names import TWIN_TITLES
+from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME

@@ -9,8 +9,8 @@ from typing import Final
 
 from rerun.experimental import ViewerClient
 
-from beatrix_zenoh._generated.messages import Reason
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.rrd.layout import TABS
 from beatrix_zenoh.recording.viewer import Viewer, address, free_port
 

@@ -14,10 +14,10 @@ import numpy.typing as npt
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from beatrix_zenoh._generated.messages import Event, Reason
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.codec import decode_json
-from beatrix_zenoh.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Event, Reason
+from beatrix_zenoh.contract.codec import decode_json
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import NOTES
 from beatrix_zenoh.recording.samples import (

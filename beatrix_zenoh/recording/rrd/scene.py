@@ -9,7 +9,7 @@ import rerun as rr
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
-from beatrix_zenoh.names import TWIN_TITLES
+from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import mechanism
 from beatrix_zenoh.recording.robot_rows import State

@@ -12,7 +12,7 @@ import numpy as np
 import rerun as rr
 
 from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.codec import encode_json
+from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import MARK, Bar, Frame, Line, Numbers, Orientation, Row

@@ -13,11 +13,11 @@ from excuses import in_time
 from linked import Linked, look
 from stage import Process, Stage, free_endpoint, start_router, until
 
-from beatrix_zenoh._generated.messages import Command, Reason, Source
 from beatrix_zenoh.client import Client, Place, Presence, stopping
 from beatrix_zenoh.client.queries import pose_query
-from gui.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
-from gui.state.world import LinkPhase
+from beatrix_zenoh.contract._generated.messages import Command, Reason, Source
+from gui.console.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
+from gui.console.state.world import LinkPhase
 
 
 @pytest.mark.measures_time

@@ -14,8 +14,8 @@ from stage import Stage, free_endpoint, until
 from beatrix_zenoh.cli.processes import Child
 from beatrix_zenoh.cli.recording_files import read_recording
 from beatrix_zenoh.client import Presence
-from gui.link.recordings import folder
-from gui.state.actions import (
+from gui.console.link.recordings import folder
+from gui.console.state.actions import (
     BeginRecording,
     EndRecording,
     RunSimulation,
@@ -24,7 +24,7 @@ from gui.state.actions import (
     WatchCameras,
     WriteFile,
 )
-from gui.state.world import LinkPhase, RecordingProgress
+from gui.console.state.world import LinkPhase, RecordingProgress
 
 READY_S = 60.0
 """Time limit (s) of a child process on a busy machine."""

@@ -9,12 +9,12 @@ from class_router import ClassRouter, start_node
 from linked import Linked
 from stage import Stage
 
-from beatrix_zenoh._generated import keys
-from beatrix_zenoh._generated.messages import LeaseAction, Reason
-from gui.state.actions import Govern, StopAll, WatchClass
-from gui.state.intents import MuteSeat, TogglePage
-from gui.state.state import State
-from gui.state.world import World
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from gui.console.state.actions import Govern, StopAll, WatchClass
+from gui.console.state.intents import MuteSeat, TogglePage
+from gui.console.state.state import State
+from gui.console.state.world import World
 
 
 def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> None:

@@ -6,10 +6,10 @@ import pytest
 from linked import Linked, arms, look, short
 from stage import Stage, until
 
-from beatrix_zenoh._generated.messages import Reason, Steps
 from beatrix_zenoh.client.queries import pose_query
-from gui.state.actions import AbortPlan, Select, Send, SendPlanNow, StopBoth
-from gui.state.world import PlanPhase, World
+from beatrix_zenoh.contract._generated.messages import Reason, Steps
+from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, StopBoth
+from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
 

@@ -10,9 +10,9 @@ import pytest
 from linked import Linked, at_home, look, short
 from stage import Process, Stage, until
 
-from beatrix_zenoh._generated.messages import Reason
 from beatrix_zenoh.client import Presence
-from gui.state.actions import Play, Select, Send, StopBoth
+from beatrix_zenoh.contract._generated.messages import Reason
+from gui.console.state.actions import Play, Select, Send, StopBoth
 
 BOTH = ("sim", "hw")
 

@@ -1,0 +1,66 @@
+"""Errors of this package: a reason from the contract's table, a sentence for the user, and the data of the sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Self
+
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+
+QUOTED = 60
+"""Largest number of characters of a request or an argument that an error message quotes."""
+
+
+class BeatrixError(Exception):
+    """Base class of all errors of this package.
+
+    `reason` is an entry of the contract's table of reasons and `detail` its data, if any (rad, as in messages).
+    `message` is the sentence for the user, the same in SDK, command line, window and replies.
+    `beatrix_zenoh.suggestion(error)` returns the alternative in degrees.
+    """
+
+    def __init__(self, reason: Reason, message: str = "", detail: Detail | None = None) -> None:
+        """Make the sentence from reason and detail if no message is given."""
+        message = message or sentences.render(reason, detail)
+        super().__init__(message)
+        self.reason = reason
+        self.message = message
+        self.detail = detail
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Reason, str, Detail | None]]:
+        """Describe the error for pickle, so that one of a child process reaches its parent."""
+        return type(self), (self.reason, self.message, self.detail)
+
+
+class Refused(BeatrixError):
+    """A request that the robot, or a check before sending, has refused; nothing has moved."""
+
+
+class WrongUsage(Refused):
+    """An invalid argument, endpoint or file, rejected locally without sending a request."""
+
+
+class Interrupted(BeatrixError):
+    """A motion that was accepted and did not reach its goal, for example because of STOP or a newer motion."""
+
+
+class NoAnswer(BeatrixError):
+    """A request or connection without an answer; `reason` is the cause, explained in docs/how-to/no-answer.md."""
+
+
+@contextmanager
+def naming(robot: str) -> Iterator[None]:
+    """Prefix the message of an error with the name of its robot."""
+    try:
+        yield
+    except BeatrixError as error:
+        if error.message.startswith(robot):
+            raise
+        raise type(error)(error.reason, f"{robot}: {error.message}", error.detail) from error
+
+
+def quoted(text: str) -> str:
+    """Return a text in quotes, at most QUOTED characters of it."""
+    return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")

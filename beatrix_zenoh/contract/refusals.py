@@ -1,0 +1,216 @@
+"""Refusals, built from their data; `sentences` renders their sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from beatrix_zenoh.contract._generated.messages import Command, Detail, Limit, Reason
+from beatrix_zenoh.contract.errors import Refused
+
+ARMS = ("short", "middle", "long")
+"""Names of the arms x, y and z."""
+COMMANDS = [f"{command.value} {command.name}" for command in Command]
+"""Number and name of every command."""
+
+
+def not_enabled() -> Refused:
+    """Return a NOT_ENABLED refusal: the motors are off."""
+    return Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE", "CALIBRATE"]))
+
+
+def not_calibrated() -> Refused:
+    """Return a NOT_CALIBRATED refusal: home is not known."""
+    return Refused(Reason.NOT_CALIBRATED, detail=Detail(needs=["CALIBRATE"]))
+
+
+def emergency_latched(teacher: str = "") -> Refused:
+    """Return an EMERGENCY refusal: EMERGENCY_STOP is latched until RESET, which only the seat `teacher` (if any) sends."""
+    return Refused(Reason.EMERGENCY, detail=Detail(holder=teacher, needs=["RESET", "ENABLE", "CALIBRATE"]))
+
+
+def driven_by(holder: str, wait_s: float | None = None) -> Refused:
+    """Return a NOT_HOLDER refusal: another seat holds the robot for `wait_s` (s) more; None: while its motion runs."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, wait_s=wait_s))
+
+
+def taken_by(holder: str) -> Refused:
+    """Return a NOT_HOLDER refusal: another seat has taken the robot."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease"))
+
+
+def lease_ended(number: int, holder: str) -> Refused:
+    """Return a NOT_HOLDER refusal: the lease of a request has ended; `holder` is the present holder (empty: none)."""
+    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
+
+
+def frozen() -> Refused:
+    """Return a FROZEN refusal: the teacher has frozen the robot."""
+    return Refused(Reason.FROZEN)
+
+
+def following() -> Refused:
+    """Return a FOLLOWING refusal: the simulation follows the hardware."""
+    return Refused(Reason.FOLLOWING)
+
+
+def muted(seat: str, *, stop: bool = False) -> Refused:
+    """Return a MUTED refusal: the teacher has muted the seat; `stop`: of a STOP while no motion of the seat runs."""
+    return Refused(Reason.MUTED, detail=Detail(holder=seat, field="stop" if stop else ""))
+
+
+def teacher_resets() -> Refused:
+    """Return a TEACHER_ONLY refusal of RESET: the teacher has pressed EMERGENCY_STOP."""
+    return Refused(Reason.TEACHER_ONLY, detail=Detail(needs=["RESET"]))
+
+
+def teacher_only(seat: str) -> Refused:
+    """Return a TEACHER_ONLY refusal: `seat` is not the teacher's."""
+    return Refused(Reason.TEACHER_ONLY, detail=Detail(holder=seat))
+
+
+def motion_running(holder: str) -> Refused:
+    """Return a BUSY refusal: a motion of the seat `holder` is running and must end first."""
+    return Refused(Reason.BUSY, detail=Detail(holder=holder))
+
+
+def stopped_pause(seat: str, wait_s: float, *, again: bool = False, presser: str = "") -> Refused:
+    """Return a STOPPED refusal: the seat was stopped and must not send a motion for `wait_s` (s).
+
+    `again`: this also holds for programs that start now; `presser`: seat that pressed STOP, empty if unknown.
+    """
+    field = "again" if again else ""
+    return Refused(Reason.STOPPED, detail=Detail(holder=seat, wait_s=wait_s, field=field, presser=presser))
+
+
+def coming_to_rest(presser: str = "") -> Refused:
+    """Return a STOPPED refusal: the arms are still decelerating after STOP of the seat `presser` (empty: unknown)."""
+    return Refused(Reason.STOPPED, detail=Detail(presser=presser))
+
+
+def queue_full(limit: int) -> Refused:
+    """Return a BUSY refusal: `limit` requests are waiting."""
+    return Refused(Reason.BUSY, detail=Detail(limit=Limit.QUEUE, high=float(limit)))
+
+
+def replaced_before_start() -> Refused:
+    """Return a REPLACED refusal: a newer motion of the same seat arrived before this one began."""
+    return Refused(Reason.REPLACED)
+
+
+def node_closing() -> Refused:
+    """Return a SHUTDOWN refusal: the node is closing."""
+    return Refused(Reason.SHUTDOWN)
+
+
+def session_ended() -> Refused:
+    """Return a CLIENT_LOST refusal: the session that sent the request has ended."""
+    return Refused(Reason.CLIENT_LOST)
+
+
+def unknown_command(number: int) -> Refused:
+    """Return an UNKNOWN_COMMAND refusal: no command has this number."""
+    return Refused(Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=COMMANDS))
+
+
+def home_known(arms: Iterable[float], limit: float) -> Refused:
+    """Return a HOME_KNOWN refusal: home is known, and an arm (rad from home) is more than `limit` (rad) away."""
+    name, angle = _furthest(arms)
+    detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
+    return Refused(Reason.HOME_KNOWN, detail=detail)
+
+
+def not_at_rest() -> Refused:
+    """Return a NOT_AT_REST refusal: the arms are moving."""
+    return Refused(Reason.NOT_AT_REST)
+
+
+def motion_too_long(duration_s: float, high_s: float) -> Refused:
+    """Return a TIMED_OUT refusal: a motion takes `duration_s` (s), but a preview may take at most `high_s` (s)."""
+    return Refused(
+        Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=duration_s, high=high_s, unit="s")
+    )
+
+
+def wildcard_key(key: str, own: str) -> Refused:
+    """Return a BAD_VALUE refusal: a key matches several robots or requests; `own` is the key to use instead."""
+    return Refused(Reason.BAD_VALUE, detail=Detail(field=key, known=[own]))
+
+
+def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:
+    """Return a BAD_VALUE refusal: a field, or a word of the request, is wrong.
+
+    `field`: its name or the word; `what`: a sentence with the cause, if field and known values do not show it;
+    `known`: values or fields that are allowed instead.
+    """
+    return Refused(Reason.BAD_VALUE, what, Detail(field=field, known=list(known)))
+
+
+def counted_too_far(arms: Iterable[float], high: float) -> Refused:
+    """Return a BAD_VALUE refusal: the board reports an arm (rad from home) further away than `high` (rad)."""
+    return _travel(arms, high, at_goal=False)
+
+
+def too_far_to_send(arms: Iterable[float], high: float) -> Refused:
+    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the limit of a frame."""
+    return _travel(arms, high, at_goal=True)
+
+
+def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
+    """Return a YAW_LIMIT refusal: the goal of an arm (rad) exceeds `high` (rad), the largest within the yaw limit."""
+    name, angle = _furthest(arms)
+    return Refused(
+        Reason.YAW_LIMIT,
+        detail=Detail(
+            limit=Limit.TRAVEL, value=angle, low=-high, high=high, unit="rad", arms=[name], at_goal=True
+        ),
+    )
+
+
+def impossible_speed(velocity: Iterable[float], high: float) -> Refused:
+    """Return a BAD_VALUE refusal: the board reports an arm speed (rad/s) above `high` (rad/s), the highest possible."""
+    name, rate = _furthest(velocity)
+    return Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(limit=Limit.SPEED, value=_finite(abs(rate)), high=high, unit="rad/s", arms=[name]),
+    )
+
+
+def _travel(arms: Iterable[float], high: float, *, at_goal: bool) -> Refused:
+    name, angle = _furthest(arms)
+    return Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(
+            limit=Limit.TRAVEL,
+            value=_finite(abs(angle)),
+            high=high,
+            unit="rad",
+            arms=[name],
+            at_goal=at_goal,
+        ),
+    )
+
+
+def _furthest(arms: Iterable[float]) -> tuple[str, float]:
+    """Return name and value of the arm with the largest absolute value; NaN counts as the largest."""
+    return max(
+        zip(ARMS, arms, strict=True), key=lambda pair: math.inf if math.isnan(pair[1]) else abs(pair[1])
+    )
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def check_ready(*, emergency: bool, enabled: bool, calibrated: bool) -> None:
+    """Check that a robot is ready to move; nodes, and clients that check before sending, use this function.
+
+    Raises:
+        Refused: EMERGENCY, NOT_ENABLED or NOT_CALIBRATED, in this order.
+    """
+    if emergency:
+        raise emergency_latched()
+    if not enabled:
+        raise not_enabled()
+    if not calibrated:
+        raise not_calibrated()

@@ -1,0 +1,10 @@
+"""The connection to router and robots, on its own threads; Qt's thread waits for them only when the window closes.
+
+`link` joins the parts. `connection` finds router and robots. A `request_queue` for each robot sends the requests to
+that robot alone, `plans` sends the motions of both, `playing` plays choreographies, `governing` sends the teacher's
+lease queries, and `stopping` sends STOP. `cameras` and `probe` read; `recordings` and `children` start other programs.
+"""
+
+from __future__ import annotations
+
+from gui.console.link.link import Link as Link

@@ -1,0 +1,75 @@
+"""Files and poses to play, read and checked as a whole before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from beatrix_zenoh.client import choreography, motion_file
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step
+from beatrix_zenoh.client.play import play
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.recording.choreography_check import check_choreography
+from beatrix_zenoh.recording.follow import follow, robots_of
+from beatrix_zenoh.recording.path import path_of
+from beatrix_zenoh.recording.replay import replay
+from gui.console.link.playing import POSES
+from gui.console.state.actions import Play
+
+LARGEST_BYTES = 1 << 19
+"""Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, in which STOP cannot end
+the play."""
+
+
+def prepared(
+    action: Play, robots: Twin | Robot, check: Callable[[], None]
+) -> tuple[float, Callable[[], None]]:
+    """Check a play for each robot; return its least duration (s) and the function that performs it.
+
+    `check` is called many times a second during the play; an error that it raises ends the play.
+
+    Raises:
+        WrongUsage: the file is too large or cannot be read.
+        Refused: a robot would refuse a part of the play.
+        NoAnswer: a robot does not answer.
+    """
+    found = read(action)
+    check()
+    both = (robots.sim, robots.hw) if isinstance(robots, Twin) else (robots,)
+    lead_s = action.lead_s if len(both) > 1 else 0.0
+    infos = [robot.info() for robot in both]
+    checked = robots_of(infos)
+    if isinstance(found, Choreography):
+        for robot in checked:
+            check_choreography(found, robot)
+            check()
+        lasts_s = found.steps[-1][1].at
+        return lasts_s, lambda: play(robots, found, lambda _title, _pose: None, lead_s=lead_s, check=check)
+    path = path_of(found, Limits(checked[0]))
+    check()
+    following, *_ = [follow(path, robot) for robot in checked]
+    return following.duration_s, lambda: replay(robots, following, lambda _passed_s: check(), lead_s=lead_s)
+
+
+def read(action: Play) -> Choreography | motion_file.MotionFile:
+    """Return the choreography or path to play; raises WrongUsage if its file cannot be used."""
+    if action.file is None:
+        # All times are 0, so that each pose begins when the previous one is reached.
+        steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]
+        return Choreography(steps)
+    try:
+        size = action.file.stat().st_size
+        if size > LARGEST_BYTES:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"{action.file} is {size / 1e6:.1f} MB large; at most {LARGEST_BYTES / 1e6:.1f} MB is allowed "
+                "in the window. Play a part of it, or use `beatrix play`.",
+            )
+        found = motion_file.read(action.file)
+    except OSError as error:
+        text = f"{action.file} cannot be read: {error.strerror}. Choose a motion file."
+        raise WrongUsage(Reason.BAD_VALUE, text) from error
+    return choreography.choreography(found) if found.with_speed else found

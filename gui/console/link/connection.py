@@ -1,0 +1,228 @@
+"""The session of the window: opened when the router answers, and kept while the router is lost and returns."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.seats import Seats
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract._generated.messages import Reason, Source
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.settings import Settings
+from gui.console.state.world import LinkPhase
+
+RETRY_S = 1.0
+REFUSALS = 2
+"""Refusals in a row after which the account counts as refused: a router that has just started may refuse it once."""
+LOOK_S = 0.25
+"""Period of reading the names of robots on line, until one is selected."""
+EVENTS = 200
+"""Number of events kept for each robot."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """A session with the router, and the objects that use it."""
+
+    client: Client
+    monitor: Monitor
+    """the states of all robots of the router; only Qt's thread reads them"""
+    twin: Twin
+    """both robots of the chosen name"""
+    seats: Seats
+    """the seats that are connected to the router"""
+
+
+class Connection:
+    """Looks for the router in a thread until there is a session, which stays open until `close`.
+
+    A session whose router is lost recovers by itself when the router returns.
+    """
+
+    def __init__(
+        self, settings: Settings, on_session: Callable[[Session], None], *, name_given: bool
+    ) -> None:
+        """Store the arguments; `start` begins to look for the router.
+
+        Args:
+            settings: robot, router and seat.
+            on_session: called when there is a session, and when another robot is selected; must not wait.
+            name_given: whether the user chose the robot, which then stays selected even if only another one is on line.
+        """
+        self.settings = settings
+        self.robot = settings.robot
+        self.session: Session | None = None
+        self._on_session, self._chosen = on_session, name_given
+        self._router_present = True
+        self._trouble = ""
+        self._refused = False
+        self._refusals = 0
+        self._lock = threading.Lock()
+        self._closed = False
+        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def phase(self) -> LinkPhase:
+        """Whether the router answers, and accepts the account."""
+        if self._refused:
+            return LinkPhase.REFUSED
+        if self.session is None:
+            return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
+        return LinkPhase.ON_LINE if self._router_present else LinkPhase.NO_ROUTER
+
+    @property
+    def trouble(self) -> str:
+        """The reason why there is no session, router or access; empty if all exist."""
+        if self._refused or self.session is None or self._router_present:
+            return self._trouble
+        return (
+            f"The router at {self.settings.connect} is lost or does not answer, so the robots stop their motions. The window "
+            "reconnects when the router returns."
+        )
+
+    def start(self) -> None:
+        """Start to look for the router."""
+        self._thread = threads.start(self._run, "window-connection")
+
+    def try_now(self) -> None:
+        """Look now for the router and whether it accepts the account."""
+        self._tasks.put(self._check_account)
+
+    def select(self, robot: str) -> None:
+        """Watch and drive the robots of another name from now on, through the same session; returns at once."""
+        with self._lock:
+            self._chosen = True
+            self._select(robot)
+
+    def _select(self, robot: str) -> None:
+        old, self.robot = self.session, robot
+        if old is None or old.twin.name == robot:
+            return
+        session = self.session = replace(old, twin=Twin(robot, client=old.client))
+        self._on_session(session)
+        self._tasks.put(old.twin.close)  # on the connection's thread, because closing may wait for a robot
+
+    def states(self) -> tuple[RobotState, RobotState]:
+        """Return the states of simulation and hardware of the selected name."""
+        session = self.session
+        if session is None:
+            return absent(self.robot, "sim"), absent(self.robot, "hw")
+        return session.monitor.robot(self.robot, "sim"), session.monitor.robot(self.robot, "hw")
+
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the robots on line, sorted."""
+        session = self.session
+        return () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
+
+    # -- the connection's thread --------------------------------------------------------------------
+
+    def _run(self) -> None:
+        while not self._closed:
+            try:
+                self._step()
+            except Exception as error:  # noqa: BLE001  # without this thread there would be no session
+                threads.show_error(error)
+                time.sleep(RETRY_S)
+
+    def _step(self) -> None:
+        """Look for router or robot once, then run the next task, if one arrives in time."""
+        if self.session is None:
+            self._connect()
+        else:
+            self._choose()
+        doubted = 0 < self._refusals < REFUSALS
+        try:
+            task = self._tasks.get(timeout=RETRY_S if self.session is None or doubted else LOOK_S)
+        except queue.Empty:
+            if not doubted:
+                return
+            task = self._check_account
+        task()
+
+    def _connect(self) -> None:
+        try:
+            client = Client(self.settings, source=Source.WINDOW)
+        except BeatrixError as error:
+            self._refused = error.reason is Reason.ACCOUNT_REFUSED
+            self._trouble = error.message
+            return
+        try:
+            if (refused := client.bus.refusal(client.token)) is not None:
+                raise refused
+            client.bus.watch_router(self._on_router)
+            monitor, seats = Monitor(client, events=EVENTS), Seats(client)
+        except BeatrixError as error:  # the router has no rules for this account, or was lost meanwhile
+            client.close()
+            self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message
+            return
+        with self._lock:
+            if not self._closed:
+                self._refused = False
+                session = self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
+                self._trouble = ""
+                self._on_session(session)
+                return
+        client.close()
+
+    def _on_router(self, present: bool) -> None:  # noqa: FBT001
+        if present and not self._router_present:
+            self._tasks.put(self._check_account)
+        self._router_present = present
+
+    def _check_account(self) -> None:
+        """Look whether a router that has returned still has rules for the account."""
+        session = self.session
+        if session is None or self._closed:
+            return
+        error = session.client.bus.refusal(session.client.token)
+        self._refusals = 0 if error is None else self._refusals + 1
+        self._refused = self._refusals >= REFUSALS
+        self._trouble = error.message if error is not None and self._refused else ""
+
+    def _choose(self) -> None:
+        """Select a name once, if the user chose none: the only one on line or, for the teacher, one of several.
+
+        Usually no robot has the default name of the teacher's window. Then the first hardware is selected, because
+        simulations belong to students.
+        """
+        with self._lock:
+            session = None if self._chosen else self.session
+            if session is None:
+                return
+            first = sorted(session.monitor.present(), key=lambda place: (place[1] != "hw", place[0]))
+            names = {name for name, _ in first}
+            if len(names) == 1 or (names and self.settings.who == TEACHER):
+                self._chosen = True
+                self._select(self.robot if self.robot in names else first[0][0])
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Close the session, so that robots stop its motions; a slow router delays the return."""
+        with self._lock:
+            self._closed = True
+            session = self.session
+        self.try_now()
+        if session is not None:
+            session.client.close()
+            session.twin.close()
+
+    def join(self, deadline_s: float) -> None:
+        """Wait for the end of the thread until `deadline_s` (monotonic clock, s)."""
+        if self._thread is not None:
+            self._thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+def absent(robot: str, twin: str) -> RobotState:
+    """Return the state of a robot that has published nothing."""
+    return RobotState(robot, twin, Presence.ABSENT, None, None, None, None, 0.0, (), None)

@@ -1,0 +1,301 @@
+"""The link of the window: passes actions to the parts that carry them out, and assembles the `World`."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.stopping import StopSender
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.settings import Settings
+from gui.console.link.cameras import Cameras
+from gui.console.link.children import Children
+from gui.console.link.connection import Connection, Session
+from gui.console.link.governing import ClassStates, Governing
+from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
+from gui.console.link.pictures import OnImage
+from gui.console.link.plans import Plans
+from gui.console.link.playing import Playing
+from gui.console.link.probe import Probe
+from gui.console.link.recordings import Recordings
+from gui.console.link.request_queue import RequestQueue
+from gui.console.link.stopping import stop_all, stop_both
+from gui.console.link.worker import Part, Worker
+from gui.console.state import actions
+from gui.console.state.actions import Action, Outcome
+from gui.console.state.world import LinkPhase, World
+
+Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
+"""Actions that robots of the shown name answer."""
+OnOutcome = Callable[[Outcome], None]
+TWINS = ("sim", "hw")
+CLOSE_S = 2.8
+"""Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
+
+
+class Link:
+    """The window's connection to router and robots; no method except `close` waits for either of them."""
+
+    def __init__(
+        self, settings: Settings, on_outcome: OnOutcome, on_image: OnImage, *, name_given: bool = True
+    ) -> None:
+        """Create the link; nothing is connected yet.
+
+        Args:
+            settings: robot, router and seat to begin with.
+            on_outcome: called on threads of the link; must return at once.
+            on_image: called in the same way, for each picture of a camera.
+            name_given: whether the user chose the robot; otherwise the link selects the only name on line, or for the
+                teacher one of several.
+        """
+        self._on_outcome, self._caller = on_outcome, threading.get_ident()
+        self._outcomes = Worker("window-outcomes")
+        report = self._report
+        self._cameras = Cameras(on_image)
+        self._connection = Connection(settings, self._cameras.follow, name_given=name_given)
+        self._queues = {twin: RequestQueue(twin, report) for twin in TWINS}
+        self._plans = Plans(report)
+        self._playing = Playing(report)
+        self._stop_sender = StopSender("window")
+        self._governing, self._class = Governing(report), ClassStates()
+        self._probes = {twin: Probe(twin, lambda: self._connection.session) for twin in TWINS}
+        self._children = Children(self._connection.try_now)
+        self._recordings = Recordings()
+        self._files = Worker("window-files")
+
+    def start(self) -> None:
+        """Start to look for the router."""
+        self._connection.start()
+
+    def world(self) -> World:
+        """Return the present world; call it in one thread only, Qt's."""
+        connection = self._connection
+        sim, hw = connection.states()
+        session, robot, now_s = connection.session, sim.robot, time.monotonic()
+        account = connection.settings.account
+        return World(
+            now_s=now_s,
+            phase=connection.phase,
+            endpoint=connection.settings.connect,
+            seat=connection.settings.who,
+            robot=robot,
+            sim=sim,
+            hw=hw,
+            names=connection.names(),
+            trouble=connection.trouble,
+            latency_s={twin: probe.round_trip_s for twin, probe in self._probes.items()},
+            plan=self._plans.progress(),
+            recording=self._recordings.progress(),
+            starting=self._children.starting,
+            own_simulation=self._children.own_simulation,
+            child_trouble=self._children.trouble,
+            playing=self._playing.title,
+            wall_s=time.time(),
+            session="" if session is None else session.client.bus.session_id,
+            limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
+            seats=() if session is None else tuple(session.seats.names()),
+            pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
+            robots=self._class.states(session, now_s),
+        )
+
+    def do(self, action: Action) -> None:
+        """Carry out an action; its results are reported as `Outcome`s."""
+        match action:
+            case actions.StopBoth():
+                self._stop(stop_both, action.row)
+            case actions.StopAll():
+                self._stop(stop_all, action.row)
+            case actions.SendPlanNow():
+                self._plans.send_now()
+            case actions.AbortPlan():
+                self._plans.abort()
+            case actions.Connect():
+                self._connection.try_now()
+            case actions.Select():
+                self._select(action.robot)
+            case actions.WatchCameras():
+                self._cameras.watch(action.wanted)
+            case actions.WatchClass():
+                self._class.watch(on=action.on)
+            case actions.Govern():
+                self._govern(action)
+            case (
+                actions.Send()
+                | actions.Play()
+                | actions.SendCommand()
+                | actions.SendLease()
+                | actions.Ready()
+            ):
+                self._request(action)
+            case _:
+                self._do_here(action)
+
+    def _select(self, robot: str) -> None:
+        if robot != self._connection.robot:
+            self._plans.drop(deselected())
+            self._playing.end(deselected())
+            for queue in self._queues.values():
+                queue.release()
+        self._connection.select(robot)
+
+    def _do_here(self, action: Action) -> None:
+        """Carry out an action on files and processes of this computer."""
+        connection = self._connection
+        match action:
+            case actions.BeginRecording():
+                self._recordings.begin(connection.robot, connection.settings.connect)
+            case actions.EndRecording():
+                self._recordings.end()
+            case actions.ViewRecording():
+                self._children.view(action.file)
+            case actions.RunSimulation():
+                self._children.simulate(connection.robot, connection.settings.connect)
+            case actions.WriteFile():
+                self._files.put(lambda: self._write(action))
+            case _:
+                raise NotImplementedError(action)
+
+    def _write(self, action: actions.WriteFile) -> None:
+        try:
+            action.file.write_text(action.text, encoding="utf-8")
+        except OSError as error:
+            text = f"{action.file} cannot be written: {error.strerror}. Choose another folder."
+            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+        else:
+            self._report(done(action.row, "", f"{action.file}: written."))
+
+    def _report(self, outcome: Outcome) -> None:
+        """Report an outcome on a thread of the link, never on the caller's thread within `do`."""
+        if threading.get_ident() == self._caller:
+            self._outcomes.put(lambda: self._on_outcome(outcome))
+        else:
+            self._on_outcome(outcome)
+
+    def _govern(self, action: actions.Govern) -> None:
+        session = self._connection.session
+        if session is None:
+            self._report(self._no_session(action.row))
+        else:
+            self._governing.send(action, session)
+
+    def _request(self, action: Request) -> None:
+        """Carry out an action that robots answer."""
+        session = self._connection.session
+        if session is None:
+            self._report(self._no_session(action.row))
+            return
+        twin = session.twin
+        twins = (action.twin,) if isinstance(action, actions.Ready | actions.SendLease) else action.twins
+        if not robots_of(twin, twins):
+            text = "Neither Simulation nor Hardware is checked. Check one of them."
+            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+            return
+        match action:
+            case actions.Send():
+                self._send(action, twin)
+            case actions.Play():
+                self._play(action, twin)
+            case actions.SendCommand():
+                for robot in robots_of(twin, action.twins):
+                    self._queues[robot.twin].command(action.row, robot, action.command, value=action.value)
+            case actions.SendLease():
+                (robot,) = robots_of(twin, twins)
+                self._queues[robot.twin].lease(action.row, robot, action.action)
+            case actions.Ready():
+                (robot,) = robots_of(twin, twins)
+                self._queues[robot.twin].make_ready(action.row, robot)
+
+    def _send(self, action: actions.Send, twin: Twin) -> None:
+        robots = robots_of(twin, action.twins)
+        self._playing.end(replaced())
+        if len(robots) > 1:
+            for queue in self._queues.values():
+                queue.replace()
+            self._plans.send(action.row, twin, action.query, action.lead_s, self._wait_for_play)
+            return
+        self._plans.drop_trying(replaced())
+        for robot in robots:
+            self._queues[robot.twin].move(
+                action.row,
+                robot,
+                action.query,
+                self._wait_for_play,
+                lambda: self._plans.drop_leading(replaced()),
+            )
+
+    def _wait_for_play(self) -> None:
+        self._playing.wait_ended()
+
+    def _play(self, action: actions.Play, twin: Twin) -> None:
+        robots = robots_of(twin, action.twins)
+        for robot in robots:
+            self._queues[robot.twin].replace()
+        self._plans.drop_trying(replaced())
+        self._playing.begin(
+            action, twin if len(robots) > 1 else robots[0], lambda: self._plans.drop_leading(replaced())
+        )
+
+    # -- STOP ---------------------------------------------------------------------------------------
+
+    def _stop(self, send: Callable[[StopSender, Session, int, OnOutcome], None], row: int) -> None:
+        session = self._connection.session
+        if session is None:
+            self._report(self._no_session(row))
+        else:
+            send(self._stop_sender, session, row, self._report)
+        self._drop_all()  # in this thread, so that requests made after STOP are not dropped
+
+    def _no_session(self, row: int) -> Outcome:
+        trouble = (
+            self._connection.trouble
+            or f"The window is looking for the router at {self._connection.settings.connect}."
+        )
+        refused = self._connection.phase is LinkPhase.REFUSED
+        reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
+        return failed(row, "", NoAnswer(reason, trouble))
+
+    def _drop_all(self) -> None:
+        self._plans.drop(stopped())
+        self._playing.end(stopped())
+        for queue in self._queues.values():
+            queue.stop()
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
+        deadline_s = time.monotonic() + CLOSE_S
+        parts: tuple[Part, ...] = (
+            self._playing,
+            self._plans,
+            *self._queues.values(),
+            *self._probes.values(),
+            self._stop_sender,
+            self._governing,
+            self._cameras,
+            self._recordings,
+            self._children,
+            self._files,
+        )
+        for part in parts:
+            part.close()
+        # In parallel, because each part may need all of the time, for example while a recorder completes its file.
+        ends: list[Callable[[], None]] = [partial(part.join, deadline_s) for part in parts]
+        ends.append(self._connection.close)
+        ending = [threads.start(end, "window-end") for end in ends]
+        for thread in ending:
+            thread.join(max(0.0, deadline_s - time.monotonic()))
+        self._connection.join(deadline_s)
+        self._outcomes.close()
+        self._outcomes.join(deadline_s)
+
+
+def robots_of(twin: Twin, twins: tuple[str, ...]) -> tuple[Robot, ...]:
+    """Return the robots of these twins, the simulation first."""
+    return tuple(robot for robot in (twin.sim, twin.hw) if robot.twin in twins)

@@ -1,0 +1,75 @@
+"""Outcomes of requests, made from return values and errors of the SDK."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from beatrix_zenoh.client import Place
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
+from gui.console.state.actions import DESELECTED, Outcome
+
+REPLACED = "A newer motion of this window replaced this one."
+NO_ROBOT = "No robot is on line."
+STOPPED = "STOP was pressed in this window."
+
+
+def done(row: int, twin: str, message: str, took_s: float = 0.0) -> Outcome:
+    """Return the outcome of a request that succeeded; `took_s` in s."""
+    return Outcome(row, twin, accepted=True, done=True, message=message, duration_s=took_s)
+
+
+def accepted(row: int, twin: str, message: str, lasts_s: float) -> Outcome:
+    """Return the outcome of an accepted motion that will last `lasts_s` (s)."""
+    return Outcome(row, twin, accepted=True, done=False, message=message, duration_s=lasts_s)
+
+
+def failed(row: int, twin: str, error: BeatrixError) -> Outcome:
+    """Return the outcome of a refused request, or of a motion that did not reach its goal."""
+    return Outcome(
+        row,
+        twin,
+        accepted=False,
+        done=True,
+        reason=error.reason,
+        message=error.message,
+        detail=error.detail,
+    )
+
+
+def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> Outcome:
+    """Return the outcome of a request to `robots` robots; `failed` contains the errors of those that failed."""
+    if not robots:
+        return Outcome(row, "", accepted=False, done=True, reason=Reason.NO_ANSWER, message=NO_ROBOT)
+    error = next(iter(failed.values()), None)
+    return Outcome(
+        row,
+        "",
+        accepted=error is None,
+        done=True,
+        reason=Reason.OK if error is None else error.reason,
+        message="" if error is None else error.message,
+        detail=None if error is None else error.detail,
+        robots=robots,
+        failed=tuple("{} ({})".format(*place) for place in failed),
+    )
+
+
+def replaced() -> Interrupted:
+    """Return the error of a motion that a newer one of this window replaces."""
+    return Interrupted(Reason.REPLACED, REPLACED)
+
+
+def closed() -> Interrupted:
+    """Return the error of a request that the end of the window interrupts."""
+    return Interrupted(Reason.SHUTDOWN, "The window was closed, so the robots stop its motions.")
+
+
+def deselected() -> Interrupted:
+    """Return the error of plans and plays that end because the user selects another robot."""
+    return Interrupted(Reason.STOPPED, DESELECTED)
+
+
+def stopped() -> Interrupted:
+    """Return the error of a request that STOP of this window has dropped or ended."""
+    return Interrupted(Reason.STOPPED, STOPPED)

@@ -1,0 +1,110 @@
+"""Subscriptions to exactly the visible pictures, because cameras are on only while a client subscribes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.client import CameraImage, Client
+from beatrix_zenoh.client.camera import images
+from beatrix_zenoh.client.subscription import Subscription
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+
+OnImage = Callable[[str, CameraImage], None]
+"""Twin and picture."""
+RETRY_S: Final = 1.0
+"""Time between attempts to open the session for pictures while no router answers."""
+CLOSE_S: Final = 1.0
+"""Longest time that `Pictures.close` takes."""
+
+
+class Pictures:
+    """Camera pictures of the robots of one name; only one thread may call the methods."""
+
+    def __init__(self, client: Client, robot: str, on_image: OnImage) -> None:
+        """Create the object without subscriptions.
+
+        Args:
+            client: provides the session for pictures.
+            robot: name of the robots.
+            on_image: called on threads of this object, for each picture; must return at once.
+        """
+        self._client, self._robot, self._on_image = client, robot, on_image
+        self._streams: dict[tuple[str, str], Stream] = {}
+
+    def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
+        """Subscribe to exactly these cameras, pairs of twin and eye; does not wait for router or robot.
+
+        Absent robots and cameras are included as soon as they appear. After the return no other camera's picture is
+        delivered.
+        """
+        for place in self._streams.keys() - wanted:
+            self._streams.pop(place).end()
+        for twin, eye in wanted - self._streams.keys():
+            self._streams[twin, eye] = Stream(self._client, (self._robot, twin, eye), self._on_image)
+
+    def close(self) -> None:
+        """End all subscriptions within 1 s; no picture is delivered after the return."""
+        streams = list(self._streams.values())
+        self.watch(frozenset())
+        deadline_s = time.monotonic() + CLOSE_S
+        for stream in streams:
+            stream.join(deadline_s - time.monotonic())
+
+
+class Stream:
+    """Pictures of one camera, read by a thread of its own."""
+
+    def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
+        """Start the thread; `camera` is robot, twin and eye."""
+        self._client, self._camera, self._on_image = client, camera, on_image
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._subscription: Subscription[CameraImage] | None = None
+        self._thread = threads.start(self._run, f"pictures-{camera[1]}-{camera[2]}")
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                self._deliver(self._subscribed())
+            except NoAnswer as error:
+                if error.reason is Reason.SHUTDOWN:
+                    return
+                self._ended.wait(RETRY_S)
+            except WrongUsage as error:
+                if error.reason is Reason.SHUTDOWN:
+                    return
+                raise
+
+    def _subscribed(self) -> Subscription[CameraImage]:
+        """Return a subscription that keeps only the newest picture; raises NoAnswer if no router answers."""
+        robot, twin, eye = self._camera
+        pictures = images(self._client, robot, twin, eye, timeout_s=None, length=1)
+        with self._lock:
+            self._subscription = pictures
+            if self._ended.is_set():  # `end` was called too early to close it
+                pictures.close()
+        return pictures
+
+    def _deliver(self, pictures: Subscription[CameraImage]) -> None:
+        while True:
+            image = pictures.next()
+            with self._lock:
+                if not self._ended.is_set():
+                    self._on_image(self._camera[1], image)
+
+    def end(self) -> None:
+        """End the subscription; no picture is delivered after the return."""
+        with self._lock:
+            self._ended.set()
+            subscription = self._subscription
+        if subscription is not None:
+            subscription.close()
+
+    def join(self, timeout_s: float) -> None:
+        """Wait for the end of the thread, at most `timeout_s` (s)."""
+        self._thread.join(max(0.0, timeout_s))

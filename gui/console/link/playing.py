@@ -1,0 +1,106 @@
+"""Plays of choreographies, files and poses, on a thread of their own until the end, a newer request or STOP."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract.errors import BeatrixError
+from gui.console.link.outcomes import accepted, closed, done, failed, replaced
+from gui.console.link.worker import Worker
+from gui.console.state.actions import Outcome, Play
+
+POSES = "poses"
+END_S = 1.0
+"""Longest time that a newer motion waits for the end of the play that it replaces."""
+
+
+@dataclass(eq=False)
+class Job:
+    """One play, from the request to its end."""
+
+    action: Play
+    robots: Twin | Robot
+    title: str
+    ending: BeatrixError | None = None
+    """why the play must end; None: it may go on"""
+
+    @property
+    def twin(self) -> str:
+        """Twin of its outcomes; empty: both."""
+        return "" if isinstance(self.robots, Twin) else self.robots.twin
+
+    def check(self) -> None:
+        """Raise `ending` if the play must end."""
+        if self.ending is not None:
+            raise self.ending
+
+
+class Playing(Worker):
+    """Plays the newest choreography; methods except `wait_ended` and `join` return at once."""
+
+    def __init__(self, report: Callable[[Outcome], None]) -> None:
+        super().__init__("window-play")
+        self._report = report
+        self._lock = threading.Lock()
+        self._job: Job | None = None
+        self._idle = threading.Event()
+        self._idle.set()
+
+    @property
+    def title(self) -> str:
+        """Title of the current play; empty if there is none."""
+        job = self._job
+        return "" if job is None else job.title
+
+    def begin(self, action: Play, robots: Twin | Robot, clear: Callable[[], None]) -> None:
+        """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
+        job = Job(action, robots, POSES if action.file is None else action.file.stem)
+        with self._lock:
+            if self._job is not None:
+                self._job.ending = replaced()
+            self._job = job
+            self._idle.clear()
+        self.put(lambda: self._run(job, clear))
+
+    def end(self, why: BeatrixError) -> None:
+        """End the current play; its robots are stopped, unless a newer request replaces the play."""
+        job = self._job
+        if job is not None:
+            job.ending = job.ending or why
+
+    def wait_ended(self, timeout_s: float = END_S) -> bool:
+        """Wait for the end of the current play; return False on timeout."""
+        return self._idle.wait(timeout_s)
+
+    # -- the play's thread --------------------------------------------------------------------------
+
+    def _run(self, job: Job, clear: Callable[[], None]) -> None:
+        began_s = time.monotonic()
+        try:
+            job.check()
+            clear()
+            from gui.console.link.choreographies import prepared  # noqa: PLC0415  # numpy and the planner would delay the window
+
+            lasts_s, perform = prepared(job.action, job.robots, job.check)
+            job.check()
+            self._report(accepted(job.action.row, job.twin, f"{job.title}: checked.", lasts_s))
+            perform()
+            outcome = done(job.action.row, job.twin, f"{job.title}: played.", time.monotonic() - began_s)
+        except BeatrixError as error:
+            outcome = failed(job.action.row, job.twin, error)
+        finally:
+            with self._lock:
+                if self._job is job:
+                    self._job = None
+                    self._idle.set()
+        self._report(outcome)
+
+    def close(self) -> None:
+        """End the current play and the thread; returns at once."""
+        self.end(closed())
+        super().close()

@@ -1,0 +1,165 @@
+"""Requests to one robot, sent by a thread of its own, so that a silent robot does not delay the other one."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.stopping import publish_stop
+from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from gui.console.link.outcomes import accepted, done, failed, replaced, stopped
+from gui.console.link.worker import Worker
+from gui.console.state.actions import Outcome
+
+LIMIT = 8
+"""Largest number of requests that may wait for a robot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A request in the queue."""
+
+    row: int
+    robot: Robot
+    do: Callable[[Robot], str]
+    """sends the request; returns the robot's message"""
+    query: MotionQuery | PoseQuery | None = None
+    """the motion, if it is one"""
+    clear: Callable[[], None] = lambda: None
+    """ends motions that must not run beside this motion; called before this motion is sent"""
+    begun: Callable[[], None] = lambda: None
+    """called when the motion was accepted"""
+
+
+class RequestQueue(Worker):
+    """Sends requests to one robot one after the other; a newer motion replaces one that still waits."""
+
+    def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
+        super().__init__(f"window-{twin}")
+        self._twin, self._report = twin, report
+        self._lock = threading.Lock()
+        self._waiting: list[Task] = []
+        self._stops = 0
+        self._running: tuple[Robot, Motion] | None = None
+        """The motion that was begun last, until its end."""
+
+    # -- any thread; none of these waits ------------------------------------------------------------
+
+    def move(
+        self,
+        row: int,
+        robot: Robot,
+        query: MotionQuery | PoseQuery,
+        clear: Callable[[], None] = lambda: None,
+        begun: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Queue a motion, which replaces one that still waits."""
+        self._put(Task(row, robot, lambda _: "", query, clear, begun))
+
+    def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
+        """Queue a command that is not a motion."""
+        self._put(Task(row, robot, lambda robot: robot.command(command, value=value).message))
+
+    def lease(self, row: int, robot: Robot, action: LeaseAction) -> None:
+        """Queue a lease query."""
+        self._put(Task(row, robot, lambda robot: lease.ask(robot, action).message))
+
+    def make_ready(self, row: int, robot: Robot) -> None:
+        """Queue a call of `Robot.make_ready`."""
+
+        def do(robot: Robot) -> str:
+            robot.make_ready()
+            return "Motors on, home declared."
+
+        self._put(Task(row, robot, do))
+
+    def stop(self) -> None:
+        """Drop waiting requests; a motion that is being sent is stopped when the robot has accepted it."""
+        with self._lock:
+            self._stops += 1
+            dropped, self._waiting = self._waiting, []
+        for task in dropped:
+            self._report(failed(task.row, self._twin, stopped()))
+
+    def release(self) -> None:
+        """Drop waiting requests and stop the running motion, because later STOPs of the window go to another robot."""
+        self.stop()
+        if (running := self._running) is not None:
+            robot, _ = running
+            publish_stop(robot.client, robot.place)
+
+    def replace(self) -> None:
+        """Drop a waiting motion, which a newer motion or a play replaces."""
+        with self._lock:
+            dropped = [task for task in self._waiting if task.query is not None]
+            self._waiting = [task for task in self._waiting if task.query is None]
+        for task in dropped:
+            self._report(failed(task.row, self._twin, replaced()))
+
+    def _put(self, task: Task) -> None:
+        if task.query is not None:
+            self.replace()
+        with self._lock:
+            full = len(self._waiting) >= LIMIT
+            if not full:
+                self._waiting.append(task)
+        if full:
+            text = (
+                f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot "
+                "responds."
+            )
+            self._report(failed(task.row, self._twin, Refused(Reason.BUSY, text)))
+        else:
+            self.put(self._next)
+
+    # -- the queue's thread --------------------------------------------------------------------------
+
+    def _next(self) -> None:
+        with self._lock:
+            task = self._waiting.pop(0) if self._waiting else None
+            stops = self._stops
+        if task is None:
+            return
+        try:
+            if task.query is None:
+                self._report(done(task.row, self._twin, task.do(task.robot)))
+            else:
+                self._begin(task, task.query, stops)
+        except BeatrixError as error:
+            self._report(failed(task.row, self._twin, error))
+
+    def _begin(self, task: Task, query: MotionQuery | PoseQuery, stops: int) -> None:
+        task.clear()
+        began_s = time.monotonic()
+        motion = task.robot.begin(query)
+        self._running = task.robot, motion
+        if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
+            publish_stop(task.robot.client, task.robot.place)
+        task.begun()
+        self._report(accepted(task.row, self._twin, motion.accepted.message, motion.duration))
+
+        def ended(motion: Motion) -> None:
+            error = motion.exception(0.0)
+            took_s = time.monotonic() - began_s
+            if self._running == (task.robot, motion):
+                self._running = None
+            self._report(
+                done(task.row, self._twin, motion.result(0.0).message, took_s)
+                if error is None
+                else failed(task.row, self._twin, error)
+            )
+
+        motion.add_done_callback(ended)
+
+    def close(self) -> None:
+        """Drop waiting requests without reports, and end the thread; returns at once."""
+        with self._lock:
+            self._stops += 1
+            self._waiting.clear()
+        super().close()

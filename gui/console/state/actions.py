@@ -1,0 +1,197 @@
+"""Actions, which `link.Link` carries out, and the `Outcome`s that it reports for each action with a row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from beatrix_zenoh.client import Place
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    Detail,
+    LeaseAction,
+    MotionQuery,
+    PoseQuery,
+    Reason,
+)
+
+
+@dataclass(frozen=True)
+class Action:
+    """Base class of all actions."""
+
+
+@dataclass(frozen=True)
+class Send(Action):
+    """A motion; for two robots it is previewed, then made by the simulation, and `lead_s` later by the hardware."""
+
+    row: int
+    """number of the request's row in the history"""
+    query: MotionQuery | PoseQuery
+    twins: tuple[str, ...]
+    """`sim`, `hw`, or `sim` and `hw`"""
+    lead_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class SendCommand(Action):
+    """A command for some robots."""
+
+    row: int
+    command: Command
+    value: bool
+    twins: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Ready(Action):
+    """`Robot.make_ready` for one robot."""
+
+    row: int
+    twin: str
+
+
+@dataclass(frozen=True)
+class StopBoth(Action):
+    """STOP for both robots, on a thread of its own."""
+
+    row: int
+
+
+@dataclass(frozen=True)
+class StopAll(Action):
+    """STOP for all robots at the router, on the thread of `StopBoth`."""
+
+    row: int
+
+
+@dataclass(frozen=True)
+class SendLease(Action):
+    """Take one robot of the shown name, wait for it, or give it back."""
+
+    row: int
+    action: LeaseAction
+    twin: str
+
+
+@dataclass(frozen=True)
+class Govern(Action):
+    """A lease query to one robot or several, sent to all of them at the same time."""
+
+    row: int
+    action: LeaseAction
+    places: tuple[Place, ...] = ()
+    """name and twin of each robot; empty: all robots on line"""
+    speed: float = 0.0
+    """speed limit (rad/s), for LIMIT only; 0: no limit"""
+    seat: str = ""
+    """for MUTE and UNMUTE only"""
+
+
+@dataclass(frozen=True)
+class WatchClass(Action):
+    """Begin or end reading the states of all robots."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class SendPlanNow(Action):
+    """Send the waiting motion of both robots to the hardware now."""
+
+
+@dataclass(frozen=True)
+class AbortPlan(Action):
+    """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
+
+
+@dataclass(frozen=True)
+class Play(Action):
+    """Play a file, or poses (deg: short, middle, long) one after the other."""
+
+    row: int
+    twins: tuple[str, ...]
+    file: Path | None = None
+    """None: the poses are played"""
+    poses: tuple[tuple[float, float, float], ...] = ()
+    speed: float = 30.0
+    """speed between poses, deg/s"""
+    lead_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class WriteFile(Action):
+    """Write or replace a text file (UTF-8); the outcome names no robot."""
+
+    row: int
+    file: Path
+    text: str
+
+
+@dataclass(frozen=True)
+class WatchCameras(Action):
+    """Subscribe to exactly these pictures."""
+
+    wanted: frozenset[tuple[str, str]]
+    """twin and eye of the visible pictures, for example `("sim", "outside")`"""
+
+
+@dataclass(frozen=True)
+class BeginRecording(Action):
+    """Start `beatrix record`."""
+
+
+@dataclass(frozen=True)
+class EndRecording(Action):
+    """End the recording."""
+
+
+@dataclass(frozen=True)
+class ViewRecording(Action):
+    """Start `beatrix view FILE`."""
+
+    file: Path
+
+
+@dataclass(frozen=True)
+class Connect(Action):
+    """Look for the router now."""
+
+
+@dataclass(frozen=True)
+class Select(Action):
+    """Watch and drive the robot of this name."""
+
+    robot: str
+
+
+@dataclass(frozen=True)
+class RunSimulation(Action):
+    """Start a simulation, and a router if there is none, as children of the window."""
+
+
+DESELECTED = "Another robot was selected in this window."
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The result of an action, at one robot or at several."""
+
+    row: int
+    twin: str
+    """`sim` or `hw`; empty: the outcome is that of several robots, or no robot was reached"""
+    accepted: bool
+    """true: a motion was accepted, or a command carried out; false: refused, or the motion did not reach its goal"""
+    done: bool
+    """whether this is the last outcome of this robot and row"""
+    reason: Reason = Reason.OK
+    message: str = ""
+    """the SDK's message or error text, in English"""
+    detail: Detail | None = None
+    """a refusal as data, for the sentence in another language"""
+    duration_s: float = 0.0
+    """expected duration of an accepted motion, or measured duration of one that has ended (s)"""
+    robots: int = 0
+    """number of robots that a request to several robots was sent to"""
+    failed: tuple[str, ...] = ()
+    """robots that refused the request or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""

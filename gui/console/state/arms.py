@@ -1,0 +1,138 @@
+"""The rows of the arms, one for each and one for all, and the motions of + and -."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from beatrix_zenoh.client.lag import furthest
+from beatrix_zenoh.client.readings import ArmAngles, arm_angles
+from beatrix_zenoh.contract._generated.messages import MotionQuery
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.motion.gear import Gear
+from gui.console.state import refusals
+from gui.console.state.actions import Action, Send
+from gui.console.state.intents import ALL_ARMS, ARMS, Jog
+from gui.console.state.memory import Memory
+from gui.console.state.motions import send_arms
+from gui.console.state.presence import commanded, reading, unreachable
+from gui.console.state.views import ArmRowView, ArmsView, ButtonView
+from gui.console.state.world import World
+
+HALF_STEP_DEG: Final = 180 / Gear().steps_per_turn * 1.001
+"""Largest distance (deg) of the set point of an arm at rest from its goal: half a microstep, and rounding."""
+AXES: Final = dict(zip(ARMS, "xyz", strict=True)) | {ALL_ARMS: ""}
+INCREMENT_MAX: Final = 90.0
+"""deg, a quarter of a turn; larger turns take several presses"""
+
+
+def view(memory: Memory, world: World) -> ArmsView:
+    """Return all rows, and the choices that + and - depend on."""
+    choices = memory.choices
+    limit = ROBOT.limits.speed_max if world.limits is None else math.degrees(world.limits.speed_max)
+    return ArmsView(
+        rows=tuple(_row(memory, world, arm) for arm in (*ARMS, ALL_ARMS)),
+        relative=choices.relative,
+        increment=choices.increment,
+        increment_max=INCREMENT_MAX,
+        speed=choices.speed,
+        speed_max=limit,
+        refusal=refusals.at(memory, (*ARMS, ALL_ARMS)),
+    )
+
+
+def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
+    texts = memory.choices.texts
+    angles: dict[str, float] = {}
+    if arm != ALL_ARMS:
+        for twin in ("sim", "hw"):
+            if (found := reading(world, twin)) is not None:
+                angles[twin] = getattr(found.arms, arm)
+    shown = {twin: texts("angle", degrees=angle) for twin, angle in angles.items()}
+    empty = "" if arm == ALL_ARMS else texts("unknown")
+    apart = texts("difference", degrees=angles["hw"] - angles["sim"]) if len(angles) > 1 else ""
+    return ArmRowView(
+        arm=arm,
+        title=texts(f"arm.{arm}"),
+        axis=AXES[arm],
+        sim=shown.get("sim", empty),
+        hw=shown.get("hw", empty),
+        difference=apart,
+        minus=_button(memory, world, Jog(arm, -1)),
+        plus=_button(memory, world, Jog(arm, +1)),
+    )
+
+
+def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
+    texts = memory.choices.texts
+    text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
+    if not memory.choices.twins:
+        return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
+    return ButtonView(text, _effect(memory, world, jog), jog)
+
+
+def _effect(memory: Memory, world: World, jog: Jog) -> str:
+    """Return the effect of the button, for its tooltip."""
+    choices = memory.choices
+    texts, by = choices.texts, jog.sign * choices.increment
+    title = texts(f"arm.{jog.arm}")
+    start = None if jog.arm == ALL_ARMS else _start(memory, world)
+    if start is None:
+        if choices.relative:
+            return texts("arm.effect_by", arm=title, by=by)
+        return texts("arm.effect_to", arm=title, goal=by)
+    angle: float = getattr(start, jog.arm)
+    return texts("arm.effect", arm=title, start=angle, goal=angle + by if choices.relative else by)
+
+
+def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
+    """Return the action for + or - in the chosen mode: one motion, also for all arms; none if it is refused."""
+    choices = memory.choices
+    by = intent.sign * choices.increment
+    chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)
+    if choices.relative and len(choices.twins) < 2:
+        by_arms = _moved(ArmAngles(0.0, 0.0, 0.0), chosen, by, relative=True)
+        return send_arms(memory, world, by_arms, intent.arm, relative=True)
+    if unreachable(memory, world, choices.twins, intent.arm):
+        return []
+    start = _start(memory, world)
+    if start is None:
+        if choices.relative or intent.arm != ALL_ARMS:
+            return memory.refuse(intent.arm, "cannot.position")
+        start = ArmAngles(by, by, by)
+    return send_arms(memory, world, _moved(start, chosen, by, relative=choices.relative), intent.arm)
+
+
+def _start(memory: Memory, world: World) -> ArmAngles | None:
+    """Return the angles that + or - start from; None if they are unknown.
+
+    They are the set point, or the goal of the motion that simulation and hardware are making. Both robots get one goal,
+    so that robots that stand apart, as after STOP or during the lead, come together. If they stand at the last goal, it
+    is the exact one and not its microsteps, as for relative motions of one robot.
+    """
+    choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
+    here = commanded(world, choices.twins)
+    if (
+        not choices.relative
+        or len(choices.twins) < 2
+        or newest is None
+        or not isinstance(newest.request, Send)
+    ):
+        return here
+    query = newest.request.query
+    if isinstance(query, MotionQuery) and query.absolute and len(newest.twins) > 1:
+        goal = arm_angles(query.position)
+        under_way = world.plan is not None and not newest.ended
+        if under_way or (here is not None and furthest(goal, here) <= HALF_STEP_DEG):
+            return goal
+    if world.plan is not None and world.plan.path is not None and world.plan.path.arms:
+        return world.plan.path.arms[-1]
+    return here
+
+
+def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bool) -> ArmAngles:
+    """Return the angles with some arms turned by an angle, or to it (deg)."""
+    goals = {arm: angle + by if relative else by for arm, angle in zip(ARMS, start, strict=True)}
+    return ArmAngles(
+        *(goals[arm] if arm in chosen else angle for arm, angle in zip(ARMS, start, strict=True))
+    )

@@ -1,0 +1,267 @@
+"""The page of the class: all robots and seats at the router, and the requests of the teacher to several robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Final
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.lease import limit_of
+from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.names import TEACHER
+from gui.console.state import history, pills, refusals
+from gui.console.state.actions import Action, Govern, StopAll, WatchCameras, WatchClass
+from gui.console.state.eyes import wanted
+from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, Page, TogglePage
+from gui.console.state.leases import limit_text
+from gui.console.state.memory import Memory
+from gui.console.state.motions import begin
+from gui.console.state.presence import off_line
+from gui.console.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
+from gui.console.state.world import LinkPhase, World
+from gui.console.texts import Texts
+
+PLACE: Final = "class"
+STOPS_SHOWN: Final = 8
+"""Largest number of seats whose STOPs are shown."""
+
+
+def view(memory: Memory, world: World) -> ClassView | None:
+    """Return the page; None if this window is not the teacher's. The page has rows only while it is shown."""
+    if not world.is_teacher:
+        return None
+    texts = memory.choices.texts
+    limits = _limits(world)
+    rows = tuple(_row(robot, world, texts, limit_shown=len(limits) < 2) for robot in world.robots)
+    shown = memory.choices.page is Page.CLASS
+    toggle = "hide" if shown else "show"
+    result, good = _result(memory, texts)
+
+    def button(key: str, intent: GovernClass | LimitClass | TogglePage) -> ButtonView:
+        return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip"), intent)
+
+    return ClassView(
+        summary=_summary(world, texts),
+        rows=rows,
+        empty="" if rows else _empty(world, texts),
+        freeze_all=button("freeze_all", GovernClass(LeaseAction.FREEZE)),
+        unfreeze_all=button("unfreeze_all", GovernClass(LeaseAction.UNFREEZE)),
+        limit=button("limit", LimitClass("")),
+        limit_now=_limit_now(limits, texts),
+        seats=_seats(world, texts),
+        result=result,
+        good=good,
+        toggle=button(toggle, TogglePage()),
+    )
+
+
+def _summary(world: World, texts: Texts) -> str:
+    seats = _shown(world, world.seats) or texts("unknown")
+    text = texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
+    frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
+    if frozen:
+        text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
+    if muted := sorted(_muted(world)):
+        text += " " + texts("class.muted", seats=_shown(world, muted))
+    stops = stops_by_seat(world.robots)
+    if stops:
+        text += " " + texts(
+            "class.stops", stops=", ".join(_stops(one, world, texts) for one in stops[:STOPS_SHOWN])
+        )
+    return text
+
+
+def _shown(world: World, seats: Iterable[str]) -> str:
+    return ", ".join(world.pupils.get(seat, seat) for seat in seats)
+
+
+def _stops(stops: SeatStops, world: World, texts: Texts) -> str:
+    """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
+    robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
+    seat = world.pupils.get(stops.seat, stops.seat) or texts("who.unknown")
+    return f"{seat} {stops.total} ({robots})"
+
+
+def _muted(world: World) -> set[str]:
+    """Return the seats that are muted at least by one robot."""
+    return {seat for robot in world.robots if robot.status is not None for seat in robot.status.muted}
+
+
+def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
+    muted = _muted(world)
+    views = []
+    for seat in sorted({*world.seats, *muted} - {TEACHER}):
+        key, shown = "unmute" if seat in muted else "mute", world.pupils.get(seat, seat)
+        button = ButtonView(
+            texts(f"class.{key}"), texts(f"class.{key}_tip", seat=shown), MuteSeat(seat, on=seat not in muted)
+        )
+        views.append(SeatView(texts("class.muted_seat", seat=shown) if seat in muted else shown, button))
+    return tuple(views)
+
+
+def _empty(world: World, texts: Texts) -> str:
+    if world.phase is not LinkPhase.ON_LINE:
+        return texts("reason.no_router", endpoint=world.endpoint)
+    return texts("banner.no_robot")
+
+
+def _limits(world: World) -> set[int]:
+    """Return the different speed limits of all robots (deg/s); 0 stands for no limit."""
+    known = [robot.status for robot in world.robots if robot.status is not None]
+    return {round(math.degrees(status.speed_limit)) for status in known}
+
+
+def _limit_now(limits: set[int], texts: Texts) -> str:
+    """Return a sentence about the speed limit of all robots."""
+    if len(limits) > 1:
+        return texts("class.limit_differs")
+    limit = max(limits, default=0)
+    return texts("class.limit_now", speed=float(limit)) if limit else texts("class.limit_none")
+
+
+def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
+    """Return the outcome of this page's last request, or why it was not sent, and whether it succeeded (None: open)."""
+    refused = refusals.at(memory, (PLACE,))
+    sent = [row for row in memory.rows if isinstance(row.request, Govern | StopAll) and row.place == PLACE]
+    if refused is not None and memory.refusal is not None and memory.refusal.key:
+        return refused.text, False
+    if not sent:
+        return "", None
+    text, good = history.result(sent[-1], texts)
+    return f"{history.what(sent[-1], texts)}: {text}", good
+
+
+# -- rows -------------------------------------------------------------------------------------------
+
+
+def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) -> ClassRowView:
+    status = robot.status
+    found = pills.problem(robot, texts)
+    if found is None and status is not None:
+        found = _working(status, texts)
+    assert found is not None  # without a status, `problem` returns SILENT
+    place = (robot.robot, robot.twin)
+    named = f"{robot.robot} ({texts(f'twins.{robot.twin}')})"
+    frozen = status is not None and status.frozen
+    remarks = _remarks(status, found, texts, limit_shown=limit_shown)
+    return ClassRowView(
+        place=place,
+        cells=(
+            robot.robot,
+            texts(f"twin.{robot.twin}"),
+            f"{pills.SYMBOLS[found.condition]} {found.text}",
+            _driver(status, world, texts),
+            "" if status is None else ", ".join(status.waiting),
+            texts("class.rate", hz=float(robot.hz)),
+            texts("unknown")
+            if robot.positions_age_s is None
+            else texts("class.age", seconds=float(robot.positions_age_s)),
+            " · ".join(remarks),
+        ),
+        condition=found.condition,
+        details="\n".join(remarks),
+        freeze=_button("unfreeze" if frozen else "freeze", named, _freeze(place, frozen=frozen), texts),
+        take=_take(status, place, world, named, texts),
+        show=_button("show_robot", named, ChooseRobot(robot.robot), texts),
+    )
+
+
+def _remarks(status: Status | None, found: pills.Finding, texts: Texts, *, limit_shown: bool) -> list[str]:
+    """Return facts that the other cells of a row do not show.
+
+    The speed limit is one of them, unless the page shows it for all robots.
+    """
+    remarks = [found.reason] if found.condition in (Condition.SILENT, Condition.FAULT) else []
+    if status is None:
+        return remarks
+    if status.frozen and found.condition is not Condition.FROZEN:
+        remarks.append(texts("condition.frozen_short"))
+    if status.speed_limit and not limit_shown:
+        remarks.append(limit_text(status, texts))
+    return [*remarks, *status.warnings]
+
+
+def _working(status: Status, texts: Texts) -> pills.Finding:
+    """Return the condition of a robot without a fault, independent of the seat that drives it."""
+    if status.frozen:
+        return pills.Finding(Condition.FROZEN, texts("condition.frozen_short"))
+    return pills.working(status, texts)
+
+
+def _driver(status: Status | None, world: World, texts: Texts) -> str:
+    if status is None or not status.holder:
+        return ""
+    holder = world.pupils.get(status.holder, status.holder)
+    return texts("class.taken", holder=holder) if status.lease else holder
+
+
+def _freeze(place: tuple[str, str], *, frozen: bool) -> GovernClass:
+    return GovernClass(LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE, place)
+
+
+def _take(
+    status: Status | None, place: tuple[str, str], world: World, named: str, texts: Texts
+) -> ButtonView:
+    if status is not None and status.holder == world.seat and status.lease:
+        return _button("give_back", named, GovernClass(LeaseAction.GIVE_BACK, place), texts)
+    return _button("take_over", named, GovernClass(LeaseAction.TAKE, place), texts)
+
+
+def _button(key: str, named: str, intent: GovernClass | ChooseRobot, texts: Texts) -> ButtonView:
+    return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip", robot=named), intent)
+
+
+# -- requests -----------------------------------------------------------------------------------------
+
+
+def handle(
+    memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass | MuteSeat
+) -> list[Action]:
+    """Return the actions of an intent about the page; none if this window is not the teacher's."""
+    if not world.is_teacher:
+        return []
+    match intent:
+        case TogglePage():
+            return show(memory, Page.ROBOT if memory.choices.page is Page.CLASS else Page.CLASS)
+        case GovernClass(action=action, place=place):
+            return _send(memory, world, action, () if place is None else (place,))
+        case LimitClass(text=text):
+            return _limit(memory, world, text)
+        case MuteSeat(seat=seat, on=on):
+            action = LeaseAction.MUTE if on else LeaseAction.UNMUTE
+            return _send(memory, world, action, (), seat=seat)
+
+
+def show(memory: Memory, page: Page) -> list[Action]:
+    """Choose the page to show; return the actions after which only the data of this page are received."""
+    if page is memory.choices.page:
+        return []
+    memory.choices = replace(memory.choices, page=page)
+    return [WatchClass(page is Page.CLASS), WatchCameras(wanted(memory.choices))]
+
+
+def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
+    """Return the action that limits the speed of all robots to the typed number (deg/s); no text ends the limit."""
+    text = typed.strip().removesuffix("°/s").strip().replace(",", ".")
+    try:
+        speed = limit_of(float(text)) if text else 0.0
+    except (ValueError, WrongUsage):
+        return memory.refuse(PLACE, "cannot.limit", text=typed)
+    return _send(memory, world, LeaseAction.LIMIT, (), speed)
+
+
+def _send(
+    memory: Memory,
+    world: World,
+    action: LeaseAction,
+    places: tuple[tuple[str, str], ...],
+    speed: float = 0.0,
+    seat: str = "",
+) -> list[Action]:
+    if off_line(memory, world, PLACE):
+        return []
+    return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), PLACE)

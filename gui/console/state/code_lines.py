@@ -1,0 +1,159 @@
+"""A request as a line of Python, and as a line for the terminal."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from pathlib import Path
+
+from beatrix_zenoh.client.readings import arm_angles
+from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT
+from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, StopAll, StopBoth
+from gui.console.state.memory import Request
+from gui.console.state.world import World
+
+LEASES = {
+    LeaseAction.TAKE: ("take",),
+    LeaseAction.WAIT: ("take", "--wait", "60"),
+    LeaseAction.GIVE_BACK: ("give-back",),
+}
+GOVERNS = (
+    LeaseAction.FREEZE,
+    LeaseAction.UNFREEZE,
+    LeaseAction.LIMIT,
+    LeaseAction.MUTE,
+    LeaseAction.UNMUTE,
+)
+"""Words after `beatrix lease`."""
+VERBS = {
+    Command.ENABLE: "enable",
+    Command.CALIBRATE: "calibrate",
+    Command.RESET: "reset",
+}
+
+
+def python(request: Request) -> str:
+    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is no such line."""
+    line = ""
+    match request:
+        case Send(query=query, twins=twins, lead_s=lead_s):
+            line = _motion_python(query, twins, lead_s)
+        case SendCommand(command=command, value=value, twins=twins):
+            line = f"{_robot(twins)}.{_verb(command, on=value)}()"
+        case Ready(twin=twin):
+            line = f"twin.{twin}.make_ready()"
+        case StopBoth():
+            line = "twin.stop()"
+        case SendLease(action=LeaseAction.TAKE, twin=twin):
+            line = f"twin.{twin}.lease()"
+        case Play(twins=twins, file=Path() as file, lead_s=lead_s):
+            lead = f", lead_s={_number(lead_s)}" if lead_s and len(twins) > 1 else ""
+            line = f"play({_robot(twins)}, load({str(file)!r}){lead})"
+    return line
+
+
+def command_line(request: Request, world: World) -> str:
+    """Return a command for the terminal that sends the request; empty if there is no such command."""
+    match request:
+        case Send(query=query, twins=twins, lead_s=lead_s):
+            words = [*_motion_words(query), *_where(twins, world), *_lead(twins, lead_s)]
+        case SendCommand(command=command, value=value, twins=twins):
+            words = [_verb(command, on=value), *_where(twins, world)]
+        case Ready(twin=twin):
+            enable = shlex.join(["beatrix", "enable", *_where((twin,), world)])
+            return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((twin,), world)])}"
+        case StopBoth():
+            words = ["stop", *_names(world)]
+        case StopAll():
+            words = ["stop", "--all", *_router(world)]
+        case SendLease(action=action, twin=twin):
+            words = ["lease", *LEASES[action], *_where((twin,), world)]
+        case Govern(action=action) if action in GOVERNS:
+            words = [*_governed(request), *_router(world)]
+        case Play(twins=twins, file=Path() as file, lead_s=lead_s):
+            words = ["play", str(file), *_where(twins, world), *_lead(twins, lead_s)]
+        case _:
+            return ""
+    return shlex.join(["beatrix", *words])
+
+
+def _governed(request: Govern) -> list[str]:
+    """Return verb, value and names of a request to all robots or some; a name stands for both of its robots."""
+    words = [request.action.value]
+    if request.action is LeaseAction.LIMIT:
+        words.append(_number(math.degrees(request.speed)) if request.speed else "off")
+    words += [request.seat] if request.seat else []
+    return [*words, *(word for name, _ in request.places for word in ("--name", name))]
+
+
+def _verb(command: Command, *, on: bool) -> str:
+    return "disable" if command is Command.ENABLE and not on else VERBS[command]
+
+
+def _robot(twins: tuple[str, ...]) -> str:
+    return "twin" if len(twins) > 1 else f"twin.{twins[0]}"
+
+
+def _motion_python(query: MotionQuery | PoseQuery, twins: tuple[str, ...], lead_s: float) -> str:
+    both = len(twins) > 1
+    if isinstance(query, PoseQuery):
+        call = "preview" if both else "look"
+        angles = [f"{name}={text}" for name, text in _head(query).items()]
+        speed = None if query.speed is None else _number(math.degrees(query.speed))
+    else:
+        call = "preview_arms" if both else "move"
+        angles = [_number(angle) for angle in arm_angles(query.position)]
+        speeds = _speeds(query)
+        speed = speeds[0] if len(speeds) == 1 else f"({', '.join(speeds)})" if speeds else None
+    words = [*angles, *([] if query.absolute else ["relative=True"]), *([f"speed={speed}"] if speed else [])]
+    line = f"{_robot(twins)}.{call}({', '.join(words)})"
+    if not both:
+        return line
+    return f"{line}.commit({f'lead_s={_number(lead_s)}' if lead_s else ''})"
+
+
+def _motion_words(query: MotionQuery | PoseQuery) -> list[str]:
+    if isinstance(query, PoseQuery):
+        words = ["look", *[word for name, text in _head(query).items() for word in (f"--{name}", text)]]
+        speed = "" if query.speed is None else _number(math.degrees(query.speed))
+    else:
+        words = ["move", *[_number(angle) for angle in arm_angles(query.position)]]
+        speed = ",".join(_speeds(query))
+    return [*words, *([] if query.absolute else ["--relative"]), *(["--speed", speed] if speed else [])]
+
+
+def _head(query: PoseQuery) -> dict[str, str]:
+    angles = {"yaw": query.yaw, "pitch": query.pitch, "roll": query.roll}
+    return {name: _number(math.degrees(angle)) for name, angle in angles.items()}
+
+
+def _speeds(query: MotionQuery) -> list[str]:
+    """Return one speed (deg/s) if all are equal, else three; an empty list for the robot's default."""
+    if query.speed is None:
+        return []
+    speeds = [_number(speed) for speed in arm_angles(query.speed)]
+    return speeds[:1] if len(set(speeds)) == 1 else speeds
+
+
+def _lead(twins: tuple[str, ...], lead_s: float) -> list[str]:
+    return ["--lead", _number(lead_s)] if lead_s and len(twins) > 1 else []
+
+
+def _where(twins: tuple[str, ...], world: World) -> list[str]:
+    return ["--on", "both" if len(twins) > 1 else twins[0], *_names(world)]
+
+
+def _names(world: World) -> list[str]:
+    """Return the options for robot and router, except those whose defaults are right."""
+    name = ["--name", world.robot] if len(world.names) > 1 else []
+    return [*name, *_router(world)]
+
+
+def _router(world: World) -> list[str]:
+    return ["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else []
+
+
+def _number(value: float) -> str:
+    """Return a number as text, with at most three decimals and no trailing zeros."""
+    return f"{round(value, 3) + 0.0:.10g}"

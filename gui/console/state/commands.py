@@ -1,0 +1,119 @@
+"""Commands: calibrate, home, enable, disable, reset, make ready, STOP."""
+
+from __future__ import annotations
+
+from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state import refusals
+from gui.console.state.actions import (
+    Action,
+    Govern,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    StopAll,
+    StopBoth,
+    WriteFile,
+)
+from gui.console.state.intents import Intent, MakeReady, Page, Repeat, RunCommand, Stop, Undo
+from gui.console.state.memory import Memory
+from gui.console.state.motions import again, begin, send_arms
+from gui.console.state.poses import last_undo
+from gui.console.state.presence import unreachable
+from gui.console.state.views import ButtonView, CommandsView
+from gui.console.state.world import World
+
+PLACE, CLASS = "commands", "class"
+
+
+def view(memory: Memory) -> CommandsView:
+    """Return the buttons, and the refusal of one of them."""
+    question = memory.choices.texts("command.disable_question") if memory.choices.hw else ""
+    return CommandsView(
+        calibrate=_button(memory, "calibrate", RunCommand(Command.CALIBRATE)),
+        home=_button(memory, "home", RunCommand(Command.HOME)),
+        enable=_button(memory, "enable", RunCommand(Command.ENABLE)),
+        disable=_button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
+        reset=_button(memory, "reset", RunCommand(Command.RESET)),
+        undo=_undo(memory),
+        refusal=refusals.at(memory, (PLACE,)),
+    )
+
+
+def stop_button(memory: Memory) -> ButtonView:
+    """Return the STOP button, which is always enabled; on the page *Class* it stops all robots."""
+    texts = memory.choices.texts
+    if memory.choices.page is Page.CLASS:
+        return ButtonView(texts("stop_all"), texts("stop_all_tip"), Stop())
+    return ButtonView(texts("stop"), texts("stop_tip"), Stop())
+
+
+def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> ButtonView:
+    texts = memory.choices.texts
+    enabled = bool(memory.choices.twins)
+    tooltip = texts(f"command.{key}_tip") if enabled else texts("off.unchecked")
+    return ButtonView(texts(f"command.{key}"), tooltip, intent, enabled=enabled, question=question)
+
+
+def _undo(memory: Memory) -> ButtonView:
+    texts, found = memory.choices.texts, last_undo(memory)
+    if not memory.choices.twins:
+        return ButtonView(texts("command.undo"), texts("off.unchecked"), Undo(), enabled=False)
+    if found is None:
+        return ButtonView(texts("command.undo"), texts("off.no_undo"), Undo(), enabled=False)
+    _, arms = found
+    tooltip = texts("command.undo_tip", short=arms.short, middle=arms.middle, long=arms.long)
+    return ButtonView(texts("command.undo"), tooltip, Undo())
+
+
+def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady | Repeat) -> list[Action]:
+    """Return the actions of a command, or of a request that is sent again."""
+    match intent:
+        case Stop():
+            return stop(memory, world)
+        case RunCommand():
+            return run(memory, world, intent)
+        case MakeReady(twin=twin):
+            return make_ready(memory, world, twin)
+        case Repeat(row=number):
+            return repeat(memory, world, number)
+
+
+def stop(memory: Memory, world: World) -> list[Action]:
+    """Return the action that stops both robots, or on the page *Class* all robots, even if none is on line."""
+    memory.mark_dropped()
+    if memory.choices.page is Page.CLASS:
+        return begin(memory, world, StopAll(memory.next_row()), CLASS)
+    return begin(memory, world, StopBoth(memory.next_row()), PLACE)
+
+
+def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
+    """Return the action for a command to one robot or to the checked ones; HOME becomes a motion, with the lead."""
+    if intent.command is Command.HOME:
+        return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
+    twins = (intent.twin,) if intent.twin else memory.choices.twins
+    if unreachable(memory, world, twins, PLACE):
+        return []
+    request = SendCommand(memory.next_row(), intent.command, intent.value, twins)
+    return begin(memory, world, request, PLACE)
+
+
+def make_ready(memory: Memory, world: World, twin: str) -> list[Action]:
+    """Return the action that enables and calibrates a robot."""
+    if unreachable(memory, world, (twin,), PLACE):
+        return []
+    return begin(memory, world, Ready(memory.next_row(), twin), PLACE)
+
+
+def repeat(memory: Memory, world: World, number: int) -> list[Action]:
+    """Return the request of a row as a new action: a motion for the checked robots, a command for the same robots."""
+    row = memory.row(number)
+    if row is None:
+        return memory.refuse(PLACE, "cannot.row")
+    if isinstance(row.request, StopBoth | StopAll):
+        memory.mark_dropped()
+        return begin(memory, world, again(memory, row.request), row.place)
+    twins = memory.choices.twins if isinstance(row.request, Send | Play) else row.twins
+    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, twins, row.place):
+        return []
+    return begin(memory, world, again(memory, row.request), row.place)

@@ -1,0 +1,85 @@
+"""The pictures: subscriptions, titles, and the reason for a missing picture."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Status
+from beatrix_zenoh.contract.names import EYES, OUTSIDE, TWINS
+from gui.console.state.actions import Action, WatchCameras
+from gui.console.state.choices import Choices
+from gui.console.state.intents import Intent, Page, SetCameras, ShowTab, Tab
+from gui.console.state.memory import Memory
+from gui.console.state.presence import on_line
+from gui.console.state.views import EyeView
+from gui.console.state.world import World
+from gui.console.texts import Texts
+
+SHOWN: Final = (("sim", OUTSIDE), *((twin, eye) for twin in TWINS for eye in EYES))
+"""Twin and eye of each picture of the window."""
+TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right", OUTSIDE: "eye.title_outside"}
+
+
+def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
+    """Return the visible pictures; those of the eyes only while Eye cameras is checked."""
+    if choices.page is Page.CLASS:
+        return frozenset()
+    if choices.tab is Tab.HEADS:
+        return frozenset({("sim", OUTSIDE)})  # drawn by the simulation, not a camera of the robot
+    eyes = frozenset(place for place in SHOWN if place[1] != OUTSIDE)
+    return eyes if choices.tab is Tab.EYES and choices.cameras else frozenset()
+
+
+def watch(choices: Choices, intent: Intent) -> list[Action]:
+    """Return the change of subscriptions that follows from an intent."""
+    return [WatchCameras(wanted(choices))] if isinstance(intent, SetCameras | ShowTab) else []
+
+
+def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
+    """Return the outside view and both eyes of both robots."""
+    texts, places = memory.choices.texts, wanted(memory.choices)
+    return tuple(
+        EyeView(
+            twin=twin,
+            eye=eye,
+            title=texts(TITLES[eye], twin=texts(f"twin.{twin}")),
+            watched=(twin, eye) in places and on_line(world, twin),
+            text=_reason(memory, world, twin, eye),
+        )
+        for twin, eye in SHOWN
+    )
+
+
+def _reason(memory: Memory, world: World, twin: str, eye: str) -> str:
+    """Return why there is no picture; empty if there is one."""
+    texts, status = memory.choices.texts, world.twin(twin).status
+    if not on_line(world, twin):
+        return texts("eye.absent_sim") if twin == "sim" else texts("eye.absent_hw")
+    if eye != OUTSIDE and not memory.choices.cameras:
+        return texts("eye.cameras_off")
+    if status is None:
+        return texts("eye.waiting")
+    if eye == OUTSIDE:
+        return _outside(status, texts)
+    return _trouble(next((camera for camera in status.cameras if camera.eye == eye), None), texts)
+
+
+def _outside(status: Status, texts: Texts) -> str:
+    """Return why there is no outside view; empty if there is one.
+
+    The status lists only the eyes, but a simulation that draws them also draws the outside view.
+    """
+    if not status.cameras:
+        return texts("eye.not_drawn")
+    return next((camera.trouble for camera in status.cameras if not camera.connected), "")
+
+
+def _trouble(camera: CameraStatus | None, texts: Texts) -> str:
+    """Return why a camera delivers no pictures; empty if it delivers them."""
+    if camera is None:
+        return texts("eye.none")
+    if camera.trouble and not camera.connected:  # first, as `streaming` may still be true for two seconds
+        return camera.trouble
+    if camera.streaming:
+        return ""
+    return texts("eye.waiting" if camera.connected else "eye.disconnected")

@@ -1,0 +1,272 @@
+"""The history: requests of this window with their outcomes, and those of other seats."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+from pathlib import Path
+
+from beatrix_zenoh.client.readings import arm_angles
+from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
+from gui.console.state import code_lines, other_seats
+from gui.console.state.actions import (
+    Govern,
+    Outcome,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+    StopAll,
+    StopBoth,
+    WriteFile,
+)
+from gui.console.state.memory import HistoryCache, Memory, Request, Row
+from gui.console.state.presence import troubles
+from gui.console.state.refusals import sentence, twin_of
+from gui.console.state.views import HistoryRowView
+from gui.console.state.world import World
+from gui.console.texts import Texts
+
+SHOWN = 100
+"""Largest number of rows of the view."""
+BY_STOP = "STOP"
+"""part of the message of every motion that STOP has ended"""
+GOOD, BAD, OPEN = "✓", "✕", "…"
+
+
+def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
+    """Return the rows of this window and of other seats, newest first; unchanged rows come from the cache."""
+    cache, texts = memory.history_cache, memory.choices.texts
+    context = (world.seat, world.session, world.robot, world.names, world.endpoint, texts.code)
+    events = (world.sim.events, world.hw.events)
+    if cache.context != context:
+        cache = memory.history_cache = HistoryCache(context)
+    elif (cache.rows, cache.events) == (memory.rows, events):
+        return cache.views
+    if cache.events != events:
+        cache.foreign = [(group.began_s, _foreign(group, texts)) for group in other_seats.groups(world)]
+    newest = {row.number: row for row in memory.rows[-SHOWN:]}
+    cache.own = {
+        number: kept
+        if (kept := cache.own.get(number)) and kept[0] is row
+        else (row, row_view(row, world, texts))
+        for number, row in newest.items()
+    }
+    both = [*cache.foreign, *((row.began_s, seen) for row, seen in cache.own.values())]
+    newest_last = sorted(both, key=lambda entry: entry[0])[-SHOWN:]
+    cache.rows, cache.events = memory.rows, events
+    cache.views = tuple(seen for _, seen in reversed(newest_last))
+    return cache.views
+
+
+def last(memory: Memory, world: World) -> str:
+    """Return one line: a new error of a child program, else the last request with its outcome, else the notice."""
+    texts = memory.choices.texts
+    for key, trouble in troubles(world).items():
+        if trouble and trouble != memory.troubles.get(key):
+            return texts(key, text=trouble)
+    if not memory.rows:
+        return memory.notice or texts("last.none")
+    row = memory.rows[-1]
+    text, _ = result(row, texts)
+    first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
+    shown = {"what": what(row, texts), "result": first.removesuffix(".")}
+    if not row.twins:  # a request without robots, such as a file to write
+        return texts("last.here", **shown)
+    return texts("last", twins=twins_text(row.twins, texts), **shown)
+
+
+def row_view(row: Row, world: World, texts: Texts) -> HistoryRowView:
+    """Return the view of a row of this window."""
+    text, good = result(row, texts)
+    return HistoryRowView(
+        row=row.number,
+        time=clock(row.began_s),
+        who=texts("who.you"),
+        what=_what_of(row, texts),
+        result=text,
+        symbol=symbol(good),
+        good=good,
+        python=code_lines.python(row.request),
+        command_line=code_lines.command_line(row.request, world),
+    )
+
+
+def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
+    key = other_seats.WHATS.get(group.action, "")
+    query = group.query
+    if query is not None and group.count == 1 and (query.absolute or isinstance(query, MotionQuery)):
+        text = _motion(query, texts, undoes=False)
+    else:
+        text = texts(key) if key else group.action
+    if group.count > 1:
+        text = texts("what.times", what=text, count=float(group.count))
+    text_of_result, good = _foreign_result(group, texts)
+    return HistoryRowView(
+        row=-1,
+        time=clock(group.began_s),
+        who=group.seat or texts("who.unknown" if group.action == Command.STOP.name else "who.none"),
+        what=text,
+        result=text_of_result,
+        symbol=symbol(good),
+        good=good,
+        python="",
+        command_line="",
+    )
+
+
+def _foreign_result(group: other_seats.Group, texts: Texts) -> tuple[str, bool | None]:
+    if group.reason is Reason.OK:
+        if group.under_way:
+            return texts("result.accepted", seconds=float(group.duration_s)), None
+        if group.duration_s:
+            return texts("result.done_in", seconds=float(group.duration_s)), True
+        return texts("result.done"), True
+    text = sentence(group.reason, group.detail, group.message, texts)
+    return failure(group.reason, text, texts, began=group.ended)
+
+
+def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> tuple[str, bool | None]:
+    """Return the result, and False, of a request that was refused or, if `began`, did not reach its goal."""
+    if reason is Reason.REPLACED:
+        return texts("result.replaced"), False
+    if began and reason is Reason.STOPPED:
+        return texts("result.stopped"), False
+    return texts("result.ended" if began else "result.refused", text=text), False
+
+
+def symbol(good: bool | None) -> str:  # noqa: FBT001  # a result, not an option
+    """Return the symbol of a result."""
+    return OPEN if good is None else GOOD if good else BAD
+
+
+def clock(wall_s: float) -> str:
+    """Return the local time of day; empty if unknown."""
+    return f"{datetime.fromtimestamp(wall_s).astimezone():%H:%M:%S}" if wall_s > 0 else ""
+
+
+def twins_text(twins: tuple[str, ...], texts: Texts) -> str:
+    """Return the robots in a word or two."""
+    if len(twins) > 1:
+        return texts("twins.both")
+    return texts(f"twins.{twins[0]}") if twins else texts("twins.none")
+
+
+def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
+    """Return the result of a request as text, and whether it succeeded (None: it has not ended)."""
+    bad = [outcome for outcome in row.outcomes.values() if not outcome.accepted]
+    if bad:
+        return _bad(row, bad, texts)
+    longest_s = float(max((outcome.duration_s for outcome in row.outcomes.values()), default=0.0))
+    robots = sum(outcome.robots for outcome in row.outcomes.values())
+    if row.ended and robots > 1:
+        return texts("result.done_robots", count=float(robots)), True
+    if row.ended:
+        return (texts("result.done_in", seconds=longest_s) if longest_s else texts("result.done")), True
+    if not row.outcomes:
+        return texts("result.sent"), None
+    if longest_s:
+        return texts("result.accepted", seconds=longest_s), None
+    return texts("result.accepted_plain"), None
+
+
+def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
+    """Return the cause of a failure as text, and False.
+
+    If one robot refuses, the window stops the other robot; that STOP is not the cause.
+    """
+    worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
+    text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
+    if done := worst.robots - len(worst.failed):
+        robots = ", ".join(worst.failed)
+        slots = {"done": float(done), "count": float(worst.robots)}
+        return texts("result.done_partly", robots=robots, text=text, **slots), False
+    if worst.failed:
+        text = texts("of.robots", robots=", ".join(worst.failed), text=text)
+    elif twin and len(row.twins) > 1:
+        text = texts("of.twin", twin=texts(f"twin.{twin}"), text=text)
+    if row.dropped and worst.reason is Reason.STOPPED:
+        return texts("result.aborted" if row.aborted else "result.stopped"), False
+    began = worst.twin in row.accepted or "" in row.accepted
+    if began and worst.reason is Reason.STOPPED and BY_STOP not in worst.message:
+        # This window has ended the motion, and the message contains the reason.
+        return texts("result.ended", text=text), False
+    return failure(worst.reason, text, texts, began=began)
+
+
+def _what_of(row: Row, texts: Texts) -> str:
+    """Return a request in a few words, with the robot if the request is for one robot."""
+    text = what(row, texts)
+    return texts("what.of", what=text, twin=texts(f"twins.{row.twins[0]}")) if len(row.twins) == 1 else text
+
+
+def what(row: Row, texts: Texts) -> str:
+    """Return a request in a few words."""
+    request = row.request
+    if isinstance(request, Send):
+        return _motion(request.query, texts, undoes=row.undoes is not None)
+    return _other(request, texts)
+
+
+def _motion(query: MotionQuery | PoseQuery, texts: Texts, *, undoes: bool) -> str:
+    if isinstance(query, PoseQuery):
+        yaw, pitch, roll = (
+            _number(math.degrees(angle), texts) for angle in (query.yaw, query.pitch, query.roll)
+        )
+        return texts("what.look", yaw=yaw, pitch=pitch, roll=roll)
+    arms = arm_angles(query.position)
+    if query.absolute and not undoes and not any(arms):
+        return texts("what.home")
+    short, middle, long = (_number(angle, texts, signed=not query.absolute) for angle in arms)
+    key = "what.undo" if undoes else "what.move" if query.absolute else "what.move_by"
+    return texts(key, short=short, middle=middle, long=long)
+
+
+def _other(request: Request, texts: Texts) -> str:
+    text = ""
+    match request:
+        case SendCommand(command=Command.ENABLE, value=False):
+            text = texts("what.disable")
+        case SendCommand(command=command):
+            text = texts(other_seats.WHATS[command.name])
+        case Ready():
+            text = texts("what.ready")
+        case StopBoth():
+            text = texts("what.stop")
+        case StopAll():
+            text = texts("what.stop_all")
+        case SendLease(action=action):
+            text = texts(other_seats.WHATS[action.value])
+        case Govern():
+            text = _governed(request, texts)
+        case Play(file=None, poses=poses):
+            text = texts("what.play_poses", count=float(len(poses)))
+        case Play(file=Path() as file):
+            text = texts("what.play", title=file.name)
+        case WriteFile(file=file):
+            text = texts("what.save", title=file.name)
+        case Send(query=query):
+            text = _motion(query, texts, undoes=False)
+    return text
+
+
+def _governed(request: Govern, texts: Texts) -> str:
+    """Return a request to several robots in a few words."""
+    text = texts(other_seats.WHATS[request.action.value])
+    if request.action is LeaseAction.LIMIT:
+        speed = math.degrees(request.speed)
+        text = texts("what.limit_to", speed=speed) if speed else texts("what.limit_off")
+    if request.seat:
+        text += f" {request.seat}"
+    if not request.places:
+        return texts("what.for_all", what=text)
+    robots = ", ".join(f"{name} ({texts(f'twins.{twin}')})" for name, twin in request.places)
+    return texts("what.for", what=text, robots=robots)
+
+
+def _number(value: float, texts: Texts, *, signed: bool = False) -> str:
+    """Return an angle (deg) with at most one decimal; an increment gets its sign."""
+    rounded = round(value, 1) + 0.0
+    text = texts("figure", value=rounded)
+    return f"+{text}" if rounded > 0 and signed else text

@@ -1,0 +1,155 @@
+"""The lease of each robot: the button that takes the robot, waits for it or gives it back, the notes and the banner."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
+from beatrix_zenoh.contract.names import TWINS
+from gui.console.state.actions import Action, Govern, SendLease
+from gui.console.state.intents import AskLease, DismissNotice
+from gui.console.state.memory import Memory, Notice, Row, Standing
+from gui.console.state.motions import begin
+from gui.console.state.presence import on_line, silent, unreachable
+from gui.console.state.views import BannerView, ButtonView
+from gui.console.state.world import World
+from gui.console.texts import Texts
+
+PLACE: Final = "commands"
+NOTHING: Final = Standing()
+
+
+def button(world: World, twin: str, texts: Texts) -> ButtonView | None:
+    """Return the button of one robot's lease; None if the robot does not answer."""
+    robot = world.twin(twin)
+    status = robot.status
+    if not on_line(world, twin) or silent(robot) or status is None:
+        return None
+    others = status.holder not in ("", world.seat)
+    if status.holder == world.seat and status.lease:
+        key, action = "give_back", LeaseAction.GIVE_BACK
+    elif world.seat in status.waiting:
+        key, action = "leave", LeaseAction.GIVE_BACK
+    elif others and not world.is_teacher:
+        key, action = "wait", LeaseAction.WAIT
+    else:
+        key, action = "take_over" if others else "take", LeaseAction.TAKE
+    tooltip = texts(f"lease.{key}_tip", holder=status.holder)
+    return ButtonView(texts(f"lease.{key}"), tooltip, AskLease(action, twin))
+
+
+def notes(status: Status, world: World, texts: Texts, *, holder_shown: bool) -> tuple[str, ...]:
+    """Return the holder (unless it is shown already), the waiting seats and the teacher's settings, in a few words."""
+    found = []
+    if status.holder and not holder_shown:
+        key = "yours" if status.holder == world.seat else "of"
+        kind = "taken" if status.lease else "driven"
+        found.append(texts(f"note.{kind}_{key}", holder=status.holder))
+    if world.seat in status.waiting:
+        place = float(status.waiting.index(world.seat) + 1)
+        found.append(texts("note.turn", place=place, count=float(len(status.waiting))))
+    elif status.waiting:
+        found.append(texts("note.waiting", count=float(len(status.waiting))))
+    if status.frozen and world.is_teacher:  # for other seats this is the condition of the robot
+        found.append(texts("condition.frozen_short"))
+    if status.speed_limit:
+        found.append(limit_text(status, texts))
+    return tuple(found)
+
+
+def limit_text(status: Status, texts: Texts) -> str:
+    """Return the speed limit that the teacher has set."""
+    return texts("note.limit", speed=math.degrees(status.speed_limit))
+
+
+# -- changes of leases ------------------------------------------------------------------------------
+
+
+def follow(memory: Memory, world: World) -> None:
+    """Compare the leases of this seat with those at the last call.
+
+    Store a notice about a lease that this seat gained or lost.
+    """
+    kept: dict[tuple[str, str], Standing] = {}
+    for twin in TWINS:
+        place, status = (world.robot, twin), world.twin(twin).status
+        before = memory.standings.get(place, NOTHING)
+        kept[place] = before
+        if status is not None and on_line(world, twin):
+            kept[place] = now = standing(status, world.seat)
+            if now != before:
+                memory.lease_notice = _notice(memory, before, now, place, status.holder)
+    if kept != memory.standings:
+        memory.standings = kept
+
+
+def standing(status: Status, seat: str) -> Standing:
+    """Return whether a seat has taken a robot or waits for it."""
+    return Standing(held=status.holder == seat and status.lease > 0, waiting=seat in status.waiting)
+
+
+def _notice(
+    memory: Memory, before: Standing, now: Standing, place: tuple[str, str], holder: str
+) -> Notice | None:
+    robot, twin = place
+    if now.held and before.waiting:
+        return Notice("lease.turn", {"robot": robot}, twin)
+    last = _last_request(memory, twin)
+    if before.held and not now.held and not (last and last.action is LeaseAction.GIVE_BACK):
+        key = "lease.lost" if holder else "lease.ended"
+        return Notice(key, {"robot": robot, "holder": holder}, twin)
+    return None
+
+
+def _last_request(memory: Memory, twin: str) -> SendLease | None:
+    """Return the newest lease query of this window to a robot."""
+    sent = (row.request for row in reversed(memory.rows))
+    return next((found for found in sent if isinstance(found, SendLease) and found.twin == twin), None)
+
+
+def banner(memory: Memory, world: World) -> BannerView | None:
+    """Return the banner about a lease that was gained or lost, or about a frozen robot; None if there is neither."""
+    texts, notice = memory.choices.texts, memory.lease_notice
+    if notice is not None and notice.slots["robot"] == world.robot:
+        slots: Mapping[str, str] = {**notice.slots, "twin": texts(f"twins.{notice.twin}")}
+        close = ButtonView(texts("lease.dismiss"), texts("lease.dismiss_tip"), DismissNotice())
+        return BannerView(texts(notice.key, **slots), (close,))
+    frozen = tuple(twin for twin in TWINS if _is_frozen(world, twin))
+    if frozen and not world.is_teacher:
+        robots = texts("twins.both" if len(frozen) > 1 else f"twins.{frozen[0]}")
+        return BannerView(texts("banner.frozen", robots=robots))
+    return None
+
+
+def _is_frozen(world: World, twin: str) -> bool:
+    status = world.twin(twin).status
+    return on_line(world, twin) and status is not None and status.frozen
+
+
+# -- requests -----------------------------------------------------------------------------------------
+
+
+def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> list[Action]:
+    """Hide the notice and, for a lease query, return its action; none if the robot is unreachable."""
+    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.twin,), PLACE):
+        return []
+    memory.lease_notice = None
+    if isinstance(intent, DismissNotice):
+        return []
+    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.twin), PLACE)
+
+
+def give_back_all(memory: Memory, world: World) -> list[Action]:
+    """Clear the leases; return the action that gives back all robots that this window has taken or waits for."""
+    places = tuple(
+        place
+        for place, now in memory.standings.items()
+        if now != NOTHING and _last_request(memory, place[1]) is not None
+    )
+    memory.standings, memory.lease_notice = {}, None
+    if not places:
+        return []
+    request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
+    return memory.add_row(Row(request, PLACE, world.wall_s, before=None))

@@ -1,0 +1,185 @@
+"""The state of a window between intents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from beatrix_zenoh.client import Place
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from gui.console.state.actions import (
+    Action,
+    Govern,
+    Outcome,
+    Play,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+    StopAll,
+    StopBoth,
+    WriteFile,
+)
+from gui.console.state.choices import Choices
+from gui.console.state.saved import SavedPose
+from gui.console.state.views import HistoryRowView
+
+KEPT = 200
+"""Largest number of rows of the history."""
+Request = Send | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern | Play | WriteFile
+"""Actions with a row in the history."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A request of this window, and its outcomes."""
+
+    request: Request
+    place: str
+    """the control of the request, as in `RefusalView`"""
+    began_s: float
+    """wall clock, since 1970; 0: unknown"""
+    before: ArmAngles | None
+    """set point of the arms at the time of the request (deg); None: unknown, or no motion"""
+    undoes: int | None = None
+    """row of the motion that this request undoes; None: it is not an undo"""
+    dropped: bool = False
+    """whether this window has aborted or stopped the request"""
+    aborted: bool = False
+    """whether it was dropped by Abort or Change, not by STOP"""
+    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
+    """the newest outcome of each robot"""
+    accepted: frozenset[str] = frozenset()
+    """robots that accepted it"""
+
+    @property
+    def number(self) -> int:
+        """Number of the row."""
+        return self.request.row
+
+    @property
+    def twins(self) -> tuple[str, ...]:
+        """Robots that the request was sent to."""
+        match self.request:
+            case Send(twins=twins) | SendCommand(twins=twins) | Play(twins=twins):
+                return twins
+            case Ready(twin=twin) | SendLease(twin=twin):
+                return (twin,)
+            case StopBoth():
+                return ("sim", "hw")
+        return ()
+
+    @property
+    def ended(self) -> bool:
+        """Whether all outcomes were reported."""
+        done = {twin for twin, outcome in self.outcomes.items() if outcome.done}
+        return "" in done or (bool(self.twins) and done >= set(self.twins))
+
+    def after(self, outcome: Outcome) -> Row:
+        """Return the row with one more outcome."""
+        accepted = self.accepted | {outcome.twin} if outcome.accepted else self.accepted
+        return replace(self, outcomes={**self.outcomes, outcome.twin: outcome}, accepted=accepted)
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """The shown refusal as data, so that its sentence can be made in the chosen language."""
+
+    place: str
+    key: str = ""
+    """text key of a refusal of the window itself; empty: a robot has refused"""
+    slots: Mapping[str, str] = field(default_factory=dict)
+    reason: Reason = Reason.OK
+    message: str = ""
+    detail: Detail | None = None
+    twin: str = ""
+    robots: tuple[str, ...] = ()
+    """the robots that refused, if the request was sent to several"""
+    request: Request | None = None
+    """the refused request"""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Whether this seat has taken one robot, and whether it waits for it."""
+
+    held: bool = False
+    waiting: bool = False
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A sentence about a lease, as data."""
+
+    key: str
+    slots: Mapping[str, str]
+    twin: str
+
+
+@dataclass
+class HistoryCache:
+    """The last view of the history and what it was made from, so that only changed rows are rendered again."""
+
+    context: tuple[object, ...] = ()
+    """values that all rows depend on, such as seat, robot and language"""
+    own: dict[int, tuple[Row, HistoryRowView]] = field(default_factory=dict)
+    events: tuple[object, ...] = ()
+    foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)
+    """rows of other seats, with the time of each (wall clock, s)"""
+    rows: tuple[Row, ...] = ()
+    views: tuple[HistoryRowView, ...] = ()
+
+
+@dataclass
+class Memory:
+    """State of one window; intents, outcomes and leases change it."""
+
+    choices: Choices
+    poses: tuple[SavedPose, ...] = ()
+    rows: tuple[Row, ...] = ()
+    """oldest first"""
+    numbers: int = 0
+    """number of the newest row"""
+    undo: tuple[tuple[int, ArmAngles], ...] = ()
+    """row of each accepted motion, and the arms (deg) before it; oldest first"""
+    refusal: Refusal | None = None
+    notice: str = ""
+    """a sentence to show until the first request"""
+    troubles: Mapping[str, str] = field(default_factory=dict)
+    """`presence.troubles` at the newest request; they are no longer shown"""
+    standings: Mapping[Place, Standing] = field(default_factory=dict)
+    """leases of both robots of the shown name at the last call of `leases.follow`"""
+    lease_notice: Notice | None = None
+    """a sentence about a lease that this seat gained or lost; None: nothing new"""
+    history_cache: HistoryCache = field(default_factory=HistoryCache)
+
+    def next_row(self) -> int:
+        """Return the number of a new row."""
+        self.numbers += 1
+        return self.numbers
+
+    def row(self, number: int) -> Row | None:
+        """Return the row of this number; None if the history no longer contains it."""
+        return next((row for row in self.rows if row.number == number), None)
+
+    def add_row(self, row: Row) -> list[Action]:
+        """Add the newest row, hide the refusal, and return the action of the row."""
+        self.rows = (*self.rows, row)[-KEPT:]
+        self.refusal = None
+        return [row.request]
+
+    def mark_dropped(self, *, aborted: bool = False) -> None:
+        """Mark all unfinished requests as stopped or aborted by this window."""
+        self.rows = tuple(
+            row if row.ended else replace(row, dropped=True, aborted=aborted) for row in self.rows
+        )
+
+    def replace_row(self, changed: Row) -> None:
+        """Replace the row of the same number."""
+        self.rows = tuple(changed if row.number == changed.number else row for row in self.rows)
+
+    def refuse(self, place: str, key: str, **slots: str) -> list[Action]:
+        """Show why nothing was sent; return an empty list of actions."""
+        self.refusal = Refusal(place, key, slots)
+        return []

@@ -1,0 +1,89 @@
+"""Motions: built from angles, added to the history, and sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from beatrix_zenoh.client.queries import motion_query, pose_query
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.state.actions import Action, Govern, Play, Send, SendLease
+from gui.console.state.memory import Memory, Refusal, Request, Row
+from gui.console.state.presence import commanded, troubles, unreachable
+from gui.console.state.views import Orientation
+from gui.console.state.world import World
+
+Query = MotionQuery | PoseQuery
+
+
+def send_arms(
+    memory: Memory,
+    world: World,
+    arms: tuple[float, float, float],
+    place: str,
+    *,
+    relative: bool = False,
+    undoes: int | None = None,
+) -> list[Action]:
+    """Return the action that turns the arms to, or by, angles (deg) at the chosen speed; none if it is refused."""
+    speed = memory.choices.speed
+
+    def query() -> Query:
+        return motion_query(*arms, relative=relative, speed=speed)
+
+    return _send(memory, world, query, place, undoes)
+
+
+def send_head(memory: Memory, world: World, target: Orientation, place: str) -> list[Action]:
+    """Return the action that turns the head to an orientation (deg) at the chosen speed; none if it is refused."""
+    speed = memory.choices.speed
+
+    def query() -> Query:
+        return pose_query(target.yaw, target.pitch, target.roll, relative=False, speed=speed)
+
+    return _send(memory, world, query, place, None)
+
+
+def _send(
+    memory: Memory, world: World, query: Callable[[], Query], place: str, undoes: int | None
+) -> list[Action]:
+    twins = memory.choices.twins
+    if unreachable(memory, world, twins, place):
+        return []
+    try:
+        request = Send(memory.next_row(), query(), twins, lead_of(memory, twins))
+    except WrongUsage as error:  # a number outside the range of the message
+        memory.refusal = Refusal(place, reason=error.reason, message=error.message, detail=error.detail)
+        return []
+    return begin(memory, world, request, place, undoes)
+
+
+def lead_of(memory: Memory, twins: tuple[str, ...]) -> float:
+    """Return the chosen lead (s) if both robots move; else 0."""
+    return memory.choices.lead_s if len(twins) > 1 else 0.0
+
+
+def again(memory: Memory, request: Request) -> Request:
+    """Return the request in a new row; a motion goes to the checked robots, with the present lead."""
+    row, twins = memory.next_row(), memory.choices.twins
+    if isinstance(request, Send | Play):
+        return replace(request, row=row, twins=twins, lead_s=lead_of(memory, twins))
+    return replace(request, row=row)
+
+
+def begin(
+    memory: Memory, world: World, request: Request, place: str, undoes: int | None = None
+) -> list[Action]:
+    """Add a request to the history and return its action."""
+    memory.troubles = troubles(world)
+    looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
+    if not looks and not isinstance(request, SendLease | Govern):
+        # The target of the pad is out of date after another request, so it follows the head again.
+        memory.choices = replace(memory.choices, target=None)
+    return memory.add_row(Row(request, place, world.wall_s, _before(world, request), undoes))
+
+
+def _before(world: World, request: Request) -> ArmAngles | None:
+    return commanded(world, request.twins) if isinstance(request, Send | Play) else None

@@ -1,0 +1,252 @@
+"""State of each robot: its condition, the reason, and the button for the next step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    Fault,
+    FollowState,
+    LeaseAction,
+    Reason,
+    Status,
+)
+from gui.console.state import intents, leases
+from gui.console.state.intents import Intent
+from gui.console.state.presence import on_line, silent
+from gui.console.state.views import ButtonView, Condition, PillView
+from gui.console.state.world import LinkPhase, World
+from gui.console.texts import Texts
+
+SYMBOLS: Final = {
+    Condition.ABSENT: "✕",
+    Condition.SILENT: "◌",
+    Condition.DISABLED: "○",
+    Condition.NOT_CALIBRATED: "◐",
+    Condition.READY: "●",
+    Condition.MOVING: "►",
+    Condition.DRIVEN: "◆",
+    Condition.FROZEN: "■",
+    Condition.FAULT: "▲",
+}
+MAKE_READY: Final = "MAKE_READY"
+"""a next step: ENABLE and CALIBRATE, each unless it is done already"""
+WAIT: Final = "WAIT"
+"""a next step: wait for a robot that another seat holds"""
+NEXT_STEPS: Final = {
+    "START": "start",
+    "RETRY": "retry",
+    WAIT: "wait",
+    Command.ENABLE.name: "enable",
+    Command.CALIBRATE.name: "calibrate",
+    Command.RESET.name: "reset",
+    MAKE_READY: "ready",
+}
+FAULT_CONDITIONS: Final = {
+    Fault.EMERGENCY: "emergency",
+    Fault.BOARD_LOST: "board_lost",
+    Fault.CONTRACT_MISMATCH: "contract_mismatch",
+    Fault.ASSEMBLY_LEFT: "assembly_left",
+}
+
+FOLLOWING: Final = {
+    FollowState.WAITING: "follow_waiting",
+    FollowState.APPROACHING: "follow_approaching",
+    FollowState.FOLLOWING: "follow_following",
+    FollowState.PARTED: "follow_parted",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The condition of a robot, the reason for it, and the next step."""
+
+    condition: Condition
+    text: str
+    reason: str = ""
+    next_step: str = ""
+    """one of NEXT_STEPS; empty: none"""
+
+
+def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
+    """Return the states of simulation and hardware."""
+    return tuple(pill(world, twin, texts) for twin in ("sim", "hw"))
+
+
+def pill(world: World, twin: str, texts: Texts) -> PillView:
+    """Return the state of one robot."""
+    found, status = finding(world, twin, texts), world.twin(twin).status
+    latency_s = world.latency_s.get(twin)
+    here = found.condition is not Condition.ABSENT
+    return PillView(
+        twin=twin,
+        title=texts(f"twin.{twin}"),
+        condition=found.condition,
+        symbol=SYMBOLS[found.condition],
+        text=found.text,
+        reason=found.reason,
+        next_step=next_step_button(found.next_step, twin, texts, starting=world.starting)
+        if found.next_step
+        else None,
+        latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
+        notes=notes(found, status, world, texts) if here and status is not None else (),
+        lease=None if found.next_step else leases.button(world, twin, texts),
+        warnings=tuple(status.warnings) if here and status is not None else (),
+        details=details(status, texts) if here and status is not None else "",
+    )
+
+
+def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
+    """Return the notes about the lease of a robot, which are shown beside its condition."""
+    driven = found.condition is Condition.DRIVEN
+    return leases.notes(status, world, texts, holder_shown=driven)
+
+
+def finding(world: World, twin: str, texts: Texts) -> Finding:
+    """Return the first problem of a robot, in the order in which problems must be solved, or else MOVING or READY."""
+    robot = world.twin(twin)
+    if not on_line(world, twin):
+        return _absent(world, twin, texts)
+    found = problem(robot, texts)
+    if found is None and robot.status is not None:
+        found = _shared(robot.status, world, texts) or working(robot.status, texts)
+    assert found is not None  # without a status, `problem` returns SILENT
+    return found
+
+
+def problem(robot: RobotState, texts: Texts) -> Finding | None:
+    """Return the first problem of a robot that is on line, regardless of its holder; None if the robot can move."""
+    if robot.status is None or silent(robot):
+        age_s = robot.positions_age_s
+        reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))
+        return Finding(Condition.SILENT, texts("condition.silent"), reason)
+    if (fault := fault_of(robot.status)) is not Fault.NONE:
+        return _faulty(fault, robot.status, texts)
+    return _unready(robot.status, robot.twin, texts)
+
+
+def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
+    if not status.enabled:
+        # Between enabling and calibrating the hardware, the user sets its head upright, so these are two steps.
+        next_step = MAKE_READY if twin == "sim" else Command.ENABLE.name
+        return Finding(
+            Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{twin}"), next_step
+        )
+    if not status.calibrated:
+        text, reason = texts("condition.not_calibrated"), texts("reason.not_calibrated")
+        return Finding(Condition.NOT_CALIBRATED, text, reason, Command.CALIBRATE.name)
+    return None
+
+
+def _shared(status: Status, world: World, texts: Texts) -> Finding | None:
+    """Return why this seat cannot move a robot that is ready; None if it can."""
+    if status.frozen and not world.is_teacher:
+        return Finding(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
+    if status.following is not FollowState.OFF:
+        text = texts(f"condition.{FOLLOWING[status.following]}")
+        return Finding(Condition.DRIVEN, text, texts("reason.follow"))
+    if status.holder in ("", world.seat):
+        return None
+    slots = {"holder": status.holder}
+    if status.lease:
+        return Finding(Condition.DRIVEN, texts("condition.taken", **slots), texts("reason.taken", **slots))
+    key = "reason.driven_moving" if status.moving else "reason.driven"
+    return Finding(Condition.DRIVEN, texts("condition.driven", **slots), texts(key, **slots))
+
+
+def working(status: Status, texts: Texts) -> Finding:
+    """Return MOVING or READY for a robot without a problem."""
+    if status.moving:
+        return Finding(Condition.MOVING, texts("condition.moving"))
+    return Finding(Condition.READY, texts("condition.ready"))
+
+
+def _absent(world: World, twin: str, texts: Texts) -> Finding:
+    found = _why_absent(world, twin, texts)
+    if twin == "sim" and world.starting:
+        found = replace(found, reason=texts("reason.starting"))
+    if twin == "sim" and world.phase is not LinkPhase.REFUSED:
+        return replace(found, next_step="START")
+    offline = world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED)
+    return replace(found, next_step="RETRY" if offline else "")
+
+
+def _why_absent(world: World, twin: str, texts: Texts) -> Finding:
+    if world.phase is LinkPhase.CONNECTING:
+        text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
+        return Finding(Condition.ABSENT, text, reason)
+    if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
+        key = "reason.no_router" if world.phase is LinkPhase.NO_ROUTER else "reason.refused"
+        return Finding(Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint))
+    if world.twin(twin).status is not None:
+        reason = texts("reason.lost", robot=world.robot)
+        return Finding(Condition.ABSENT, texts("condition.lost"), reason)
+    return Finding(
+        Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{twin}", robot=world.robot)
+    )
+
+
+def fault_of(status: Status) -> Fault:
+    """Return the fault of a robot; BOARD_LOST if there is none and the board is not connected."""
+    if status.fault is Fault.NONE and not status.board.connected:
+        return Fault.BOARD_LOST
+    return status.fault
+
+
+def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
+    if fault not in FAULT_CONDITIONS:  # unknown here, because the robot runs another version
+        return Finding(Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), "")
+    text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
+    if fault is Fault.ASSEMBLY_LEFT:
+        reason = texts("reason.assembly_left")
+        next_step = Command.CALIBRATE.name if status.enabled and not status.calibrated else ""
+    else:
+        reason = sentences.render(Reason(fault.value), None, texts.code)
+        next_step = Command.RESET.name if fault is Fault.EMERGENCY else ""
+    return Finding(Condition.FAULT, text, reason, next_step)
+
+
+def next_step_button(next_step: str, twin: str, texts: Texts, *, starting: bool = False) -> ButtonView:
+    """Return the button of a next step."""
+    key = NEXT_STEPS[next_step]
+    off = next_step == "START" and starting
+    tooltip = texts("off.starting") if off else texts(f"next.{key}_tip")
+    return ButtonView(texts(f"next.{key}"), tooltip, next_step_intent(next_step, twin), enabled=not off)
+
+
+def next_step_intent(next_step: str, twin: str) -> Intent:
+    """Return the intent of a next step."""
+    if next_step == "START":
+        return intents.StartSimulation()
+    if next_step == "RETRY":
+        return intents.Retry()
+    if next_step == MAKE_READY:
+        return intents.MakeReady(twin)
+    if next_step == WAIT:
+        return intents.AskLease(LeaseAction.WAIT, twin)
+    return intents.RunCommand(Command[next_step], value=True, twin=twin)
+
+
+def details(status: Status, texts: Texts) -> str:
+    """Return lines about the board and each camera, and one about all waiting seats."""
+    board = status.board
+    lines = [
+        texts(
+            "pill.details",
+            name=board.name or texts("unknown"),
+            port=board.port or texts("unknown"),
+            firmware=board.firmware or texts("unknown"),
+        )
+    ]
+    for camera in status.cameras:
+        eye = texts(f"eye.{camera.eye}") if camera.eye in ("left", "right") else camera.eye
+        lines.append(camera.trouble or texts("pill.camera", eye=eye, source=camera.source, hz=camera.hz))
+    if not status.cameras:
+        lines.append(texts("pill.no_cameras"))
+    if status.waiting:
+        lines.append(texts("pill.waiting", seats=", ".join(status.waiting)))
+    return "\n".join(lines)

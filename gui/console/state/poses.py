@@ -1,0 +1,168 @@
+"""Saved poses, choreographies, and undo."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
+from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state import intents
+from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand, WriteFile
+from gui.console.state.intents import Intent
+from gui.console.state.memory import Memory, Request, Row
+from gui.console.state.motions import begin, lead_of, send_arms
+from gui.console.state.presence import commanded, unreachable
+from gui.console.state.saved import SavedPose
+from gui.console.state.views import ButtonView, PosesView
+from gui.console.state.world import World
+
+PLACE = "commands"
+PAUSE_S: Final = 0.5
+"""Pause (s) after each pose of a saved choreography."""
+UNDO_KEPT: Final = 50
+
+
+def view(memory: Memory, world: World) -> PosesView:
+    """Return the list and its buttons."""
+    checked, count = bool(memory.choices.twins), len(memory.poses)
+    reason = "" if checked else "off.unchecked"
+    some = reason or ("" if count else "off.no_pose")
+    playing = "off.playing" if world.playing else ""
+    here = "" if commanded(world, _where(memory)) is not None else "off.no_position"
+    return PosesView(
+        names=tuple(pose.name for pose in memory.poses),
+        go=_button(memory, world, "go", intents.GoToPose(""), some),
+        save=_button(memory, world, "save", intents.SavePose(""), here),
+        delete=_button(memory, world, "delete", intents.DeletePose(""), "" if count else "off.no_pose"),
+        play=_button(
+            memory,
+            world,
+            "play",
+            intents.PlayPoses(),
+            reason or playing or ("" if count > 1 else "off.one_pose"),
+        ),
+        play_file=_button(memory, world, "play_file", intents.PlayFile(Path()), reason or playing),
+        save_file=_button(
+            memory, world, "save_file", intents.SaveChoreography(Path()), "" if count else "off.no_pose"
+        ),
+        playing=world.playing,
+    )
+
+
+def _button(memory: Memory, world: World, key: str, intent: Intent, off: str) -> ButtonView:
+    """Return a button; it is disabled if `off` is the key of a reason."""
+    texts = memory.choices.texts
+    if off == "off.playing":
+        tooltip = texts("off.playing", title=world.playing)
+    else:
+        tooltip = texts(off) if off else texts(f"pose.{key}_tip")
+    return ButtonView(texts(f"pose.{key}"), tooltip, intent, enabled=not off)
+
+
+def _where(memory: Memory) -> tuple[str, ...]:
+    """Return the robots whose angles may be saved, the checked ones first."""
+    return tuple(dict.fromkeys((*memory.choices.twins, "sim", "hw")))
+
+
+def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
+    """Return the actions of an intent about poses."""
+    actions: list[Action] = []
+    match intent:
+        case intents.SavePose(name=name):
+            _save(memory, world, name.strip())
+        case intents.DeletePose(name=name):
+            memory.poses = tuple(pose for pose in memory.poses if pose.name != name)
+        case intents.GoToPose(name=name):
+            found = next((pose for pose in memory.poses if pose.name == name), None)
+            if found is None:
+                return memory.refuse(PLACE, "cannot.pose", name=name)
+            actions = send_arms(memory, world, found.arms, PLACE)
+        case intents.PlayPoses():
+            if not memory.poses:
+                return memory.refuse(PLACE, "cannot.poses")
+            actions = _play(memory, world, None, tuple(pose.arms for pose in memory.poses))
+        case intents.PlayFile(file=file):
+            actions = _play(memory, world, file, ())
+        case intents.SaveChoreography(file=file):
+            actions = _write(memory, world, file)
+    return actions
+
+
+def _save(memory: Memory, world: World, name: str) -> None:
+    arms = commanded(world, _where(memory))
+    if not name or arms is None:
+        memory.refuse(PLACE, "off.no_position" if name else "cannot.name")
+        return
+    kept = tuple(pose for pose in memory.poses if pose.name != name)
+    memory.poses = (*kept, SavedPose(name, *(round(angle, 3) + 0.0 for angle in arms)))
+
+
+def _play(
+    memory: Memory, world: World, file: Path | None, poses: tuple[tuple[float, float, float], ...]
+) -> list[Action]:
+    twins = memory.choices.twins
+    if unreachable(memory, world, twins, PLACE):
+        return []
+    lead_s = lead_of(memory, twins)
+    request = Play(memory.next_row(), twins, file, poses, memory.choices.speed, lead_s)
+    return begin(memory, world, request, PLACE)
+
+
+def _write(memory: Memory, world: World, file: Path) -> list[Action]:
+    if not memory.poses:
+        return memory.refuse(PLACE, "cannot.poses")
+    if not file.name:
+        return memory.refuse(PLACE, "cannot.file")
+    text = choreography_of(memory.poses, memory.choices.speed)
+    return begin(memory, world, WriteFile(memory.next_row(), file, text), PLACE)
+
+
+def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
+    """Return poses as a choreography (CSV); each begins PAUSE_S after the previous one is reached at `speed` (deg/s)."""
+    lines, at_s, before = [",".join((TIME, *ARMS, SPEED, FIGURE))], 0.0, (0.0, 0.0, 0.0)
+    for pose in poses:
+        numbers = (at_s, *pose.arms, speed)
+        name = pose.name.replace('"', '""')
+        lines.append(",".join(f"{number:z.3f}" for number in numbers) + f',"{name}"')
+        furthest = max(abs(goal - start) for goal, start in zip(pose.arms, before, strict=True))
+        at_s += furthest / speed + PAUSE_S
+        before = pose.arms
+    return "\n".join(lines) + "\n"
+
+
+def last_undo(memory: Memory) -> tuple[int, ArmAngles] | None:
+    """Return the row of the newest motion without a pending undo, and the arms (deg) before it; None if none exists."""
+    under_way = {row.undoes for row in memory.rows if row.undoes is not None and not row.outcomes}
+    return next((entry for entry in reversed(memory.undo) if entry[0] not in under_way), None)
+
+
+def undo(memory: Memory, world: World) -> list[Action]:
+    """Return the action that turns the arms back to their angles before the last accepted motion."""
+    found = last_undo(memory)
+    if found is None:
+        return memory.refuse(PLACE, "off.no_undo")
+    return send_arms(memory, world, found[1], PLACE, undoes=found[0])
+
+
+def note_accepted(memory: Memory, row: Row, outcome: Outcome) -> None:
+    """Add a motion to the undo list when the first robot accepts it.
+
+    Remove it when a robot accepts the motion that undoes it. Angles are counted from home, so a request that may change
+    home clears the list.
+    """
+    if not outcome.accepted or row.accepted:
+        return
+    if sets_home(row.request):
+        memory.undo = ()
+    elif row.undoes is not None:
+        memory.undo = tuple(entry for entry in memory.undo if entry[0] != row.undoes)
+    elif row.before is not None:
+        memory.undo = (*memory.undo, (row.number, row.before))[-UNDO_KEPT:]
+
+
+def sets_home(request: Request) -> bool:
+    """Return whether a request may change home, the position from which arm angles are counted."""
+    commands = (Command.ENABLE, Command.CALIBRATE)
+    return isinstance(request, Ready) or (isinstance(request, SendCommand) and request.command in commands)

@@ -1,0 +1,75 @@
+"""Reachability and position of robots."""
+
+from __future__ import annotations
+
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Reading
+from gui.console.state.memory import Memory
+from gui.console.state.views import Orientation
+from gui.console.state.world import LinkPhase, World
+
+FURTHEST_DEG = 1e4
+"""larger angles (deg) do not come from a robot and are ignored"""
+STALE_S = 0.4
+"""A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
+
+
+def on_line(world: World, twin: str) -> bool:
+    """Return whether a request can reach a robot: there is a router, and the robot's token."""
+    return world.phase is LinkPhase.ON_LINE and world.twin(twin).presence is not Presence.ABSENT
+
+
+def silent(robot: RobotState) -> bool:
+    """Return whether the positions or the status of the robot are missing or too old."""
+    age_s = robot.positions_age_s
+    return robot.status is None or robot.positions is None or age_s is None or age_s > STALE_S
+
+
+def reading(world: World, twin: str) -> Reading | None:
+    """Return the angles of a robot in degrees; None if they are unknown or too old."""
+    robot = world.twin(twin)
+    found = robot.reading if on_line(world, twin) and not silent(robot) else None
+    angles = () if found is None else (*found.arms, *found.commanded, *found.head)
+    return found if all(abs(angle) < FURTHEST_DEG for angle in angles) else None
+
+
+def commanded(world: World, twins: tuple[str, ...]) -> ArmAngles | None:
+    """Return the set point of the arms (deg) of the first robot that reports it; None if none does."""
+    for twin in twins:
+        if (found := reading(world, twin)) is not None:
+            return found.commanded
+    return None
+
+
+def orientation(head: HeadAngles) -> Orientation:
+    """Return head angles as an orientation of a view."""
+    return Orientation(*head)
+
+
+def troubles(world: World) -> dict[str, str]:
+    """Return errors of recording and child programs by the key of their text; empty strings: none."""
+    recording = "" if world.recording is None else world.recording.trouble
+    return {"record.trouble": recording, "child.trouble": world.child_trouble}
+
+
+def off_line(memory: Memory, world: World, place: str) -> bool:
+    """Return whether there is no router; if so, show why the request cannot be sent."""
+    if world.phase is LinkPhase.ON_LINE:
+        return False
+    key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
+    memory.refuse(place, key, endpoint=world.endpoint)
+    return True
+
+
+def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str) -> bool:
+    """Return whether a request to these robots cannot be sent; if so, show why."""
+    if not twins:
+        memory.refuse(place, "off.unchecked")
+    elif off_line(memory, world, place):
+        pass
+    elif absent := [twin for twin in twins if not on_line(world, twin)]:
+        key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
+        memory.refuse(place, key, robot=world.robot)
+    else:
+        return False
+    return True

@@ -1,0 +1,209 @@
+"""Refusals: shown beside the control of the request, with a button for the alternative or next step."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh.client.readings import arm_angles, head_angles
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated.messages import (
+    Alternative,
+    Command,
+    Detail,
+    Head,
+    LeaseAction,
+    MotionQuery,
+    PoseQuery,
+    Reason,
+    Vector3,
+)
+from gui.console.state.actions import DESELECTED, Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
+from gui.console.state.memory import Memory, Refusal, Row
+from gui.console.state.motions import again, begin
+from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, next_step_button
+from gui.console.state.presence import unreachable
+from gui.console.state.views import ButtonView, RefusalView
+from gui.console.state.world import World
+from gui.console.texts import Texts
+
+NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
+"""beginning of an SDK message that names its robot"""
+
+
+def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
+    """Return the refusal to show at one of these places; None if there is none."""
+    refusal = memory.refusal
+    if refusal is None or refusal.place not in places:
+        return None
+    texts = memory.choices.texts
+    text = sentence(refusal.reason, refusal.detail, refusal.message, texts)
+    if refusal.key:
+        text = texts(refusal.key, **refusal.slots)
+    elif refusal.robots:
+        text = texts("of.robots", robots=", ".join(refusal.robots), text=text)
+    elif refusal.twin and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.twins) > 1:
+        text = texts("of.twin", twin=texts(f"twin.{refusal.twin}"), text=text)
+    return RefusalView(refusal.place, text, _button(refusal, texts))
+
+
+def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) -> str:
+    """Return the sentence of a refusal in the language of the texts, made from `detail` if there is one.
+
+    Without `detail`, the English sentence is the message; other languages contain the message only for BAD_VALUE.
+    """
+    if detail is not None:
+        return sentences.render(reason, detail, texts.code)
+    message = NAMED.sub("", message, count=1)
+    if texts.code == "en" and message:
+        return message
+    if message == DESELECTED:
+        return texts("result.deselected")
+    if reason is Reason.BAD_VALUE and message:
+        return texts("result.invalid", message=message)
+    return sentences.render(reason, None, texts.code)
+
+
+def record(memory: Memory, row: Row, outcome: Outcome) -> None:
+    """Store a refusal, to be shown; the end of an accepted motion is shown in the history only."""
+    ended_elsewhere = outcome.twin in row.accepted or "" in row.accepted
+    wanted = row.dropped and outcome.reason is Reason.STOPPED
+    if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
+        return
+    memory.refusal = Refusal(
+        row.place,
+        reason=outcome.reason,
+        message=outcome.message,
+        detail=outcome.detail,
+        twin=twin_of(outcome),
+        robots=outcome.failed,
+        request=row.request,
+    )
+
+
+def twin_of(outcome: Outcome) -> str:
+    """Return the robot that refused; for a request to two robots the SDK names the refusing robot in the message."""
+    named = NAMED.match(outcome.message)
+    return outcome.twin or ("" if named is None else named[1])
+
+
+def hide_answered(memory: Memory, intent: Intent) -> None:
+    """Hide the shown refusal if this intent answers it.
+
+    A refusal beside the head pad is hidden when the user aims again; a refusal that the window itself made, when the
+    user chooses robots or mode.
+    """
+    refusal = memory.refusal
+    if refusal is None:
+        return
+    aimed = isinstance(intent, AimHead) and refusal.place == "head"
+    if aimed or (isinstance(intent, SetDestination | SetRelative) and refusal.key):
+        memory.refusal = None
+
+
+def take_alternative(memory: Memory, world: World) -> list[Action]:
+    """Return the actions that send the alternative or next step of the shown refusal; none if it has neither."""
+    refusal = memory.refusal
+    if refusal is None:
+        return []
+    request = _alternative_request(refusal)
+    if isinstance(request, Send):
+        if unreachable(memory, world, memory.choices.twins, refusal.place):
+            return []
+        return begin(memory, world, again(memory, request), refusal.place)
+    actions: list[Action] = []
+    next_step = next_step_of(refusal)
+    for twin in _twins(refusal) if next_step else ():
+        if unreachable(memory, world, (twin,), refusal.place):
+            return actions
+        actions += begin(memory, world, _next_step_action(next_step, twin, memory.next_row()), refusal.place)
+    return actions
+
+
+def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
+    request = _alternative_request(refusal)
+    if isinstance(request, Send):
+        return ButtonView(
+            _alternative_text(request, refusal, texts), texts("alternative.tip"), TakeAlternative()
+        )
+    next_step = next_step_of(refusal)
+    if not next_step or not _twins(refusal):
+        return None
+    shown = next_step_button(next_step, "", texts)
+    return ButtonView(shown.text, shown.tooltip, TakeAlternative())
+
+
+def next_step_of(refusal: Refusal) -> str:
+    """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
+    detail = refusal.detail
+    if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
+        return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
+    needs = [] if detail is None else detail.needs
+    if needs[:2] == ["ENABLE", "CALIBRATE"]:
+        return MAKE_READY
+    return needs[0] if needs and needs[0] in NEXT_STEPS else ""
+
+
+def _twins(refusal: Refusal) -> tuple[str, ...]:
+    """Return the robots that refused."""
+    if refusal.twin:
+        return (refusal.twin,)
+    match refusal.request:
+        case Send(twins=twins) | SendCommand(twins=twins):
+            return twins
+        case Ready(twin=twin) | SendLease(twin=twin):
+            return (twin,)
+    return ()
+
+
+def _next_step_action(next_step: str, twin: str, row: int) -> Ready | SendCommand | SendLease:
+    if next_step == MAKE_READY:
+        return Ready(row, twin)
+    if next_step == WAIT:
+        return SendLease(row, LeaseAction.WAIT, twin)
+    return SendCommand(row, Command[next_step], value=True, twins=(twin,))
+
+
+def _alternative_request(refusal: Refusal) -> Send | None:
+    """Return the refused motion with the alternative that would be accepted; None if there is none."""
+    other = None if refusal.detail is None else refusal.detail.alternative
+    if other is None or not isinstance(refusal.request, Send):
+        return None
+    query = alternative_query(refusal.request.query, other)
+    return None if query is None else replace(refusal.request, query=query)
+
+
+def alternative_query(query: MotionQuery | PoseQuery, other: Alternative) -> MotionQuery | PoseQuery | None:
+    """Return a query changed by an alternative; None if the alternative does not fit the query."""
+    if isinstance(query, PoseQuery):
+        speed = query.speed if other.speed is None else min(other.speed.x, other.speed.y, other.speed.z)
+        if other.head is not None:
+            head = other.head
+            return PoseQuery(yaw=head.yaw, pitch=head.pitch, roll=head.roll, speed=speed)
+        if other.arms is not None:
+            each = None if speed is None else Vector3(speed, speed, speed)
+            return MotionQuery(position=other.arms, speed=each)
+        return None if other.speed is None else msgspec.structs.replace(query, speed=speed)
+    if other.arms is not None:
+        return MotionQuery(position=other.arms, speed=other.speed or query.speed)
+    return None if other.speed is None else msgspec.structs.replace(query, speed=other.speed)
+
+
+def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
+    """Return the alternative in a few words."""
+    other = None if refusal.detail is None else refusal.detail.alternative
+    query = request.query
+    if other is not None and other.head is None and other.arms is None and other.speed is not None:
+        return texts(
+            "alternative.speed", speed=math.degrees(min(other.speed.x, other.speed.y, other.speed.z))
+        )
+    if isinstance(query, PoseQuery):
+        head = head_angles(Head(query.yaw, query.pitch, query.roll))
+        return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
+    arms = arm_angles(query.position)
+    return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)

@@ -1,0 +1,87 @@
+"""Choices for the next window, in a file of the user."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Final
+
+import msgspec
+from msgspec import Meta
+
+from beatrix_zenoh import files
+from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.state.intents import Theme
+from gui.console.texts import DEFAULT_LANGUAGE, Texts
+
+FILE: Final = "window.json"
+LONGEST: Final = 1 << 20
+"""Largest size of this file (bytes)."""
+
+
+class SavedPose(msgspec.Struct, frozen=True):
+    """Arm angles (deg) under a name."""
+
+    name: str
+    short: float
+    middle: float
+    long: float
+
+    @property
+    def arms(self) -> tuple[float, float, float]:
+        """Short, middle and long arm (deg)."""
+        return self.short, self.middle, self.long
+
+
+class Saved(msgspec.Struct, frozen=True):
+    """Theme and language; increment in deg, speed in deg/s, lead in s; poses."""
+
+    theme: Theme = Theme.DARK
+    language: str = DEFAULT_LANGUAGE
+    increment: Annotated[float, Meta(gt=0, le=360)] = 5.0
+    speed: Annotated[float, Meta(gt=0, le=1000)] = 30.0
+    lead_s: Annotated[float, Meta(ge=0, le=3600)] = 2.0
+    poses: tuple[SavedPose, ...] = ()
+
+
+def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
+    """Return the path of the file in the user's folder on this platform."""
+    return files.user_folder(platform, environment) / FILE
+
+
+def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
+    """Return the choices of another window (`theirs`), with the changes of this one since `before`."""
+    fields = ("theme", "language", "increment", "speed", "lead_s")
+    changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
+    added = [pose for pose in mine.poses if pose not in before.poses]
+    gone = {pose.name for pose in before.poses if pose not in mine.poses} | {pose.name for pose in added}
+    poses = (*(pose for pose in theirs.poses if pose.name not in gone), *added)
+    return msgspec.structs.replace(theirs, **changed, poses=poses)
+
+
+def load(file: Path) -> tuple[Saved, str]:
+    """Return the saved choices, or the defaults if there are none, and a sentence for the user.
+
+    A damaged file is renamed to end in `.bad`. The sentence reports this; it is empty if the file is not damaged.
+    """
+    try:
+        return msgspec.json.decode(files.text(file, LONGEST, "JSON"), type=Saved), ""
+    except FileNotFoundError:
+        return Saved(), ""
+    except (OSError, WrongUsage, msgspec.DecodeError):
+        kept = file.with_name(file.name + ".bad")
+        try:
+            file.replace(kept)
+        except OSError:
+            kept = file
+        return Saved(), Texts(DEFAULT_LANGUAGE)("saved.damaged", file=str(kept))
+
+
+def save(file: Path, saved: Saved) -> None:
+    """Write the choices, replacing the file; raises OSError."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    new = file.with_name(file.name + ".new")
+    new.write_bytes(msgspec.json.format(msgspec.json.encode(saved)))
+    new.replace(file)  # atomic: a window that is killed leaves the old file intact

@@ -1,0 +1,121 @@
+"""Destinations of motions, the preview, and the lead of the simulation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.client.readings import head_angles
+from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
+from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
+from gui.console.state.intents import Abort, Change, Intent, SendNow
+from gui.console.state.memory import Memory
+from gui.console.state.presence import orientation
+from gui.console.state.views import ButtonView, Orientation, SendingView
+from gui.console.state.world import PlanPhase, PlanProgress, World
+from gui.console.texts import Texts
+
+
+def view(memory: Memory, world: World) -> SendingView:
+    """Return boxes, lead, and the present motion of both robots."""
+    choices, plan = memory.choices, world.plan
+    texts = choices.texts
+    waiting = plan is not None and plan.phase is PlanPhase.LEADING
+    if plan is not None:
+        title, text = _under_way(plan, texts)
+    elif world.playing:
+        title, text = texts("sending.playing", title=world.playing), texts("sending.playing_text")
+    else:
+        title, text = _idle(memory)
+    countdown, progress = "", None
+    if plan is not None and waiting:
+        left_s = max(0.0, plan.countdown_s)
+        countdown = texts("countdown", seconds=left_s)
+        progress = min(1.0, max(0.0, 1 - left_s / plan.lead_s)) if plan.lead_s > 0 else 1.0
+
+    def button(key: str, intent: Intent, *, enabled: bool) -> ButtonView:
+        return ButtonView(
+            texts(f"plan.{key}"),
+            texts(f"plan.{key}_tip") if enabled else texts("off.no_plan"),
+            intent,
+            enabled=enabled,
+        )
+
+    return SendingView(
+        sim=choices.sim,
+        hw=choices.hw,
+        cameras=choices.cameras,
+        lead_s=choices.lead_s,
+        lead_matters=choices.sim and choices.hw,
+        title=title,
+        text=text,
+        countdown=countdown,
+        progress=progress,
+        send_now=button("send_now", SendNow(), enabled=waiting),
+        change=button("change", Change(), enabled=_can_change(plan)),
+        abort=button("abort", Abort(), enabled=plan is not None),
+    )
+
+
+def _can_change(plan: PlanProgress | None) -> bool:
+    """Return whether there is a motion that was not sent to the hardware yet."""
+    return plan is not None and plan.phase is not PlanPhase.SENT
+
+
+def _idle(memory: Memory) -> tuple[str, str]:
+    texts, lead_s = memory.choices.texts, memory.choices.lead_s
+    match memory.choices.twins:
+        case ():
+            return texts("sending.none"), texts("sending.none_text")
+        case ("sim",):
+            return texts("sending.sim"), texts("sending.sim_text")
+        case ("hw",):
+            return texts("sending.hw"), texts("sending.hw_text")
+    if lead_s:
+        return texts("sending.both"), texts("sending.both_text", seconds=float(lead_s))
+    return texts("sending.both"), texts("sending.together_text")
+
+
+def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
+    duration_s = float(plan.duration_s)
+    if plan.phase is PlanPhase.TRYING:
+        return texts("sending.trying"), texts("sending.trying_text")
+    # The title replaces the first sentence of the verdict; the rest is a warning.
+    _, _, warning = plan.verdict.partition(" s. ")
+    if plan.phase is PlanPhase.LEADING:
+        text = warning or texts("sending.leading_text")
+        return texts("sending.possible", seconds=duration_s), text
+    return texts("sending.sent", seconds=duration_s), warning or texts("sending.sent_text")
+
+
+def handle(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
+    """Return the actions of an intent about the present motion; none if there is no motion."""
+    if world.plan is None or not (
+        _can_change(world.plan) or isinstance(intent, Abort)
+    ):  # Abort also ends a motion that was just sent
+        return []
+    if isinstance(intent, SendNow):
+        return [SendPlanNow()]
+    if isinstance(intent, Change):
+        _restore_target(memory, world)
+    memory.mark_dropped(aborted=True)
+    return [AbortPlan()]
+
+
+def _restore_target(memory: Memory, world: World) -> None:
+    """Set the target of the pad to the goal of the waiting motion."""
+    path = world.plan.path if world.plan is not None else None
+    sent = next((row.request for row in reversed(memory.rows) if _of_both(row.request)), None)
+    target = _goal(sent.query if isinstance(sent, Send) else None, path)
+    if target is not None:
+        memory.choices = replace(memory.choices, target=target)
+
+
+def _of_both(request: Action) -> bool:
+    return isinstance(request, Send) and len(request.twins) > 1
+
+
+def _goal(query: object, path: MotionPath | None) -> Orientation | None:
+    if isinstance(query, PoseQuery) and query.absolute:
+        return orientation(head_angles(Head(query.yaw, query.pitch, query.roll)))
+    return orientation(path.head[-1]) if path is not None and path.head else None

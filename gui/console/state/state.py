@@ -1,0 +1,162 @@
+"""The decisions of the window: what it shows, and what an intent of the user does. Each topic has its own module."""
+
+from __future__ import annotations
+
+from gui.console.state import (
+    arms,
+    banner,
+    choices,
+    class_page,
+    commands,
+    eyes,
+    head,
+    history,
+    intents,
+    leases,
+    motions,
+    pills,
+    poses,
+    recording,
+    refusals,
+    sending,
+)
+from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, WatchCameras
+from gui.console.state.choices import choices_from
+from gui.console.state.intents import Intent, Page
+from gui.console.state.memory import Memory
+from gui.console.state.saved import Saved
+from gui.console.state.views import HistoryRowView, View
+from gui.console.state.world import World
+
+DEFAULTS = Saved()
+
+
+class State:
+    """Choices and requests of the user; used in Qt's thread only."""
+
+    def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
+        """Begin with saved choices; `notice` is a sentence to show until the first request."""
+        self._memory = Memory(choices_from(saved), saved.poses, notice=notice)
+
+    @property
+    def saved(self) -> Saved:
+        """The choices for the next window."""
+        chosen = self._memory.choices
+        return Saved(
+            chosen.theme,
+            chosen.language,
+            chosen.increment,
+            chosen.speed,
+            chosen.lead_s,
+            self._memory.poses,
+        )
+
+    def begin(self) -> list[Action]:
+        """Return the actions at the start of the window, whose first tab shows pictures."""
+        return [WatchCameras(eyes.wanted(self._memory.choices))]
+
+    def view(self, world: World) -> View:
+        """Return the present view of the window."""
+        memory, texts = self._memory, self._memory.choices.texts
+        return View(
+            title=texts("title", robot=world.robot),
+            banner=banner.view(memory, world),
+            robots=tuple(sorted({*world.names, world.robot})),
+            robot=world.robot,
+            pills=pills.pills(world, texts),
+            head=head.view(memory, world),
+            arms=arms.view(memory, world),
+            sending=sending.view(memory, world),
+            commands=commands.view(memory),
+            poses=poses.view(memory, world),
+            eyes=eyes.view(memory, world),
+            history=history.view(memory, world),
+            record=recording.view(memory, world),
+            last=history.last(memory, world),
+            stop=commands.stop_button(memory),
+            theme=memory.choices.theme,
+            language=memory.choices.language,
+            class_page=class_page.view(memory, world),
+            page=memory.choices.page,
+            tab=memory.choices.tab,
+        )
+
+    def follow(self, world: World) -> None:
+        """Compare leases with those at the last call, to show a lease that this seat gained or lost."""
+        leases.follow(self._memory, world)
+
+    def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
+        """Return history and last line, the part of the view that an outcome changes."""
+        return history.view(self._memory, world), history.last(self._memory, world)
+
+    def handle(self, intent: Intent, world: World) -> list[Action]:
+        """Return the actions of an intent.
+
+        There are none if it changes only the window, or if it is refused with a reason in the view.
+        """
+        memory = self._memory
+        if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
+            return []  # ignore their keys here, because their controls are on the other page
+        if (chosen := choices.changed(memory.choices, intent)) is not None:
+            memory.choices = chosen
+            refusals.hide_answered(memory, intent)
+            return eyes.watch(chosen, intent)
+        match intent:
+            case intents.Stop() | intents.RunCommand() | intents.MakeReady() | intents.Repeat():
+                actions = commands.handle(memory, world, intent)
+            case intents.Jog():
+                actions = arms.jog(memory, world, intent)
+            case intents.SendHead():
+                actions = motions.send_head(memory, world, head.target(memory, world), head.PLACE)
+            case intents.SendNow() | intents.Change() | intents.Abort():
+                actions = sending.handle(memory, world, intent)
+            case intents.TakeAlternative():
+                actions = refusals.take_alternative(memory, world)
+            case intents.Undo():
+                actions = poses.undo(memory, world)
+            case intents.ToggleRecording() | intents.OpenRecording():
+                actions = recording.handle(world, intent)
+            case _:
+                actions = self._about_window(intent, world)
+        return actions
+
+    def _about_window(self, intent: Intent, world: World) -> list[Action]:
+        match intent:
+            case intents.DismissRefusal():
+                self._memory.refusal = None
+            case intents.ChooseRobot(name=name):
+                return self._choose(name, world)
+            case intents.StartSimulation():
+                return [] if world.starting else [RunSimulation()]
+            case intents.Retry():
+                return [Connect()]
+            case _:
+                return self._about_others(intent, world)
+        return []
+
+    def _about_others(self, intent: Intent, world: World) -> list[Action]:
+        """Handle intents about leases, the class and poses."""
+        match intent:
+            case intents.AskLease() | intents.DismissNotice():
+                return leases.handle(self._memory, world, intent)
+            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
+                return class_page.handle(self._memory, world, intent)
+        return poses.handle(self._memory, world, intent)
+
+    def _choose(self, name: str, world: World) -> list[Action]:
+        """Return the actions that show the robot of this name and give back the previous one."""
+        memory = self._memory
+        memory.refusal = None
+        given_back: list[Action] = []
+        if name != world.robot:
+            memory.undo = ()  # the angles in it belong to the previous robot
+            given_back = leases.give_back_all(memory, world)
+        return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
+
+    def report(self, outcome: Outcome) -> None:
+        """Apply the outcome of an action to history, refusal and undo list."""
+        row = self._memory.row(outcome.row)
+        if row is not None:
+            refusals.record(self._memory, row, outcome)
+            poses.note_accepted(self._memory, row, outcome)
+            self._memory.replace_row(row.after(outcome))

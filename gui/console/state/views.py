@@ -1,0 +1,320 @@
+"""The content of widgets: texts in the user's language, numbers ready to draw, and the intents of buttons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from beatrix_zenoh.client import Place
+from gui.console.state.intents import Intent, Page, Tab, Theme
+
+
+class Condition(StrEnum):
+    """State of a robot in one word; each has a symbol and a colour."""
+
+    ABSENT = "absent"
+    SILENT = "silent"
+    """the robot has a liveliness token, but no positions arrive"""
+    DISABLED = "disabled"
+    NOT_CALIBRATED = "not calibrated"
+    READY = "ready"
+    MOVING = "moving"
+    DRIVEN = "driven"
+    """another seat is its holder"""
+    FROZEN = "frozen"
+    """the teacher has frozen it; in the teacher's window only on the page of the class"""
+    FAULT = "fault"
+
+
+@dataclass(frozen=True)
+class ButtonView:
+    """A button: its text and intent."""
+
+    text: str
+    tooltip: str
+    """what the button does, with its key; or why the button is disabled"""
+    intent: Intent
+    enabled: bool = True
+    question: str = ""
+    """shown at the first press; the second press reports the intent; empty: one press is enough"""
+
+
+@dataclass(frozen=True)
+class PillView:
+    """State of one robot."""
+
+    twin: str
+    title: str
+    """Simulation or Hardware"""
+    condition: Condition
+    symbol: str
+    text: str
+    """the condition in a word or two, for example `driven by ana`"""
+    reason: str
+    """the cause and what to do, in a sentence; empty if the robot is ready"""
+    next_step: ButtonView | None
+    latency: str
+    """round trip of a query, for example `2 ms`; empty: unknown"""
+    notes: tuple[str, ...]
+    """holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
+    lease: ButtonView | None
+    """takes the robot, waits for it or gives it back; None: there is a next step, or the robot does not answer"""
+    warnings: tuple[str, ...] = ()
+    details: str = ""
+    """board, cameras and waiting seats, for the tooltip"""
+
+
+@dataclass(frozen=True)
+class BannerView:
+    """The banner over the whole width: the action that is needed first, with its buttons."""
+
+    text: str
+    buttons: tuple[ButtonView, ...] = ()
+
+
+@dataclass(frozen=True)
+class RefusalView:
+    """A refusal, shown beside the control of the request."""
+
+    place: str
+    """`head`, `short`, `middle`, `long`, `all` or `commands`"""
+    text: str
+    alternative: ButtonView | None = None
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """Orientation of a head (deg); left, nose down and right ear down are positive."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+
+@dataclass(frozen=True)
+class HeadView:
+    """The head pad."""
+
+    target: Orientation
+    sim: Orientation | None
+    hw: Orientation | None
+    tilt_max: float
+    """limit (deg)"""
+    yaw_max: float
+    """limit in both directions (deg)"""
+    path: tuple[Orientation, ...]
+    """the previewed path; empty: none"""
+    send: ButtonView
+    refusal: RefusalView | None = None
+
+
+@dataclass(frozen=True)
+class ArmRowView:
+    """One row of the arms: one arm, or all."""
+
+    arm: str
+    title: str
+    axis: str
+    """x, y or z; empty for all"""
+    sim: str
+    """angle as text, for example `12.0°`; `–` if unknown"""
+    hw: str
+    difference: str
+    """hardware minus simulation; empty: unknown"""
+    minus: ButtonView
+    plus: ButtonView
+
+
+@dataclass(frozen=True)
+class ArmsView:
+    """The arms, and the mode of + and -."""
+
+    rows: tuple[ArmRowView, ...]
+    """short, middle, long, all"""
+    relative: bool
+    increment: float
+    """deg"""
+    increment_max: float
+    speed: float
+    """deg/s"""
+    speed_max: float
+    refusal: RefusalView | None = None
+
+
+@dataclass(frozen=True)
+class SendingView:
+    """Destinations of motions, and the present motion."""
+
+    sim: bool
+    hw: bool
+    cameras: bool
+    lead_s: float
+    lead_matters: bool
+    """whether Simulation and Hardware are both checked, so that the lead has an effect"""
+    title: str
+    """state of the motion in a few words"""
+    text: str
+    """the verdict, or what to do"""
+    countdown: str
+    """for example `hardware follows in 1.4 s`; empty: nothing waits"""
+    progress: float | None
+    """elapsed share of the lead, 0 to 1; None: nothing waits"""
+    send_now: ButtonView
+    change: ButtonView
+    abort: ButtonView
+
+
+@dataclass(frozen=True)
+class HistoryRowView:
+    """One request, of this window or of another seat."""
+
+    row: int
+    """number of the row; -1: a request of another seat, which cannot be repeated"""
+    time: str
+    who: str
+    what: str
+    result: str
+    symbol: str
+    good: bool | None
+    """whether the request succeeded; None: it has not ended"""
+    python: str
+    """the request as a line of Python; empty: there is none"""
+    command_line: str
+    """the request as a line for the terminal; empty: there is none"""
+
+
+@dataclass(frozen=True)
+class CommandsView:
+    """Calibrate, Home, Enable, Disable, Reset, Undo."""
+
+    calibrate: ButtonView
+    home: ButtonView
+    enable: ButtonView
+    disable: ButtonView
+    reset: ButtonView
+    undo: ButtonView
+    refusal: RefusalView | None = None
+
+
+@dataclass(frozen=True)
+class PosesView:
+    """Saved poses and choreographies."""
+
+    names: tuple[str, ...]
+    go: ButtonView
+    """the button's intent has no name: the widget adds the name of the selected pose"""
+    save: ButtonView
+    delete: ButtonView
+    play: ButtonView
+    play_file: ButtonView
+    save_file: ButtonView
+    playing: str = ""
+
+
+@dataclass(frozen=True)
+class EyeView:
+    """One picture: its camera, and the text in its place."""
+
+    twin: str
+    eye: str
+    """`left`, `right` or `outside`"""
+    title: str
+    watched: bool
+    """whether the window subscribes to the picture"""
+    text: str
+    """the reason why there is no picture; empty: there is one"""
+
+
+@dataclass(frozen=True)
+class RecordView:
+    """The Record button."""
+
+    toggle: ButtonView
+    running: bool
+    text: str
+    """duration, for example `0:12`; empty: no recording runs"""
+    open: ButtonView | None
+
+
+@dataclass(frozen=True)
+class ClassRowView:
+    """One robot of the class."""
+
+    place: Place
+    """name and twin"""
+    cells: tuple[str, ...]
+    """robot, twin, state, holder, waiting seats, positions per second, age of the last positions, remarks"""
+    condition: Condition
+    details: str
+    """text of the tooltip"""
+    freeze: ButtonView
+    """or unfreeze"""
+    take: ButtonView
+    """or give back"""
+    show: ButtonView
+    """leave this page and show this robot"""
+
+
+@dataclass(frozen=True)
+class SeatView:
+    """One seat of the class."""
+
+    text: str
+    """the seat, and whether it is muted"""
+    mute: ButtonView
+    """or unmute"""
+
+
+@dataclass(frozen=True)
+class ClassView:
+    """The page of the class: all robots and seats at the router."""
+
+    summary: str
+    """number of robots, and the connected seats"""
+    rows: tuple[ClassRowView, ...]
+    empty: str
+    """what to do if there is no row; else empty"""
+    freeze_all: ButtonView
+    unfreeze_all: ButtonView
+    limit: ButtonView
+    """the button's intent has no speed: the widget adds the text of the field"""
+    limit_now: str
+    """the present limit"""
+    seats: tuple[SeatView, ...]
+    """connected and muted seats, except the teacher, by name"""
+    result: str
+    """the outcome of the last request of this page; empty: none was sent"""
+    good: bool | None
+    """whether that request was carried out everywhere; None: it has not ended"""
+    toggle: ButtonView
+    """switches between this page and the robot"""
+
+
+@dataclass(frozen=True)
+class View:
+    """Everything that the window shows at one moment, except pictures and plots."""
+
+    title: str
+    banner: BannerView | None
+    robots: tuple[str, ...]
+    robot: str
+    pills: tuple[PillView, ...]
+    """simulation, hardware"""
+    head: HeadView
+    arms: ArmsView
+    sending: SendingView
+    commands: CommandsView
+    poses: PosesView
+    eyes: tuple[EyeView, ...]
+    history: tuple[HistoryRowView, ...]
+    """newest first"""
+    record: RecordView
+    last: str
+    """the last request with its outcome"""
+    stop: ButtonView
+    theme: Theme
+    language: str
+    class_page: ClassView | None
+    """None: this window is not the teacher's"""
+    page: Page = Page.ROBOT
+    tab: Tab = Tab.HEADS

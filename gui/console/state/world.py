@@ -1,0 +1,116 @@
+"""States of router, robots and child programs at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.contract._generated.messages import LimitInfo
+from beatrix_zenoh.contract.names import TEACHER
+
+
+class LinkPhase(StrEnum):
+    """Whether there is a session with the router."""
+
+    CONNECTING = "connecting"
+    NO_ROUTER = "no router"
+    """no router answers; the link tries again by itself"""
+    REFUSED = "refused"
+    """the router does not accept the account of the window; the link tries again by itself"""
+    ON_LINE = "on line"
+
+
+class PlanPhase(StrEnum):
+    """Phase of a motion of both robots."""
+
+    TRYING = "trying"
+    """previewed on a copy of the simulation"""
+    LEADING = "leading"
+    """the simulation moves; the hardware motion was not sent yet"""
+    SENT = "sent"
+    """the hardware motion was sent, too"""
+
+
+@dataclass(frozen=True)
+class PlanProgress:
+    """A motion of both robots under way."""
+
+    phase: PlanPhase
+    verdict: str = ""
+    """the result of the preview, in a sentence"""
+    duration_s: float = 0.0
+    lead_s: float = 0.0
+    countdown_s: float = 0.0
+    """time until the link sends the motion to the hardware"""
+    path: MotionPath | None = None
+    """the previewed path, degrees"""
+
+
+@dataclass(frozen=True)
+class RecordingProgress:
+    """A recording, running or finished."""
+
+    file: Path
+    running: bool
+    seconds: float
+    trouble: str = ""
+    """why the recording did not begin or has ended by itself; empty: no failure"""
+    ending: bool = False
+    """whether the user has ended it and the recorder still completes the file"""
+
+
+@dataclass(frozen=True)
+class World:
+    """Everything that a view is made from, at one moment; degrees and seconds unless a name contains another unit."""
+
+    now_s: float
+    """monotonic clock"""
+    phase: LinkPhase
+    endpoint: str
+    """address of the router, for example tcp/127.0.0.1:7447"""
+    seat: str
+    robot: str
+    """name of the robot that the window shows"""
+    sim: RobotState
+    hw: RobotState
+    names: tuple[str, ...] = ()
+    """robots on line, by name"""
+    trouble: str = ""
+    """why there is no session or no router; empty if both exist"""
+    latency_s: Mapping[str, float | None] = field(default_factory=dict)
+    """by twin: round trip of the last query; None: it was not answered"""
+    plan: PlanProgress | None = None
+    recording: RecordingProgress | None = None
+    starting: bool = False
+    """whether this window is starting a simulation"""
+    own_simulation: bool = False
+    """whether a simulation of this window is running"""
+    child_trouble: str = ""
+    """why a router, simulation or viewer of this window did not start or has failed; empty: no failure"""
+    playing: str = ""
+    """title of the current play; empty: none"""
+    wall_s: float = 0.0
+    """wall clock at `now_s`, since 1970; 0: unknown"""
+    session: str = ""
+    """id of this window's Zenoh session, as in events; empty: unknown"""
+    limits: LimitInfo | None = None
+    """limits that the robot reports; None: unknown, so the defaults are shown"""
+    seats: tuple[str, ...] = ()
+    """seats that are connected to the router"""
+    pupils: Mapping[str, str] = field(default_factory=dict)
+    """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
+    robots: tuple[RobotState, ...] = ()
+    """all robots on line, while the page of the class is shown"""
+
+    @property
+    def is_teacher(self) -> bool:
+        """Whether this window has the teacher's seat."""
+        return self.seat == TEACHER
+
+    def twin(self, twin: str) -> RobotState:
+        """Return the state of `sim` or `hw`."""
+        return self.sim if twin == "sim" else self.hw

@@ -1,0 +1,289 @@
+"""Requests of browsers: the page, the login, STOP, and the two web sockets."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+import msgspec
+from tornado import web, websocket
+
+from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.contract import names
+from gui.page import messages, protection
+from gui.page.driving import Driver, home_query
+from gui.page.eyes import Camera
+from gui.page.hub import Hub
+from gui.page.protection import Login, Visitor, Visitors
+
+PAGES_MAX: Final = 64
+UNREAD_MAX: Final = 20
+"""Largest number of unconfirmed states of a browser; it gets no more until it confirms one."""
+MESSAGES_MAX: Final = 200
+"""Largest number of messages of a page in a second; a page normally sends twenty."""
+TOO_MANY_PAGES: Final = f"{PAGES_MAX} pages are open already: close one, then load this page again."
+NOTHING: Final = "This server has no such page. The control page is at /."
+TOO_FAST, MALFORMED, LOGGED_OUT, FULL = 4001, 4002, 4003, 4004
+"""Codes with which the server closes a web socket; the page reads them."""
+
+
+class Context:
+    """Data that all handlers share."""
+
+    def __init__(self, hub: Hub, login: Login, cookie: str) -> None:
+        self.hub, self.login, self.cookie = hub, login, cookie
+        self.visitors = Visitors()
+
+
+class Guarded(web.RequestHandler):
+    """A handler that refuses requests with a foreign Host or Origin header."""
+
+    def initialize(self, context: Context) -> None:
+        """Set the shared data."""
+        self.context = context
+
+    @property
+    def host(self) -> str:
+        """The Host header, if it names the address at which the connection has arrived; otherwise empty."""
+        connection = self.request.connection
+        local: tuple[str, int] = connection.stream.socket.getsockname()  # type: ignore[union-attr]
+        host = self.request.headers.get("Host", "")
+        return host if protection.host_allowed(host, *local) else ""
+
+    def set_default_headers(self) -> None:
+        """Set the headers of every reply, errors included."""
+        for name, value in protection.headers(self.host).items():
+            self.set_header(name, value)
+
+    def prepare(self) -> None:
+        """Refuse a request with a foreign Host header or, unless it only reads, with a foreign Origin header."""
+        acts = self.request.method != "GET" or "Upgrade" in self.request.headers
+        if not self.host:
+            self.refuse(403, protection.FOREIGN_HOST)
+        elif acts and not protection.origin_allowed(self.request.headers.get("Origin"), self.host):
+            self.refuse(403, protection.FOREIGN_ORIGIN)
+
+    def refuse(self, status: int, sentence: str) -> None:
+        """Reply with a sentence and end the request."""
+        self.set_status(status)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(sentence)
+
+    def write_error(self, status_code: int, **_: object) -> None:
+        """Reply with the name of the error, never with a traceback."""
+        self.refuse(status_code, f"{status_code}: {self._reason}")
+
+    @property
+    def visitor(self) -> Visitor | None:
+        """The browser, if it is logged in."""
+        return self.context.visitors.find(self.get_cookie(self.context.cookie))
+
+    def admit(self) -> None:
+        """Log in this browser."""
+        cookie = self.context.visitors.admit()
+        self.set_cookie(self.context.cookie, cookie, httponly=True, samesite="Strict")
+
+
+class Nothing(Guarded):
+    """Replies to requests with an unknown path."""
+
+    def get(self) -> None:
+        """Reply with status 404."""
+        self.refuse(404, NOTHING)
+
+
+class Files(Guarded, web.StaticFileHandler):
+    """The files of the folder `static`: style sheet, scripts, icon."""
+
+    def initialize(self, context: Context, path: str) -> None:  # type: ignore[override]
+        """Set the shared data and the folder."""
+        Guarded.initialize(self, context)
+        web.StaticFileHandler.initialize(self, path)
+
+
+class Front(Guarded):
+    """The control page, or the form for the PIN."""
+
+    def get(self) -> None:
+        """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
+        if self.visitor is not None:
+            self.render("page.html", token=self.xsrf_token.decode())
+        elif self.context.login.needed:
+            self.form("")
+        elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
+            # Each login may log out the oldest browser, so no foreign page may load this as a picture or a frame.
+            self.refuse(403, protection.FOREIGN_ORIGIN)
+        else:
+            self.admit()
+            self.redirect("/", status=303)
+
+    def post(self) -> None:
+        """Check a PIN; log in the browser if it is right."""
+        typed = self.get_body_argument("pin", "")
+        refusal = self.context.login.refusal(typed, self.request.remote_ip or "", time.monotonic())
+        if refusal:
+            self.set_status(403)
+            self.form(refusal)
+        else:
+            self.admit()
+            self.redirect("/", status=303)
+
+    def form(self, refusal: str) -> None:
+        """Show the form, with the reason why the last PIN was refused; empty: no PIN was typed."""
+        self.render("login.html", refusal=refusal)
+
+
+class Stopper(Guarded):
+    """STOP as a POST request, in case the web socket is broken."""
+
+    def post(self) -> None:
+        """Send STOP."""
+        visitor = self.visitor
+        if visitor is None:
+            self.refuse(403, protection.NO_COOKIE)
+            return
+        try:
+            stop = msgspec.json.decode(self.request.body, type=messages.Stop)
+        except msgspec.DecodeError as error:
+            self.refuse(400, f"This STOP cannot be read: {error}.")
+            return
+        self.context.hub.stop(visitor, stop.robot, stop.stop, None)
+
+
+class Socket(Guarded, websocket.WebSocketHandler):
+    """A web socket of a browser that is logged in."""
+
+    def prepare(self) -> None:
+        """Refuse browsers that are not logged in."""
+        super().prepare()
+        if not self._finished and self.visitor is None:
+            self.refuse(403, protection.NO_COOKIE)
+
+    def send(self, message: str | bytes, *, binary: bool = False) -> None:
+        """Send a message, unless the browser has disconnected."""
+        try:
+            future = self.write_message(message, binary=binary)
+        except websocket.WebSocketClosedError:
+            return
+        future.add_done_callback(lambda done: done.exception())  # ignores that the browser has disconnected
+
+
+class Live(Socket):
+    """The web socket for the requests of one page and the states that it shows."""
+
+    place: Place | None = None
+    driver: Driver | None = None
+
+    def open(self, *_: str, **__: str) -> None:
+        """Register the page, or close the web socket if PAGES_MAX pages are open."""
+        visitor, self.hub = self.visitor, self.context.hub
+        assert visitor is not None
+        self.visitor_of_page = visitor
+        self._unread = self._count = 0
+        self._second = time.monotonic()
+        if len(self.hub.pages) >= PAGES_MAX:
+            self.close(FULL, TOO_MANY_PAGES)
+            return
+        self.set_nodelay(True)
+        self.hub.pages.add(self)
+        self.send(msgspec.json.encode({"kind": "hello", "name": visitor.name}).decode())
+
+    def on_close(self) -> None:
+        """Remove the page and end its driver, which stops the robot."""
+        self.hub.pages.discard(self)
+        self.hub.end_driver(self)
+
+    def show(self, state: bytes) -> None:
+        """Send a state, unless the browser has not confirmed UNREAD_MAX earlier ones."""
+        if self._unread < UNREAD_MAX:
+            self._unread += 1
+            self.send(state.decode())
+
+    def report(self, outcome: messages.Outcome) -> None:
+        """Send the outcome of a request."""
+        self.send(msgspec.json.encode(outcome).decode())
+
+    def on_message(self, message: str | bytes) -> None:
+        """Carry out a request; close the web socket after an invalid message or too many messages."""
+        now_s = time.monotonic()
+        if now_s - self._second >= 1.0:
+            self._second, self._count = now_s, 0
+        self._count += 1
+        try:
+            request = messages.read(message)
+        except msgspec.DecodeError:
+            self.close(MALFORMED, "A message of this page cannot be read: load the page again.")
+            return
+        if isinstance(request, messages.Stop):
+            self.hub.stop(self.visitor_of_page, request.robot, request.stop, self)
+        if self._count > MESSAGES_MAX:
+            self.close(TOO_FAST, "This page sends too many messages: load the page again.")
+        elif not isinstance(request, messages.Stop):
+            self.carry_out(request)
+
+    def carry_out(self, request: messages.Request) -> None:
+        """Carry out a request that is not STOP."""
+        if self.driver is not None and not isinstance(request, messages.Seen):
+            self.driver.beat()
+        match request:
+            case messages.Seen():
+                self._unread = max(0, self._unread - 1)
+            case messages.Watch(robot=robot, twin=twin):
+                self.hub.watch(self, (robot, twin))
+            case messages.Drive(name=name):
+                self.hub.drive(self, name)
+            case messages.Leave():
+                self.hub.end_driver(self)
+            case messages.Hidden():
+                self.hub.hidden(self)
+            case messages.Hold(part=part):
+                self.with_driver(part, lambda driver: driver.hold(request))
+            case messages.Release(press=press):
+                if self.driver is not None:
+                    self.driver.release(press)
+            case messages.Home(speed=speed):
+                self.with_driver("home", lambda driver: driver.begin("home", home_query(speed)))
+            case messages.Do(command=command):
+                self.with_driver(command, lambda driver: driver.command(command))
+
+    def with_driver(self, control: str, work: Callable[[Driver], None]) -> None:
+        """Call `work` with the driver of this page; if it does not drive, the page gets a refusal instead."""
+        driver = self.hub.driver_of(self, control)
+        if driver is not None:
+            work(driver)
+
+
+class Pictures(Socket):
+    """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
+
+    def open(self, *_: str, **__: str) -> None:
+        """Begin to send pictures of the robot and twin in the URL; close the web socket if that is not on line."""
+        robot, twin = self.get_query_argument("robot", ""), self.get_query_argument("twin", "")
+        self._sent: dict[Camera, int] = {}
+        self._ready = [True, True]
+        self._cameras: list[Camera] = []
+        if (robot, twin) in self.context.hub.places():
+            self.set_nodelay(True)
+            self._cameras = [(robot, twin, eye) for eye in names.EYES]
+            self.context.hub.start_pictures(self, self._cameras)
+        else:
+            self.close()
+
+    def changed(self, camera: Camera) -> None:
+        """Send the newest picture, if the browser has drawn the last one of this eye."""
+        index = self._cameras.index(camera)
+        newest = self.context.hub.newest(camera)
+        if self._ready[index] and newest is not None and newest[0] != self._sent.get(camera):
+            self._ready[index], self._sent[camera] = False, newest[0]
+            self.send(bytes([index]) + newest[1], binary=True)
+
+    def on_message(self, message: str | bytes) -> None:
+        """Send the next picture of eye `0` or `1`, because the browser has drawn the last one."""
+        if message in ("0", "1"):
+            self._ready[int(message)] = True
+            self.changed(self._cameras[int(message)])
+
+    def on_close(self) -> None:
+        """Send no more pictures."""
+        self.context.hub.end_pictures(self)

@@ -1,0 +1,165 @@
+"""The rules for requests to the control page: hosts, origins, PIN, cookies. They use neither network nor clock."""
+
+from __future__ import annotations
+
+import hmac
+import os
+import secrets
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Final
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
+
+PIN_VARIABLE: Final = "BEATRIX_WEB_PIN"
+PIN_MIN, PIN_MAX = 6, 64
+WINDOW_S: Final = 60.0
+"""Time for which a wrong PIN counts."""
+WRONG_MAX: Final = 5
+"""Largest number of wrong PINs of one address within WINDOW_S."""
+WRONG_TOTAL: Final = 60
+"""Largest number of wrong PINs of all addresses within WINDOW_S: trying all PINs of six digits takes eleven days."""
+VISITORS_MAX: Final = 256
+STOPS_KEPT: Final = 32
+
+WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
+WAIT: Final = "There were too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
+FOREIGN_HOST: Final = (
+    "This server does not serve this address. Open the address that `beatrix web` has printed."
+)
+FOREIGN_ORIGIN: Final = "Another page has sent this request. Requests are accepted from the control page only: open it and try again."
+NO_COOKIE: Final = "This browser is not logged in. Load the control page again."
+
+
+def chosen_pin() -> str | None:
+    """Return the PIN in BEATRIX_WEB_PIN; None if it is not set. Raises WrongUsage if it is too short or too long."""
+    pin = os.environ.get(PIN_VARIABLE)
+    if pin is None or PIN_MIN <= len(pin) <= PIN_MAX:
+        return pin
+    text = f"The PIN in {PIN_VARIABLE} has {len(pin)} characters: choose {PIN_MIN} to {PIN_MAX}, or unset it to get a new PIN at each start."
+    raise WrongUsage(Reason.BAD_VALUE, text)
+
+
+def new_pin() -> str:
+    """Return a random PIN of six digits."""
+    return f"{secrets.randbelow(10**PIN_MIN):0{PIN_MIN}d}"
+
+
+def host_allowed(host: str, address: str, port: int) -> bool:
+    """Return whether a Host header names the address and port at which the connection has arrived.
+
+    A foreign page whose name is rebound to this computer (DNS rebinding) sends that name, and is refused: only the IP
+    address, and `localhost` on the loopback interface, are accepted.
+    """
+    names = [address, "localhost"] if address == "127.0.0.1" else [address]
+    return host.lower() in {f"{name}:{port}" for name in names} | ({*names} if port == 80 else set())
+
+
+def origin_allowed(origin: str | None, host: str) -> bool:
+    """Return whether an Origin header is that of the page at an allowed host; browsers always send one with a POST."""
+    return origin == f"http://{host.lower()}"
+
+
+def headers(host: str) -> dict[str, str]:
+    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it."""
+    own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
+    policy = (
+        f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
+        "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+    )
+    return {
+        "Content-Security-Policy": policy,
+        "X-Frame-Options": "DENY",
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "same-origin",  # with no-referrer the form would have the origin `null`, which is refused
+        "Cross-Origin-Resource-Policy": "same-origin",
+        "Cache-Control": "no-store",
+    }
+
+
+class Attempts:
+    """Counts wrong PINs; times are monotonic (s)."""
+
+    def __init__(self) -> None:
+        self._wrong: deque[tuple[float, str]] = deque(maxlen=WRONG_TOTAL)
+
+    def wait_s(self, address: str, now_s: float) -> float:
+        """Return the time until this address may try again (s); 0: now."""
+        while self._wrong and now_s - self._wrong[0][0] >= WINDOW_S:
+            self._wrong.popleft()
+        own = [moment for moment, sender in self._wrong if sender == address]
+        first = (
+            self._wrong[0][0]
+            if len(self._wrong) >= WRONG_TOTAL
+            else own[0]
+            if len(own) >= WRONG_MAX
+            else None
+        )
+        return 0.0 if first is None else first + WINDOW_S - now_s
+
+    def failed(self, address: str, now_s: float) -> None:
+        """Record a wrong PIN."""
+        self._wrong.append((now_s, address))
+
+
+class Login:
+    """Checks PINs; returns sentences for the user."""
+
+    def __init__(self, pin: str | None) -> None:
+        """Set the PIN; None: every browser that reaches the server may use the page."""
+        self._pin, self._attempts = pin, Attempts()
+
+    @property
+    def needed(self) -> bool:
+        """Whether a PIN is needed."""
+        return self._pin is not None
+
+    def refusal(self, typed: str, address: str, now_s: float) -> str:
+        """Return the reason why this PIN is refused, and count a wrong one; empty if it is accepted."""
+        if self._pin is None:
+            return ""
+        wait_s = self._attempts.wait_s(address, now_s)
+        if wait_s > 0:
+            return WAIT.format(seconds=max(1.0, wait_s))
+        if hmac.compare_digest(typed.strip().encode(), self._pin.encode()):
+            return ""
+        self._attempts.failed(address, now_s)
+        return WRONG_PIN
+
+
+@dataclass(eq=False)
+class Visitor:
+    """A browser that is logged in; its pages share the cookie."""
+
+    name: str
+    """name that the page proposes for the seat"""
+    _stops: deque[str] = field(default_factory=lambda: deque(maxlen=STOPS_KEPT))
+
+    def is_new_stop(self, stop: str) -> bool:
+        """Record a STOP; return False if its number has arrived before: a page sends each STOP over two connections."""
+        if stop in self._stops:
+            return False
+        self._stops.append(stop)
+        return True
+
+
+class Visitors:
+    """The browsers that are logged in, by the value of their cookie."""
+
+    def __init__(self) -> None:
+        self._visitors: dict[str, Visitor] = {}
+        self._count = 0
+
+    def admit(self) -> str:
+        """Log in a browser and return the value of its cookie; above VISITORS_MAX the oldest browser is logged out."""
+        if len(self._visitors) >= VISITORS_MAX:
+            del self._visitors[next(iter(self._visitors))]
+        self._count += 1
+        cookie = secrets.token_urlsafe(32)
+        self._visitors[cookie] = Visitor(f"guest-{self._count}")
+        return cookie
+
+    def find(self, cookie: str | None) -> Visitor | None:
+        """Return the browser with this cookie; None if no logged-in browser has it."""
+        return self._visitors.get(cookie or "")

@@ -1,0 +1,146 @@
+"""The server of the control page."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from tornado import ioloop, web
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import Shutdown
+from gui.page.connections import Server, brief_log
+from gui.page.handlers import Context, Files, Front, Live, Nothing, Pictures, Stopper
+from gui.page.hub import Hub
+from gui.page.protection import Login
+
+STATIC: Final = Path(__file__).parent / "static"
+LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
+SHOW_MS: Final = 100
+"""Period of the states that pages get."""
+HEARTBEAT_MS: Final = 50
+"""Period of the check for heartbeats."""
+PING_S: Final = 5.0
+"""Period of pings to each page; the connection of a page that does not reply is closed."""
+REQUEST_S: Final = 20.0
+"""Longest time for the body of a request to arrive, and for a connection to be idle."""
+BACKLOG: Final = 128
+"""Largest number of connections that may wait to be accepted."""
+BODY_MAX: Final = 4096
+"""Largest request, bytes."""
+
+
+def serve(
+    settings: Settings,
+    port: int,
+    *,
+    only: str | None,
+    pin: str | None,
+    ready: Callable[[int], None],
+    shutdown: Shutdown,
+) -> None:
+    """Serve the page until a shutdown is requested.
+
+    Args:
+        settings: router and seat.
+        port: TCP port; 0: any free port.
+        only: name of the only robot that pages may use; None: all robots at the router.
+        pin: PIN that every browser needs; None: serve this computer only, without a PIN.
+        ready: called with the port when the page is served.
+        shutdown: ends the server.
+
+    Raises:
+        NoAnswer: NO_ROUTER.
+        Refused: BAD_VALUE, another program uses the port, or the system does not allow it.
+    """
+    with brief_log():
+        asyncio.run(_serve(settings, port, only, pin, ready, shutdown))
+
+
+async def _serve(
+    settings: Settings,
+    port: int,
+    only: str | None,
+    pin: str | None,
+    ready: Callable[[int], None],
+    shutdown: Shutdown,
+) -> None:
+    listening = bind(port, LOOPBACK if pin is None else ALL)
+    port = listening.getsockname()[1]
+    loop = ioloop.IOLoop.current()
+    try:
+        hub = Hub(settings, only, loop.add_callback)
+    except BaseException:
+        listening.close()
+        raise
+    context = Context(hub, Login(pin), f"beatrix-{port}")
+    server = Server(
+        application(context),
+        max_body_size=BODY_MAX,
+        max_header_size=4 * BODY_MAX,
+        body_timeout=REQUEST_S,
+        idle_connection_timeout=REQUEST_S,
+    )
+    server.add_socket(listening)
+    ended = asyncio.Event()
+    timers = [
+        ioloop.PeriodicCallback(hub.show, SHOW_MS),
+        ioloop.PeriodicCallback(hub.check_heartbeats, HEARTBEAT_MS),
+        ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
+    ]
+    for timer in timers:
+        timer.start()
+    try:
+        ready(port)
+        await ended.wait()
+    finally:
+        for timer in timers:
+            timer.stop()
+        server.stop()
+        for page in list(hub.pages):
+            page.close()
+        await server.close_all_connections()
+        hub.close()
+
+
+def bind(port: int, address: str) -> socket.socket:
+    """Return a socket that listens on a port; raises Refused if the port is in use or not allowed."""
+    try:
+        listening = socket.create_server((address, port), backlog=BACKLOG)
+    except OSError as error:
+        if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+            raise
+        other = port + 1 if 1023 < port < 65535 else 8088
+        text = f"Port {port} cannot be used: {os.strerror(error.errno)}. Choose another one with --port, for example {other}."
+        raise Refused(Reason.BAD_VALUE, text) from error
+    listening.setblocking(False)  # noqa: FBT003
+    return listening
+
+
+def application(context: Context) -> web.Application:
+    """Return the Tornado application with all routes of the server."""
+    shared = {"context": context}
+    return web.Application(
+        [
+            ("/", Front, shared),
+            ("/stop", Stopper, shared),
+            ("/live", Live, shared),
+            ("/pictures", Pictures, shared),
+            (r"/static/([a-z.]+)", Files, {**shared, "path": str(STATIC)}),
+        ],
+        default_handler_class=Nothing,
+        default_handler_args=shared,
+        template_path=str(STATIC),
+        xsrf_cookies=True,
+        xsrf_cookie_kwargs={"samesite": "Strict", "httponly": True},
+        websocket_ping_interval=PING_S,
+        websocket_max_message_size=BODY_MAX,
+        log_function=lambda _: None,  # an access log would grow without limit
+    )

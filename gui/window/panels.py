@@ -1,0 +1,215 @@
+"""The arrangement of all widgets in one language: header, banner, three columns or the page of the class, STOP."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QLocale, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
+
+from beatrix_zenoh.client import CameraImage
+from gui.console.state.intents import ALL_ARMS, ARMS, Page, ShowTab, Tab, Theme
+from gui.console.state.views import HistoryRowView, RefusalView, View
+from gui.console.state.world import World
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets.arms import Arms
+from gui.window.widgets.banner import Banner
+from gui.window.widgets.class_page import ClassPage
+from gui.window.widgets.commands import Commands
+from gui.window.widgets.eyes import Eyes, OutsideView
+from gui.window.widgets.head import Head
+from gui.window.widgets.header import Header
+from gui.window.widgets.history import History
+from gui.window.widgets.key_sheet import KeySheet
+from gui.window.widgets.plots import Plots
+from gui.window.widgets.poses import Poses
+from gui.window.widgets.refusal import Refusal
+from gui.window.widgets.sending import Sending
+from gui.window.widgets.stop_bar import StopBar
+from gui.window.widgets.trouble import Trouble
+
+LOW_PX = 680
+"""Window height at scale 1 below which history and poses are tabs of the middle column."""
+ROOMY_PX = 768
+"""Window height at scale 1 below which `Sending` has no heading and reserves no room for the countdown."""
+
+
+class Panels(QWidget):
+    """All widgets of the window; they show a view and report intents."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self.setObjectName("central")
+        self.setLocale(QLocale(texts.code))
+        self._texts = texts
+        self._theme = Theme.DARK
+        self._low: bool | None = None
+        self._refusal: RefusalView | None = None
+        self._question = ""
+        self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
+        self.head, self.arms = Head(texts), Arms(texts)
+        self.heads, self.eyes, self.plots = OutsideView(texts), Eyes(texts), Plots(texts)
+        self.sending, self.commands = Sending(texts), Commands(texts)
+        self.history, self.poses = History(texts), Poses(texts)
+        self.tabs, self.side = QTabWidget(), QTabWidget()
+        self.body, self.class_page = QWidget(), ClassPage(texts)
+        self.class_page.hide()
+        self.pages = QWidget()
+        self._lay_out()
+        self.refusal, self.trouble = Refusal(texts, self.pages), Trouble(texts, self.pages)
+        self.key_sheet = KeySheet(texts, self.pages)
+        self._connect()
+
+    def _lay_out(self) -> None:
+        for tabs in (self.tabs, self.side):
+            tabs.setUsesScrollButtons(False)
+        middle = {Tab.HEADS: self.heads, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
+        for name, page in middle.items():
+            self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
+        left, right = QVBoxLayout(), QVBoxLayout()
+        left.addWidget(self.head, 1)
+        left.addWidget(self.arms)
+        right.addWidget(self.sending)
+        right.addWidget(self.side, 1)
+        right.addWidget(self.commands)
+        columns = self._columns = QHBoxLayout(self.body)
+        columns.setContentsMargins(0, 0, 0, 0)
+        columns.setSpacing(4)
+        for column in (left, right):
+            column.setSpacing(4)
+        columns.addLayout(left)
+        columns.addWidget(self.tabs)
+        columns.addLayout(right)
+        inner = QVBoxLayout()
+        inner.setContentsMargins(4, 4, 4, 4)
+        inner.setSpacing(4)
+        inner.addWidget(self.header)
+        inner.addWidget(self.banner)
+        pages = QVBoxLayout(self.pages)
+        pages.setContentsMargins(0, 0, 0, 0)
+        pages.addWidget(self.body)
+        pages.addWidget(self.class_page)
+        inner.addWidget(self.pages, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addLayout(inner, 1)
+        layout.addWidget(self.stop_bar)
+        self._arrange()
+
+    def _connect(self) -> None:
+        for part in (
+            self.header,
+            self.banner,
+            self.class_page,
+            self.head,
+            self.arms,
+            self.sending,
+            self.commands,
+            self.history,
+            self.poses,
+            self.refusal,
+            self.stop_bar,
+        ):
+            part.intent.connect(self.intent)
+        self.commands.asking.connect(self._ask)
+        self.header.keys_asked.connect(self.key_sheet.toggle)
+        self.tabs.currentChanged.connect(self._report_tab)
+
+    def _report_tab(self, number: int) -> None:
+        if 0 <= number < len(Tab):
+            self.intent.emit(ShowTab(list(Tab)[number]))
+
+    def _ask(self, question: str) -> None:
+        self._question = question
+        self._show_notice()
+
+    def _arrange(self) -> None:
+        """Arrange the widgets for the height of the window.
+
+        In a low window, history and poses move to the middle column, so that the pad has more width.
+        """
+        colours = style_of(self._theme)
+        self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
+        low = self.height() < colours.px(LOW_PX)
+        if low == self._low:
+            return
+        self._low = low
+        home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
+        home.addTab(self.history, self._texts("label.history"))
+        home.addTab(self.poses, self._texts("label.poses"))
+        self.side.setVisible(not low)
+        for column, stretch in enumerate((3, 2, 0) if low else (2, 5, 1)):
+            self._columns.setStretch(column, stretch)
+        self.tabs.setCurrentIndex(min(shown, self.tabs.count() - 1))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._arrange()
+        for overlay in (self.refusal, self.trouble, self.key_sheet):
+            if overlay.isVisible():
+                overlay.place()
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self._theme = theme
+        for part in (self.head, self.history, self.heads, self.eyes, self.plots, self.class_page):
+            part.show_theme(theme)
+        self._arrange()
+
+    def show_view(self, view: View) -> None:
+        """Pass each part of the view to its widget."""
+        self.header.show_view(view)
+        self.banner.show_view(view.banner)
+        self.head.show_view(view.head)
+        self.arms.show_view(view.arms)
+        self.sending.show_view(view.sending)
+        self.commands.show_view(view.commands)
+        self.history.show_view(view.history)
+        self.poses.show_view(view.poses)
+        self.heads.show_view(view.eyes)
+        self.eyes.show_view(view.eyes)
+        self.class_page.show_view(view.class_page)
+        self._show_page(view.page)
+        self.stop_bar.show_view(view.stop)
+        self.stop_bar.show_last(view.last)
+        refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal)
+        self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
+        self._show_notice()
+
+    def _show_page(self, page: Page) -> None:
+        shows_class = page is Page.CLASS
+        if self.class_page.isHidden() == shows_class:
+            self.body.setVisible(not shows_class)
+            self.class_page.setVisible(shows_class)
+            (self.class_page.list if shows_class else self.head.pad).setFocus()
+
+    def show_outcome(self, rows: tuple[HistoryRowView, ...], last: str) -> None:
+        """Update only the history and the last line, after an outcome."""
+        self.history.show_view(rows)
+        self.stop_bar.show_last(last)
+
+    def show_world(self, world: World) -> None:
+        """Append the positions to the plots; views do not contain them."""
+        self.plots.append(world)
+
+    def show_image(self, twin: str, image: CameraImage) -> None:
+        """Show a picture of a camera."""
+        self.heads.show_image(twin, image)
+        self.eyes.show_image(twin, image)
+
+    def _show_notice(self) -> None:
+        if self._question:
+            self.refusal.show_question(self._question, self.commands)
+        else:
+            shown = None if self.body.isHidden() else self._refusal
+            place = None if shown is None else self._place(shown.place)
+            self.refusal.show_view(shown, place)
+
+    def _place(self, name: str) -> QWidget:
+        """Return the widget beside which a refusal is shown."""
+        if name in {*ARMS, ALL_ARMS}:
+            return self.arms.rows[name].hw
+        return {"head": self.head, "commands": self.commands}.get(name, self.head)

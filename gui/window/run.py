@@ -1,0 +1,126 @@
+"""The window's process: Qt's loop, signals, errors, and saving of choices."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from types import TracebackType
+
+import msgspec
+from PyQt5.QtCore import QSize, Qt, QTimer
+from PyQt5.QtGui import QGuiApplication
+from PyQt5.QtWidgets import QApplication
+
+from beatrix_zenoh.cli.output import say
+from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import Shutdown, ignore_signals
+from gui.console.link import Link
+from gui.console.state import saved
+from gui.console.state.intents import Theme
+from gui.console.state.state import State
+from gui.window.autosave import Autosave
+from gui.window.bridge import Bridge
+from gui.window.window import Window
+
+SAVE_MS = 1000
+"""Period of saving changed choices."""
+SIGNAL_MS = 100
+"""Period of checking for Ctrl-C: Python runs signal handlers only between Python instructions, and Qt's loop executes
+none."""
+SIZE = (1366, 768)
+logger = logging.getLogger("beatrix.window")
+
+
+def run(settings: Settings, theme: Theme | None, language: str | None, *, name_given: bool) -> int:
+    """Show the window until it is closed or a signal arrives; returns the exit code."""
+    application, state, shutdown = qt_application(), chosen_state(theme, language), Shutdown()
+    shutdown.handle_signals()
+    autosave = Autosave(state)
+    try:
+        with linked_window(settings, state, name_given=name_given) as window:
+            window.resize(begin_size(QGuiApplication.primaryScreen().availableGeometry().size()))
+            window.show()
+            signals = QTimer()
+            signals.timeout.connect(lambda: window.close() if shutdown.requested(0.0) else None)
+            signals.start(SIGNAL_MS)
+            saving = QTimer()
+            saving.timeout.connect(autosave.save_changes)
+            saving.start(SAVE_MS)
+            say("ready window")
+            application.exec()
+            ignore_signals()
+    finally:
+        ignore_signals()
+        autosave.save_changes()
+    return 0
+
+
+@contextlib.contextmanager
+def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iterator[Window]:
+    """Yield a hidden window with a link that looks for the router; close the link at the end of the block."""
+    bridge = Bridge()
+    link = Link(  # reports nothing before `start`, and by then the window exists
+        settings,
+        lambda outcome: bridge.post(lambda: window.report(outcome)),
+        lambda twin, image: bridge.post_latest((twin, image.eye), lambda: window.show_image(twin, image)),
+        name_given=name_given,
+    )
+    try:
+        window = Window(link, state)
+        with errors_shown(lambda text: bridge.post(lambda: window.show_error(text))):
+            link.start()
+            for action in state.begin():
+                link.do(action)
+            yield window
+    finally:
+        bridge.close()
+        link.close()
+
+
+def begin_size(room: QSize) -> QSize:
+    """Return the initial size of the window: never larger than the screen's free area, so that STOP is visible."""
+    return QSize(*SIZE).boundedTo(room)
+
+
+def qt_application() -> QApplication:
+    """Create Qt's application in the style that all themes are made for."""
+    QApplication.setAttribute(Qt.ApplicationAttribute.AA_EnableHighDpiScaling)
+    QApplication.setAttribute(Qt.ApplicationAttribute.AA_UseHighDpiPixmaps)
+    application = QApplication(["beatrix"])
+    application.setStyle("Fusion")
+    return application
+
+
+def chosen_state(theme: Theme | None, language: str | None) -> State:
+    """Return a state with the saved choices; options of the command line take precedence."""
+    choices, notice = saved.load(saved.path())
+    if theme is not None:
+        choices = msgspec.structs.replace(choices, theme=theme)
+    if language is not None:
+        choices = msgspec.structs.replace(choices, language=language)
+    return State(choices, notice)
+
+
+@contextlib.contextmanager
+def errors_shown(show: Callable[[str], None]) -> Iterator[None]:
+    """Show and log unhandled errors of all threads in the block; PyQt alone would end the process with a core dump."""
+
+    def report(error: BaseException | None) -> None:
+        logger.error("unhandled error", exc_info=error)
+        show(f"{type(error).__name__}: {error}")
+
+    def in_this_thread(
+        _kind: type[BaseException], error: BaseException, _trace: TracebackType | None
+    ) -> None:
+        report(error)
+
+    old = sys.excepthook, threading.excepthook
+    sys.excepthook = in_this_thread
+    threading.excepthook = lambda arguments: report(arguments.exc_value)
+    try:
+        yield
+    finally:
+        sys.excepthook, threading.excepthook = old

@@ -1,0 +1,125 @@
+"""The arms: a row for each and one for all, increment and speed of + and -."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from beatrix_zenoh import colours
+from gui.console.state.intents import ALL_ARMS, ARMS, SetIncrement, SetRelative, SetSpeed
+from gui.console.state.views import ArmRowView, ArmsView
+from gui.console.texts import Texts
+from gui.window.widgets.controls import IntentButton, Radio, SliderBox, label, set_text
+
+LEAST_INCREMENT = 0.1
+"""deg"""
+LEAST_SPEED = 1.0
+"""deg/s"""
+
+
+class ArmRow:
+    """The controls of one arm, put into a grid."""
+
+    def __init__(self, grid: QGridLayout, row: int, arm: str) -> None:
+        self._view: ArmRowView | None = None
+        self.title = label()
+        if arm in colours.ARMS:
+            colour = colours.hexadecimal(colours.ARMS[arm])
+            self.title.setStyleSheet(f"border-left: 4px solid {colour}; padding-left: 4px")
+        self.minus, self.plus = IntentButton(), IntentButton()
+        self.sim, self.hw = label(role="sim"), label(role="hw")
+        for column, widget in enumerate((self.title, self.minus, self.plus, self.sim, self.hw)):
+            grid.addWidget(widget, row, column)
+        for button in (self.minus, self.plus):
+            button.setProperty("jog", True)  # noqa: FBT003
+            button.setMinimumWidth(34)
+        for value in (self.sim, self.hw):
+            value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+
+    def show_view(self, view: ArmRowView, difference: str) -> None:
+        """Show the angles; `difference` is the label of the difference in the tooltip."""
+        if view == self._view:
+            return
+        self._view = view
+        set_text(self.title, f"{view.axis.upper()}  {view.title}".strip())
+        set_text(self.sim, view.sim)
+        set_text(self.hw, view.hw)
+        tip = f"{difference}: {view.difference}" if view.difference else ""
+        for value in (self.sim, self.hw):
+            value.setToolTip(tip)
+        for button, shown in ((self.minus, view.minus), (self.plus, view.plus)):
+            button.show_view(shown)
+            button.setAccessibleName(f"{view.title} {shown.text}")
+
+
+class Arms(QFrame):
+    """The rows of the arms, the mode of + and -, increment and speed."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._view: ArmsView | None = None
+        self._difference = texts("label.difference")
+        self.setProperty("panel", True)  # noqa: FBT003
+        self.setAccessibleName(texts("label.arms"))
+        self.relative = Radio(texts("label.relative"), texts("tip.relative"))
+        self.absolute = Radio(texts("label.absolute"), texts("tip.absolute"))
+        self.relative.asked.connect(lambda: self.intent.emit(SetRelative(relative=True)))
+        self.absolute.asked.connect(lambda: self.intent.emit(SetRelative(relative=False)))
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(2)
+        grid.addWidget(self._modes(), 0, 0, 1, 3)
+        for column, twin in ((3, "sim"), (4, "hw")):
+            grid.addWidget(self._caption(texts(f"label.column_{twin}"), twin), 0, column)
+            grid.setColumnStretch(column, 1)
+        self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
+        for row in self.rows.values():
+            row.minus.intent.connect(self.intent)
+            row.plus.intent.connect(self.intent)
+        self.increment = self._slider(texts, "increment", LEAST_INCREMENT)
+        self.speed = self._slider(texts, "speed", LEAST_SPEED)
+        self.increment.changed.connect(lambda value: self.intent.emit(SetIncrement(value)))
+        self.speed.changed.connect(lambda value: self.intent.emit(SetSpeed(value)))
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 4, 8, 4)
+        layout.setSpacing(2)
+        layout.addLayout(grid)
+        layout.addWidget(self.increment)
+        layout.addWidget(self.speed)
+
+    def _modes(self) -> QWidget:
+        widget = QWidget()
+        layout = QHBoxLayout(widget)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.relative)
+        layout.addWidget(self.absolute)
+        layout.addStretch(1)
+        return widget
+
+    @staticmethod
+    def _caption(text: str, twin: str) -> QLabel:
+        caption = label(text, twin)
+        caption.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        return caption
+
+    @staticmethod
+    def _slider(texts: Texts, name: str, least: float) -> SliderBox:
+        unit = texts(f"label.{name}_unit")
+        return SliderBox(texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
+
+    def show_view(self, view: ArmsView) -> None:
+        """Show rows, mode, increment and speed."""
+        if view == self._view:
+            return
+        self._view = view
+        for row in view.rows:
+            self.rows[row.arm].show_view(row, self._difference)
+        self.relative.setChecked(view.relative)
+        self.absolute.setChecked(not view.relative)
+        self.increment.show_value(view.increment, view.increment_max)
+        self.speed.show_value(view.speed, view.speed_max)
+        width = max(self.increment.name_width(), self.speed.name_width())
+        self.increment.set_name_width(width)
+        self.speed.set_name_width(width)

@@ -1,0 +1,220 @@
+"""The page of the class: a row for each robot, requests to all robots, and requests to the selected one."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QColor
+from PyQt5.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QHeaderView,
+    QLineEdit,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+)
+
+from gui.console.state.intents import LimitClass, Theme
+from gui.console.state.views import ClassRowView, ClassView, SeatView
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+
+COLUMNS = ("robot", "twin", "state", "driver", "waiting", "rate", "age", "remarks")
+STATE = COLUMNS.index("state")
+RIGHT = (COLUMNS.index("rate"), COLUMNS.index("age"))
+WIDTHS_PX = (90, 84, 124, 130, 120, 56, 50)
+"""Widths (px) of all columns but the last, at scale 1."""
+LIMIT_PX = 70
+
+
+class ClassPage(QFrame):
+    """All robots and seats at the router."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._view: ClassView | None = None
+        self._style = style_of(Theme.DARK)
+        self.setProperty("panel", True)  # noqa: FBT003
+        self.summary = label(role="title", wrap=True)
+        self.freeze_all, self.unfreeze_all = IntentButton(main=True), IntentButton()
+        self.limit_now = label()
+        self.limit, self.set_limit = QLineEdit(), IntentButton()
+        self.limit.setAccessibleName(texts("label.class_limit"))
+        self.limit.returnPressed.connect(self._report_limit)
+        self.set_limit.clicked.disconnect()
+        self.set_limit.clicked.connect(lambda: self._report_limit())  # noqa: PLW0108 - `clicked` has an argument
+        self.list = self._list(texts)
+        self.empty = label(role="dim", wrap=True)
+        self.result = label(wrap=True)
+        self.selected = label(role="title")
+        self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
+        self.seats, self.mute = QComboBox(), IntentButton()
+        self.seats.setAccessibleName(texts("label.class_seat"))
+        self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
+        self.seat_label = label(texts("label.class_seat"), "title")
+        self.mute.intent.connect(self.intent)
+        for button in (self.freeze_all, self.unfreeze_all, self.freeze, self.take, self.show_robot):
+            button.intent.connect(self.intent)
+        self._lay_out(texts)
+
+    def _list(self, texts: Texts) -> QTreeWidget:
+        found = QTreeWidget()
+        found.setRootIsDecorated(False)
+        found.setUniformRowHeights(True)
+        found.setAllColumnsShowFocus(True)
+        found.setAccessibleName(texts("label.class"))
+        found.setHeaderLabels([texts(f"label.class_{name}") for name in COLUMNS])
+        found.setMinimumHeight(60)
+        found.setTabKeyNavigation(False)
+        header = found.header()
+        if header is not None:
+            header.setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
+            header.setSectionsMovable(False)
+        head = found.headerItem()
+        if head is not None:
+            for name in ("rate", "age"):
+                head.setToolTip(COLUMNS.index(name), texts(f"tip.class_{name}"))
+        found.currentItemChanged.connect(lambda *_: self._show_selected())
+        # The button is clicked later, because Qt passes the same Enter on to the parent widgets: if the pad already had
+        # the focus, this Enter would send a motion.
+        found.itemActivated.connect(lambda *_: QTimer.singleShot(0, self.show_robot.click))
+        return found
+
+    def _lay_out(self, texts: Texts) -> None:
+        every, one = QHBoxLayout(), QHBoxLayout()
+        for line in (every, one):
+            line.setSpacing(6)
+        every.addWidget(label(texts("label.class_all"), "title"))
+        every.addWidget(self.freeze_all)
+        every.addWidget(self.unfreeze_all)
+        every.addSpacing(12)
+        every.addWidget(label(texts("label.class_limit")))
+        every.addWidget(self.limit)
+        every.addWidget(self.set_limit)
+        every.addWidget(self.limit_now, 1)
+        one.addWidget(label(texts("label.class_one"), "title"))
+        one.addWidget(self.selected)
+        one.addWidget(self.freeze)
+        one.addWidget(self.take)
+        one.addWidget(self.show_robot)
+        one.addStretch(1)
+        one.addWidget(self.seat_label)
+        one.addWidget(self.seats)
+        one.addWidget(self.mute)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 8, 8, 8)
+        layout.setSpacing(6)
+        layout.addWidget(self.summary)
+        layout.addLayout(every)
+        layout.addWidget(self.list, 1)
+        layout.addWidget(self.empty, 1)
+        layout.addLayout(one)
+        layout.addWidget(self.result)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self._style = style_of(theme)
+        self.limit.setFixedWidth(self._style.px(LIMIT_PX))
+        for column, width in enumerate(WIDTHS_PX):
+            self.list.setColumnWidth(column, self._style.px(width))
+        if self._view is not None:
+            self._show_rows(self._view.rows)
+
+    def show_view(self, view: ClassView | None) -> None:
+        """Show all robots; the selected one stays selected while it is on line."""
+        if view is None or view == self._view:
+            return
+        old, self._view = self._view, view
+        set_text(self.summary, view.summary)
+        set_text(self.limit_now, view.limit_now)
+        self.freeze_all.show_view(view.freeze_all)
+        self.unfreeze_all.show_view(view.unfreeze_all)
+        self.set_limit.show_view(view.limit)
+        self.limit.setToolTip(view.limit.tooltip)
+        set_text(self.empty, view.empty)
+        self.empty.setVisible(not view.rows)
+        self.list.setVisible(bool(view.rows))
+        set_role(self.result, "role", {True: "good", False: "bad", None: "dim"}[view.good])
+        set_text(self.result, view.result)
+        if old is None or old.rows != view.rows:
+            self._show_rows(view.rows)
+        self._show_selected()
+        if old is None or old.seats != view.seats:
+            self._show_seats(view.seats)
+
+    def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
+        """Show the rows in the existing items; create new items if the robots are not the same as before."""
+        chosen = self._place_of(self.list.currentItem())
+        places = [self._place_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
+        if places != [row.place for row in rows]:
+            self.list.blockSignals(True)  # noqa: FBT003
+            self.list.clear()
+            self.list.addTopLevelItems([self._item(row) for row in rows])
+            again = next((i for i, row in enumerate(rows) if row.place == chosen), 0)
+            self.list.setCurrentItem(self.list.topLevelItem(again))
+            self.list.blockSignals(False)  # noqa: FBT003
+        for number, row in enumerate(rows):
+            item = self.list.topLevelItem(number)
+            if item is not None:
+                self._fill(item, row)
+
+    def _show_seats(self, seats: tuple[SeatView, ...]) -> None:
+        """List the seats; the chosen one stays chosen while it is listed."""
+        chosen = self.seats.currentData()
+        self.seats.blockSignals(True)  # noqa: FBT003
+        self.seats.clear()
+        for view in seats:
+            self.seats.addItem(view.text, getattr(view.mute.intent, "seat", None))
+        self.seats.setCurrentIndex(max(0, self.seats.findData(chosen)) if seats else -1)
+        self.seats.blockSignals(False)  # noqa: FBT003
+        self._show_seat()
+
+    def _show_seat(self) -> None:
+        """Show the button of the chosen seat."""
+        seats, index = () if self._view is None else self._view.seats, self.seats.currentIndex()
+        for part in (self.seat_label, self.seats, self.mute):
+            part.setVisible(bool(seats))
+        if 0 <= index < len(seats):
+            self.mute.show_view(seats[index].mute)
+
+    @staticmethod
+    def _place_of(item: QTreeWidgetItem | None) -> tuple[str, str] | None:
+        return None if item is None else item.data(0, Qt.ItemDataRole.UserRole)
+
+    @staticmethod
+    def _item(row: ClassRowView) -> QTreeWidgetItem:
+        item = QTreeWidgetItem()
+        item.setData(0, Qt.ItemDataRole.UserRole, row.place)
+        for column in RIGHT:
+            item.setTextAlignment(column, int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter))
+        return item
+
+    def _fill(self, item: QTreeWidgetItem, row: ClassRowView) -> None:
+        for column, text in enumerate(row.cells):
+            if item.text(column) != text:
+                item.setText(column, text)
+            if item.toolTip(column) != (tip := row.details or text):
+                item.setToolTip(column, tip)
+        colour = QColor(self._style.condition(row.condition))
+        if item.foreground(STATE).color() != colour:
+            item.setForeground(STATE, colour)
+
+    def _show_selected(self) -> None:
+        """Show the buttons of the selected robot."""
+        place = self._place_of(self.list.currentItem())
+        rows = () if self._view is None else self._view.rows
+        row = next((found for found in rows if found.place == place), None)
+        for part in (self.selected, self.freeze, self.take, self.show_robot):
+            part.setVisible(row is not None)
+        if row is not None:
+            set_text(self.selected, f"{row.cells[0]}, {row.cells[1]}")
+            self.freeze.show_view(row.freeze)
+            self.take.show_view(row.take)
+            self.show_robot.show_view(row.show)
+
+    def _report_limit(self) -> None:
+        self.intent.emit(LimitClass(self.limit.text()))

@@ -1,0 +1,356 @@
+"""Controls that several panels use; they show views and report the user's input."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PyQt5.QtWidgets import (
+    QAbstractButton,
+    QCheckBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QRadioButton,
+    QSizePolicy,
+    QSlider,
+    QWidget,
+)
+
+from gui.console.state.views import ButtonView
+
+STEPS = 10
+"""Positions of a slider per unit."""
+GAP_PX = 6
+NAMES_CHARACTERS = 18
+"""Number of characters that always fit into a label with a name."""
+SEPARATOR = " · "
+ARMED_MS = 6000
+"""Time in which a button with a question accepts its second press."""
+
+
+class IntentButton(QPushButton):
+    """A button that reports the intent of its view; if the view has a question, only at the second press."""
+
+    intent = pyqtSignal(object)
+    asking = pyqtSignal(str)
+    """the question, while the button waits for the second press; empty: it no longer waits"""
+
+    def __init__(self, *, main: bool = False) -> None:
+        super().__init__()
+        self._view: ButtonView | None = None
+        self._armed = QTimer(self)
+        self._armed.setSingleShot(True)
+        self._armed.setInterval(ARMED_MS)
+        self._armed.timeout.connect(self.disarm)
+        self.setProperty("main", main)
+        self.setAutoDefault(False)
+        self.clicked.connect(self._press)
+
+    def show_view(self, view: ButtonView) -> None:
+        """Show the view's text and tooltip, and enable or disable the button."""
+        if view == self._view:
+            return
+        self._view = view
+        self.setToolTip(view.tooltip)
+        self.setAccessibleName(view.text)
+        self.setAccessibleDescription(view.tooltip)
+        self.setEnabled(view.enabled)
+        self._show_text()
+
+    def disarm(self) -> None:
+        """Wait for the first press again."""
+        if self.property("armed"):
+            self._armed.stop()
+            set_role(self, "armed", "")
+            self._show_text()
+            self.asking.emit("")
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusOutEvent(event)
+        self.disarm()
+
+    def _press(self) -> None:
+        if self._view is None:
+            return
+        if self._view.question and not self.property("armed"):
+            self.setFocus()
+            set_role(self, "armed", "yes")
+            self._show_text()
+            self._armed.start()
+            self.asking.emit(self._view.question)
+            return
+        self.disarm()
+        self.intent.emit(self._view.intent)
+
+    def _show_text(self) -> None:
+        if self._view is not None:
+            text = self._view.text.replace("&", "&&")
+            self.setText(f"{text}?" if self.property("armed") else text)
+
+
+class Check(QCheckBox):
+    """A check box that changes only with its view.
+
+    It draws itself, because Fusion's box is invisible on a dark background.
+    """
+
+    asked = pyqtSignal(bool)
+    """the state that the user wants"""
+
+    def __init__(self, text: str, tooltip: str) -> None:
+        super().__init__(text)
+        self.setToolTip(tooltip)
+        self.setAccessibleName(text)
+        self.setAccessibleDescription(tooltip)
+        self.clicked.connect(lambda: self.asked.emit(not self.isChecked()))
+
+    def nextCheckState(self) -> None:  # noqa: N802
+        """Keep the state until the view changes it."""
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        return indicator_size(self)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return indicator_size(self)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        paint_indicator(self, round_=False)
+
+
+class Radio(QRadioButton):
+    """A radio button that changes only with its view, like `Check`."""
+
+    asked = pyqtSignal()
+
+    def __init__(self, text: str, tooltip: str) -> None:
+        super().__init__(text)
+        self.setToolTip(tooltip)
+        self.setAccessibleName(text)
+        self.setAccessibleDescription(tooltip)
+        self.setAutoExclusive(False)
+        self.clicked.connect(lambda: self.asked.emit())  # noqa: PLW0108 - `clicked` has an argument
+
+    def nextCheckState(self) -> None:  # noqa: N802
+        """Keep the state until the view changes it."""
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        return indicator_size(self)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return indicator_size(self)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        paint_indicator(self, round_=True)
+
+
+def indicator_size(button: QAbstractButton) -> QSize:
+    """Return the size of indicator and text."""
+    metrics = button.fontMetrics()
+    width = metrics.height() + GAP_PX + metrics.horizontalAdvance(button.text()) + 4
+    return QSize(width, metrics.height() + GAP_PX)
+
+
+def paint_indicator(button: QAbstractButton, *, round_: bool) -> None:
+    """Draw a box with a tick, or a ring with a dot, and the text."""
+    painter = QPainter(button)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    palette, metrics = button.palette(), button.fontMetrics()
+    group = palette.Active if button.isEnabled() else palette.Disabled
+    text, edge = palette.color(group, palette.WindowText), palette.color(palette.Light)
+    side = metrics.height() - 3.0
+    box = QRectF(2.0, (button.height() - side) / 2, side, side)
+    painter.setPen(QPen(edge if button.isEnabled() else text, 1.5))
+    painter.setBrush(palette.color(palette.Base))
+    if round_:
+        painter.drawEllipse(box)
+    else:
+        painter.drawRoundedRect(box, 2, 2)
+    if button.isChecked():
+        paint_mark(painter, box, text, round_=round_)
+    painter.setPen(text)
+    words = QRectF(box.right() + GAP_PX, 0, button.width(), button.height())
+    painter.drawText(words, int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft), button.text())
+    if button.hasFocus():
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(QPen(palette.color(palette.Highlight), 2))
+        painter.drawRoundedRect(QRectF(button.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 3, 3)
+
+
+def paint_mark(painter: QPainter, box: QRectF, colour: QColor, *, round_: bool) -> None:
+    """Draw the tick or the dot."""
+    side = box.width()
+    if round_:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(colour)
+        painter.drawEllipse(box.center(), side * 0.26, side * 0.26)
+        return
+    painter.setPen(QPen(colour, 2.2))
+    tick = [QPointF(0.2, 0.55), QPointF(0.42, 0.76), QPointF(0.8, 0.26)]
+    painter.drawPolyline(QPolygonF([box.topLeft() + point * side for point in tick]))
+
+
+class SliderBox(QWidget):
+    """A named number as a slider and as a box; reports changes of both."""
+
+    changed = pyqtSignal(float)
+
+    def __init__(self, name: str, unit: str, tooltip: str, *, least: float) -> None:
+        super().__init__()
+        self._value = self._maximum = -1.0
+        self._name = QLabel(name)
+        self.slider = QSlider(Qt.Orientation.Horizontal)
+        self.slider.setMinimum(round(least * STEPS))
+        self.slider.setSingleStep(STEPS)
+        self.slider.setPageStep(5 * STEPS)
+        self.slider.setMinimumWidth(60)
+        self.box = NumberBox(unit, least)
+        for control in (self.slider, self.box):
+            control.setToolTip(tooltip)
+            control.setAccessibleName(f"{name} ({unit.strip()})")
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(GAP_PX)
+        for part in (self._name, self.slider, self.box):
+            layout.addWidget(part)
+        layout.setStretch(1, 1)
+        self.slider.valueChanged.connect(lambda position: self.changed.emit(position / STEPS))
+        self.box.valueChanged.connect(self.changed)
+
+    def name_width(self) -> int:
+        """Return the width of the name (px), so that several sliders can be aligned."""
+        return self._name.sizeHint().width()
+
+    def set_name_width(self, width: int) -> None:
+        """Set the least width of the name (px)."""
+        self._name.setMinimumWidth(width)
+
+    def show_value(self, value: float, maximum: float) -> None:
+        """Show the number with its maximum."""
+        if (value, maximum) == (self._value, self._maximum):
+            return
+        self._value, self._maximum = value, maximum
+        with QSignalBlocker(self.slider), QSignalBlocker(self.box):
+            self.slider.setMaximum(round(maximum * STEPS))
+            self.slider.setValue(round(value * STEPS))
+            self.box.setMaximum(maximum)
+            self.box.setValue(value)
+
+
+class NumberBox(QDoubleSpinBox):
+    """A number with its unit; reports a typed number at Enter or when it loses the focus."""
+
+    def __init__(self, unit: str, least: float) -> None:
+        super().__init__()
+        self.setDecimals(1)
+        self.setMinimum(least)
+        self.setSuffix(unit)
+        self.setKeyboardTracking(False)
+        self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
+        self.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        metrics = self.fontMetrics()
+        return QSize(metrics.horizontalAdvance(f"180.0{self.suffix()}") + 22, super().sizeHint().height())
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return self.sizeHint()
+
+
+class ElidedLabel(QLabel):
+    """A label for names of any length: long text is elided and shown in the tooltip."""
+
+    def __init__(self, role: str = "") -> None:
+        super().__init__()
+        self.setProperty("role", role)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        size, metrics = super().minimumSizeHint(), self.fontMetrics()
+        return QSize(min(size.width(), NAMES_CHARACTERS * metrics.averageCharWidth()), size.height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        shown = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, self.width())
+        self.setToolTip("" if shown == self.text() else self.text())
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(self.palette().WindowText))
+        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
+
+
+class OptionalLabel(QLabel):
+    """A sentence that is drawn only if all of it fits. The tooltip of its parent contains it."""
+
+    def __init__(self, role: str = "") -> None:
+        super().__init__()
+        self.setProperty("role", role)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        return QSize(0, 0)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(0, 0)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
+        room = QRect(0, 0, self.width(), 1000)
+        needed = self.fontMetrics().boundingRect(room, flags, self.text())
+        if needed.height() <= self.height() and needed.width() <= self.width():
+            painter = QPainter(self)
+            painter.setPen(self.palette().color(self.palette().WindowText))
+            painter.drawText(self.rect(), flags, self.text())
+
+
+class PartsLabel(QLabel):
+    """Several texts on one line; draws as many as fit. The tooltip of its parent contains all."""
+
+    def __init__(self, role: str = "") -> None:
+        super().__init__()
+        self._parts: tuple[str, ...] = ()
+        self.setProperty("role", role)
+        self.setTextFormat(Qt.TextFormat.PlainText)
+
+    def show_parts(self, parts: tuple[str, ...]) -> None:
+        """Show other texts, the most important first."""
+        if parts != self._parts:
+            self._parts = parts
+            self.setText(SEPARATOR.join(parts))
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(0, super().minimumSizeHint().height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        lines = (SEPARATOR.join(self._parts[:count]) for count in range(len(self._parts), 0, -1))
+        width = self.fontMetrics().horizontalAdvance
+        shown = next((line for line in lines if width(line) <= self.width()), "")
+        painter = QPainter(self)
+        painter.setPen(self.palette().color(self.palette().WindowText))
+        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
+
+
+def label(text: str = "", role: str = "", *, wrap: bool = False) -> QLabel:
+    """Return a label in one of the style sheet's roles."""
+    result = QLabel(text)
+    result.setProperty("role", role)
+    result.setWordWrap(wrap)
+    result.setTextFormat(Qt.TextFormat.PlainText)
+    return result
+
+
+def set_role(widget: QWidget, name: str, value: str) -> None:
+    """Change a property by which the style sheet selects widgets, and apply the style."""
+    if widget.property(name) == value:
+        return
+    widget.setProperty(name, value)
+    style = widget.style()
+    if style is not None:
+        style.unpolish(widget)
+        style.polish(widget)
+
+
+def set_text(target: QLabel, text: str) -> None:
+    """Set a label's text if it differs: setting the same text would cause a new layout."""
+    if target.text() != text:
+        target.setText(text)

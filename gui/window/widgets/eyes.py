@@ -1,0 +1,237 @@
+"""Pictures of cameras: the eyes of both robots, and the simulated head from outside."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from typing import Final
+
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
+from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
+from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QVBoxLayout, QWidget
+
+from beatrix_zenoh.client import CameraImage
+from beatrix_zenoh.contract.names import EYES, OUTSIDE, TWINS
+from gui.console.state.intents import Theme
+from gui.console.state.views import EyeView
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+
+PERIOD_MS: Final = 33
+"""Shortest time between two drawings."""
+STALE_S: Final = 1.0
+"""Age of the newest picture above which the title shows this age instead of the rate."""
+RATE_S: Final = 2.0
+"""Time over which the rate of pictures is measured."""
+BAR_PX: Final = 5
+"""Width of the bar in the robot's colour."""
+LARGEST_PX: Final = 10_000_000
+"""Largest number of pixels of a picture: decoding a larger one would block the window."""
+
+
+def decode(jpeg: bytes) -> QImage | None:
+    """Return the image of a JPEG file; None if it is damaged or has more than `LARGEST_PX` pixels."""
+    buffer = QBuffer()
+    buffer.setData(jpeg)
+    reader = QImageReader(buffer, b"JPEG")
+    size = reader.size()  # from the header alone
+    if not size.isValid() or size.width() * size.height() > LARGEST_PX:
+        return None
+    image = reader.read()
+    return None if image.isNull() else image
+
+
+class Picture(QWidget):
+    """The newest picture of one camera under its title, or the reason why there is none.
+
+    Pictures are decoded only when drawn: none while the widget is hidden, and at most 30 a second.
+    """
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._damaged = texts("label.picture_damaged")
+        self._style = style_of(Theme.DARK)
+        self._view: EyeView | None = None
+        self._newest: CameraImage | None = None
+        self._image: tuple[CameraImage, QImage | None] | None = None
+        self._numbers: deque[tuple[int, int]] = deque()
+        self.note = ""
+        """the shown rate of the pictures, or the age of the newest if no more arrive"""
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(PERIOD_MS)
+        self._pause.timeout.connect(self._after_pause)
+        self._again = False
+        self.setToolTip(texts("tip.picture"))
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
+        return QSize(320, 240 + self._strip())
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(120, 90 + self._strip())
+
+    def show_view(self, view: EyeView) -> None:
+        """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
+        if view.text or not view.watched:
+            self._newest = self._image = None
+            self._numbers.clear()
+        note = self._note_now()
+        if (view, note) == (self._view, self.note):
+            return
+        self._view, self.note = view, note
+        self.setAccessibleName(view.title)
+        self.setAccessibleDescription(view.text)
+        self.update()
+
+    def show_image(self, image: CameraImage) -> None:
+        """Show a new picture."""
+        self._count(image)
+        self._newest = image
+        if self._pause.isActive():
+            self._again = True
+        else:
+            self._draw()
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self._style = style_of(theme)
+        self.updateGeometry()
+        self.update()
+
+    def _draw(self) -> None:
+        self._again = False
+        self.note = self._note_now()
+        self._pause.start()
+        self.update()
+
+    def _after_pause(self) -> None:
+        if self._again:
+            self._draw()
+
+    def _count(self, image: CameraImage) -> None:
+        numbers = self._numbers
+        if numbers and image.seq <= numbers[-1][0]:  # another camera, or a restarted robot
+            numbers.clear()
+        numbers.append((image.seq, image.t_mono_ns))
+        while image.t_mono_ns - numbers[0][1] > RATE_S * 1e9:
+            numbers.popleft()
+
+    def _note_now(self) -> str:
+        """Return the rate of the pictures, or the age of the newest if no more arrive."""
+        if self._newest is None:
+            return ""
+        age_s = (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
+        if age_s > STALE_S:
+            return f"{age_s:.0f} s"
+        (first, begin_ns), (last, end_ns) = self._numbers[0], self._numbers[-1]
+        return f"{(last - first) / (end_ns - begin_ns) * 1e9:.0f}/s" if end_ns > begin_ns else ""
+
+    def _strip(self) -> int:
+        """Return the height of the title (px)."""
+        return self.fontMetrics().height() + self._style.px(6)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
+        painter = QPainter(self)
+        strip = self._strip()
+        self._paint_title(painter, QRect(0, 0, self.width(), strip))
+        below = QRect(0, strip, self.width(), self.height() - strip)
+        painter.fillRect(below, QColor(self._style.field))
+        image, text = self._shown()
+        if image is None:
+            margin = self._style.px(12)
+            painter.setPen(QColor(self._style.text))
+            inner = below.adjusted(margin, margin, -margin, -margin)
+            painter.drawText(inner, int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap), text)
+        else:
+            size = image.size().scaled(below.size(), Qt.AspectRatioMode.KeepAspectRatio)
+            place = QRect(below.topLeft(), size)
+            place.moveCenter(below.center())
+            painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+            painter.drawImage(place, image)
+
+    def _shown(self) -> tuple[QImage | None, str]:
+        """Return the decoded picture or None, and the text that replaces a missing picture."""
+        text = "" if self._view is None else self._view.text
+        if text or self._newest is None:
+            return None, text
+        if self._image is None or self._image[0] is not self._newest:
+            self._image = self._newest, decode(self._newest.jpeg)
+        return self._image[1], self._damaged
+
+    def _paint_title(self, painter: QPainter, strip: QRect) -> None:
+        if self._view is None:
+            return
+        colours, margin = self._style, self._style.px(6)
+        painter.fillRect(strip, QColor(colours.panel))
+        painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.twin(self._view.twin)))
+        inner = strip.adjusted(BAR_PX + margin, 0, -margin, 0)
+        stale = self.note.endswith(" s")
+        painter.setPen(QColor(colours.warn if stale else colours.dim))
+        vertical = Qt.AlignmentFlag.AlignVCenter
+        painter.drawText(inner, int(Qt.AlignmentFlag.AlignRight | vertical), self.note)
+        inner.setRight(inner.right() - painter.fontMetrics().horizontalAdvance(self.note + "  "))
+        painter.save()
+        font = painter.font()
+        font.setBold(True)
+        painter.setFont(font)
+        painter.setPen(QColor(colours.text))
+        title = painter.fontMetrics().elidedText(self._view.title, Qt.TextElideMode.ElideRight, inner.width())
+        painter.drawText(inner, int(Qt.AlignmentFlag.AlignLeft | vertical), title)
+        painter.restore()
+
+
+class Eyes(QWidget):
+    """The pictures of the eyes: a row for each robot, the left eye on the left."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setSpacing(6)
+        self.pictures = {(twin, eye): Picture(texts) for twin in TWINS for eye in EYES}
+        for (twin, eye), picture in self.pictures.items():
+            grid.addWidget(picture, TWINS.index(twin), EYES.index(eye))
+
+    def show_view(self, eyes: tuple[EyeView, ...]) -> None:
+        """Show the eyes among these views."""
+        for view in eyes:
+            if view.eye != OUTSIDE:
+                self.pictures[view.twin, view.eye].show_view(view)
+
+    def show_image(self, twin: str, image: CameraImage) -> None:
+        """Show a picture of an eye; ignore the outside view."""
+        picture = self.pictures.get((twin, image.eye))
+        if picture is not None:
+            picture.show_image(image)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        for picture in self.pictures.values():
+            picture.show_theme(theme)
+
+
+class OutsideView(QWidget):
+    """The simulated head from outside."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self.picture = Picture(texts)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.picture)
+
+    def show_view(self, eyes: tuple[EyeView, ...]) -> None:
+        """Show the outside view among these views."""
+        for view in eyes:
+            if view.eye == OUTSIDE:
+                self.picture.show_view(view)
+
+    def show_image(self, twin: str, image: CameraImage) -> None:  # noqa: ARG002 - only simulations have this view
+        """Show a picture of the outside view; ignore those of the eyes."""
+        if image.eye == OUTSIDE:
+            self.picture.show_image(image)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self.picture.show_theme(theme)

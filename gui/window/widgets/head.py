@@ -1,0 +1,102 @@
+"""The head's panel: pad, numbers of target, simulation and hardware, and Send."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QVBoxLayout
+
+from gui.console.state.intents import Theme
+from gui.console.state.views import HeadView, Orientation
+from gui.console.texts import Texts
+from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.head_pad import HeadPad
+
+AXES = ("yaw", "pitch", "roll")
+COLUMNS = {"target": "title", "sim": "sim", "hw": "hw"}
+"""Columns of the numbers, with their roles."""
+WIDEST = "-88.8°"
+SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
+"""The markers of the pad."""
+
+
+class Head(QFrame):
+    """The present and the target orientation of the head."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._view: HeadView | None = None
+        self._texts = texts
+        self.setProperty("panel", True)  # noqa: FBT003
+        self.pad = HeadPad(texts)
+        self.pad.setProperty("sends", True)  # noqa: FBT003
+        self.send = IntentButton(main=True)
+        self.numbers: dict[tuple[str, str], QLabel] = {}
+        self.pad.intent.connect(self.intent)
+        self.send.intent.connect(self.intent)
+        self._numbers = QVBoxLayout()
+        self._numbers.setSpacing(4)
+        self._numbers.addStretch(1)
+        self._numbers.addLayout(self._table(texts))
+        self._numbers.addWidget(self.send)
+        self._layout = QBoxLayout(QBoxLayout.Direction.TopToBottom, self)
+        self._layout.setContentsMargins(6, 6, 6, 6)
+        self._layout.setSpacing(4)
+        self._layout.addWidget(self.pad, 1)
+        self._layout.addLayout(self._numbers)
+
+    def _table(self, texts: Texts) -> QGridLayout:
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(4)
+        grid.setVerticalSpacing(1)
+        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        for column, (name, role) in enumerate(COLUMNS.items(), start=1):
+            text = texts("label.target" if name == "target" else f"label.column_{name}")
+            caption = label(f"{SYMBOLS[name]} {text}", role)
+            caption.setAlignment(right)
+            grid.addWidget(caption, 0, column)
+            grid.setColumnStretch(column, 1)
+        for row, axis in enumerate(AXES, start=1):
+            grid.addWidget(label(texts(f"label.{axis}"), "dim"), row, 0)
+            for column, (name, role) in enumerate(COLUMNS.items(), start=1):
+                number = label(role=role)
+                number.setAlignment(right)
+                grid.addWidget(number, row, column)
+                self.numbers[name, axis] = number
+        return grid
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Put the numbers beside the pad or below it, where they leave the pad more room."""
+        super().resizeEvent(event)
+        width, height, numbers = self.width(), self.height(), self._numbers.sizeHint()
+        beside = min(width - numbers.width(), height) > min(width, height - numbers.height())
+        directions = QBoxLayout.Direction
+        self._layout.setDirection(directions.LeftToRight if beside else directions.TopToBottom)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours of a theme."""
+        self.pad.show_theme(theme)
+        for number in self.numbers.values():  # constant widths while the head moves
+            number.ensurePolished()
+            number.setMinimumWidth(number.fontMetrics().horizontalAdvance(WIDEST) + 2)
+
+    def show_view(self, view: HeadView) -> None:
+        """Show the pad, the numbers and the Send button."""
+        self.pad.show_view(view)
+        if view == self._view:
+            return
+        self._view = view
+        self._show_numbers("target", view.target)
+        self._show_numbers("sim", view.sim)
+        self._show_numbers("hw", view.hw)
+        self.send.show_view(view.send)
+
+    def _show_numbers(self, name: str, at: Orientation | None) -> None:
+        for axis in AXES:
+            if at is None:
+                text = self._texts("unknown")
+            else:
+                text = self._texts("angle", degrees=float(getattr(at, axis)))
+            set_text(self.numbers[name, axis], text)

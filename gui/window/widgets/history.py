@@ -1,0 +1,132 @@
+"""Requests of this window and of other seats, to send again or to copy as Python or as a command line."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtGui import QColor, QGuiApplication
+from PyQt5.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from gui.console.state.intents import Repeat, Theme
+from gui.console.state.views import HistoryRowView
+from gui.console.texts import Texts
+from gui.window.theme import style_of
+from gui.window.widgets.controls import label
+
+
+class History(QWidget):
+    """The list of requests, newest first."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._rows: tuple[HistoryRowView, ...] = ()
+        self._style = style_of(Theme.DARK)
+        self.list = QListWidget()
+        self.list.setWordWrap(True)
+        self.list.setAccessibleName(texts("label.history"))
+        self.list.setMinimumHeight(40)
+        self.empty: QLabel = label(texts("label.history_empty"), "dim", wrap=True)
+        self.repeat = self._button(texts, "repeat", texts("label.repeat"))
+        self.python = self._button(texts, "copy_python", "Python")
+        self.command_line = self._button(texts, "copy_command_line", texts("label.command_line"))
+        copies = QHBoxLayout()
+        copies.setSpacing(4)
+        copies.addWidget(label(texts("label.copy")))
+        copies.addWidget(self.python, 1)
+        copies.addWidget(self.command_line, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.setSpacing(4)
+        layout.addWidget(self.empty)
+        layout.addWidget(self.list, 1)
+        layout.addWidget(self.repeat)
+        layout.addLayout(copies)
+        self.repeat.clicked.connect(self._repeat)
+        self.python.clicked.connect(lambda: self._copy(command_line=False))
+        self.command_line.clicked.connect(lambda: self._copy(command_line=True))
+        self.list.currentRowChanged.connect(self._show_buttons)
+        self.list.itemActivated.connect(self._repeat)
+        self._show_buttons()
+
+    @staticmethod
+    def _button(texts: Texts, name: str, text: str) -> QPushButton:
+        button = QPushButton(text)
+        button.setAutoDefault(False)
+        button.setToolTip(texts(f"tip.{name}"))
+        button.setAccessibleName(texts(f"label.{name}"))
+        return button
+
+    def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
+        """Show the rows; the selected one stays selected while it exists."""
+        if rows == self._rows:
+            return
+        older = _alike_at_the_end(rows, self._rows)
+        self._fill(rows, older)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours of a theme."""
+        self._style = style_of(theme)
+        self._fill(self._rows, 0)
+
+    def _fill(self, rows: tuple[HistoryRowView, ...], older: int) -> None:
+        """Show `rows`; the last `older` of them are listed already and kept, because replacing all takes milliseconds."""
+        chosen, newer = self._chosen(), rows[: len(rows) - older]
+        self._rows = rows
+        self.list.blockSignals(True)  # noqa: FBT003
+        for _ in range(self.list.count() - older):
+            self.list.takeItem(0)
+        for row in reversed(newer):
+            self.list.insertItem(0, self._item(row))
+        if chosen is not None:
+            same = [
+                i
+                for i, row in enumerate(rows)
+                if (row.row, row.time, row.what) == (chosen.row, chosen.time, chosen.what)
+            ]
+            self.list.setCurrentRow(same[0] if same else -1)
+        self.list.blockSignals(False)  # noqa: FBT003
+        self.empty.setVisible(not rows)
+        self.list.setVisible(bool(rows))
+        self._show_buttons()
+
+    def _item(self, row: HistoryRowView) -> QListWidgetItem:
+        item = QListWidgetItem(f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}")
+        colours = {True: self._style.text, False: self._style.bad, None: self._style.dim}
+        item.setForeground(QColor(colours[row.good]))
+        item.setToolTip("\n".join(line for line in (row.python, row.command_line) if line))
+        return item
+
+    def _chosen(self) -> HistoryRowView | None:
+        number = self.list.currentRow()
+        return self._rows[number] if 0 <= number < len(self._rows) else None
+
+    def _show_buttons(self) -> None:
+        chosen = self._chosen()
+        self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
+        self.python.setEnabled(chosen is not None and bool(chosen.python))
+        self.command_line.setEnabled(chosen is not None and bool(chosen.command_line))
+
+    def _repeat(self) -> None:
+        chosen = self._chosen()
+        if chosen is not None and chosen.row >= 0:
+            self.intent.emit(Repeat(chosen.row))
+
+    def _copy(self, *, command_line: bool) -> None:
+        chosen, clipboard = self._chosen(), QGuiApplication.clipboard()
+        if chosen is not None and clipboard is not None:
+            clipboard.setText(chosen.command_line if command_line else chosen.python)
+
+
+def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowView, ...]) -> int:
+    """Return how many rows at the end of both are equal."""
+    pairs = zip(reversed(one), reversed(other), strict=False)
+    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

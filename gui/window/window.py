@@ -1,0 +1,138 @@
+"""The window: shows the world that the link returns, and passes the actions of intents to the link."""
+
+from __future__ import annotations
+
+import time
+
+from PyQt5.QtCore import QTimer, pyqtSignal
+from PyQt5.QtGui import QCloseEvent
+from PyQt5.QtWidgets import QMainWindow
+
+from beatrix_zenoh.client import CameraImage
+from gui.console.link import Link
+from gui.console.state.actions import Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.console.state.intents import Intent, SendHead, Stop, Tab, TogglePage, ToggleRecording, Undo
+from gui.console.state.state import State
+from gui.console.state.views import View
+from gui.console.texts import Texts
+from gui.window.keys import Keys
+from gui.window.panels import Panels
+from gui.window.theme import apply_theme, style_of
+
+PERIOD_MS = 50
+REFRESH_DELAY_MS = 10
+"""Time between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
+ANSWERED = (Send, SendCommand, SendLease, Ready)
+"""Actions that a robot answers within milliseconds."""
+YIELD_S = 0.0003
+"""Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
+LEAST_WIDTH, LEAST_HEIGHT = 1024, 560
+
+
+class Window(QMainWindow):
+    """The main window; used in Qt's thread only."""
+
+    closed = pyqtSignal()
+
+    def __init__(self, link: Link, state: State) -> None:
+        super().__init__()
+        self._link, self._state = link, state
+        self._view: View | None = None
+        self._world = link.world()
+        self.panels: Panels
+        self.setMinimumSize(LEAST_WIDTH, LEAST_HEIGHT)
+        self._show(self._state.view(self._world))
+        self.keys = Keys(lambda: self.panels.stop_bar)
+        self.keys.stop.connect(lambda: self.handle(Stop()))
+        self.keys.send.connect(lambda: self.handle(SendHead()))
+        self.keys.undo.connect(lambda: self.handle(Undo()))
+        self.keys.record.connect(lambda: self.handle(ToggleRecording()))
+        self.keys.help.connect(self._toggle_keys)
+        self.keys.page.connect(lambda: self.handle(TogglePage()))
+        self.keys.install()
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self.refresh)
+        self._timer.start(PERIOD_MS)
+        self._delayed_refresh = QTimer(self)
+        self._delayed_refresh.setSingleShot(True)
+        self._delayed_refresh.setInterval(REFRESH_DELAY_MS)
+        self._delayed_refresh.timeout.connect(self.refresh)
+
+    @property
+    def refresh_pending(self) -> bool:
+        """Whether the window does not show the newest request or outcome completely yet."""
+        return self._delayed_refresh.isActive()
+
+    def refresh(self) -> None:
+        """Show the present world."""
+        self._world = self._link.world()
+        self._show_world()
+
+    def _show_world(self) -> None:
+        self._delayed_refresh.stop()
+        self._state.follow(self._world)
+        self._show(self._state.view(self._world))
+        self.panels.show_world(self._world)
+
+    def handle(self, intent: Intent) -> None:
+        """Carry out an intent and show its effect: at once, or after REFRESH_DELAY_MS if a robot answers it."""
+        if not isinstance(intent, Stop):  # reading the world would delay STOP
+            self._world = self._link.world()
+        actions = self._state.handle(intent, self._world)
+        self._do(actions)
+        if any(isinstance(action, ANSWERED) for action in actions):
+            self._delayed_refresh.start()
+        else:
+            self.refresh()
+
+    def report(self, outcome: Outcome) -> None:
+        """Show the outcome of an action: history and last line at once, the rest after REFRESH_DELAY_MS."""
+        self._state.report(outcome)
+        self.panels.show_outcome(*self._state.outcomes(self._world))
+        self._delayed_refresh.start()
+
+    def show_image(self, twin: str, image: CameraImage) -> None:
+        """Show a picture of a camera."""
+        self.panels.show_image(twin, image)
+
+    def show_error(self, text: str) -> None:
+        """Show an error of the window itself in a line over the panels."""
+        self.panels.trouble.show_text(text)
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
+        self._timer.stop()
+        self._delayed_refresh.stop()
+        self.keys.remove()
+        super().closeEvent(event)
+        self.closed.emit()
+
+    def _toggle_keys(self) -> None:
+        self.panels.key_sheet.toggle()
+
+    def _do(self, actions: list[Action]) -> None:
+        for action in actions:
+            self._link.do(action)
+        if actions:
+            time.sleep(YIELD_S)
+
+    def _show(self, view: View) -> None:
+        old, self._view = self._view, view
+        if old is None or old.language != view.language:
+            self._build(view)
+        if old is None or old.theme != view.theme or old.language != view.language:
+            self._apply_theme(view)
+        if old is None or old.title != view.title:
+            self.setWindowTitle(view.title)
+        self.panels.show_view(view)
+
+    def _build(self, view: View) -> None:
+        """Create all widgets, at the start and for another language."""
+        self.panels = Panels(Texts(view.language))
+        self.panels.tabs.setCurrentIndex(list(Tab).index(view.tab))
+        self.panels.intent.connect(self.handle)
+        self.setCentralWidget(self.panels)
+        self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
+
+    def _apply_theme(self, view: View) -> None:
+        apply_theme(self, style_of(view.theme))
+        self.panels.show_theme(view.theme)
