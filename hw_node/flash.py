@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import resources
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
@@ -20,7 +18,7 @@ from beatrix_zenoh.cli.output import note, print_json, say
 from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
-from beatrix_zenoh.shutdown import SIGNALS
+from beatrix_zenoh.shutdown import signals_interrupt
 from hw_node import hexfile, stk500
 from hw_node.port import VIRTUAL, SerialPort, find
 from hw_node.stk500 import PAGE, PARKED, Programmer, Wire
@@ -75,25 +73,6 @@ def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) ->
 
 
 @contextmanager
-def signals_as_interrupt() -> Iterator[None]:
-    """Turn SIGTERM and SIGHUP into KeyboardInterrupt, so that the state of the board is still printed."""
-
-    def interrupt(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    before = {
-        number: signal.signal(number, interrupt)
-        for number in SIGNALS
-        if signal.getsignal(number) is not signal.SIG_IGN
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-@contextmanager
 def report_board_state() -> Iterator[SetState]:
     """Yield a function that sets the state of the board; if the block fails, report that state.
 
@@ -145,7 +124,7 @@ def flash(
     as_json: Json = False,
 ) -> None:
     """Write the firmware to the board, in about ten seconds. Hold the head: the motors switch off."""
-    with signals_as_interrupt(), report_board_state() as now:
+    with signals_interrupt(), report_board_state() as now:
         image = firmware(file)
         if port.startswith(VIRTUAL.rstrip(":")):
             raise WrongUsage(

@@ -16,7 +16,7 @@ import numpy as np
 from beatrix_zenoh import Robot, Twin
 from beatrix_zenoh.cli.comparison_text import axes_table
 from beatrix_zenoh.cli.demo import start
-from beatrix_zenoh.cli.processes import Supervisor, signals_interrupt
+from beatrix_zenoh.cli.processes import Supervisor
 from beatrix_zenoh.client.choreography import shipped
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
@@ -29,6 +29,7 @@ from beatrix_zenoh.recording.lag import lag
 from beatrix_zenoh.recording.path import path_of_recording
 from beatrix_zenoh.recording.replay import replay
 from beatrix_zenoh.recording.series import Floats, Recording, recording
+from beatrix_zenoh.shutdown import signals_interrupt
 
 SETTLE_S = 0.6
 EARLY_DEG = (1.0, 6.0)

@@ -15,6 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TWINS
 from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.shutdown import signals_interrupt
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
@@ -175,7 +176,7 @@ def draw(path: Path, found: Comparison, title: str) -> None:
     if path.suffix.lower() != ".png":
         raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
     try:
-        with replace_when_complete(path) as unfinished:
+        with signals_interrupt(), replace_when_complete(path) as unfinished:
             twin_figure(found, title).savefig(unfinished, dpi=150)
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"--png {path}: {error.strerror}. Name another file.") from error

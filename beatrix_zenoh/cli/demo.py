@@ -12,7 +12,7 @@ import typer
 
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.output import FAILED, note, print_json, say
-from beatrix_zenoh.cli.processes import Role, Supervisor, signals_interrupt
+from beatrix_zenoh.cli.processes import Role, Supervisor
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, shipped
@@ -20,6 +20,7 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import signals_interrupt
 
 if TYPE_CHECKING:
     from beatrix_zenoh.cli.demo_files import DemoRecording

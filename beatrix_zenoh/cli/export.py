@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.cli.film import EyeName, check_video, written_film
+from beatrix_zenoh.cli.film import FILM, EyeName, check_video, written_film
 from beatrix_zenoh.cli.options import Json, Names, Which, finite
 from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new, new_file
+from beatrix_zenoh.shutdown import signals_interrupt
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
@@ -80,14 +81,19 @@ def export(
     found = opened(recordings, begin, end, name or ())
     document: dict[str, object] = {"result": True, "robots": robots_of(found)}
     lines = []
-    if out is not None:
-        rows = written(out, found, samples=samples)
-        document |= {"file": str(out), "rows": rows}
-        lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
-    if video is not None:
-        film = written_film(video, recordings, found, eye, on)
-        document |= {"video": str(video), "frames": film.frames}
-        lines.append(f"{video}: {film.frames} frames, {film.lasts_s:.1f} s of {film.shows}.")
+    with signals_interrupt():  # so that SIGTERM deletes an incomplete file, as Ctrl-C does
+        if out is not None:
+            rows = written(out, found, samples=samples)
+            document |= {"file": str(out), "rows": rows}
+            lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
+        if video is not None:
+            film = written_film(video, recordings, found, eye, on)
+            document |= {"video": str(video), "frames": film.frames}
+            lines.append(f"{video}: {film.frames} frames, {film.lasts_s:.1f} s of {film.shows}.")
+    if found.pauses:
+        document["pauses"] = [{"from_s": pause.from_s, "lasts_s": pause.lasts_s} for pause in found.pauses]
+        pauses = ", ".join(f"{pause.lasts_s:.1f} s from {pause.from_s:.1f} s on" for pause in found.pauses)
+        lines.append(f"Between the files nothing was recorded: {pauses}.")
     if as_json:
         print_json(document)
     else:
@@ -107,6 +113,8 @@ def sources_and_table(files: Sequence[Path], *, film: bool) -> tuple[list[Path],
         raise typer.BadParameter("A recording is given twice: give each file once.")
     if film and not others:
         return recordings, None
+    if film_named := [path for path in others if path.suffix.lower() == FILM]:
+        raise typer.BadParameter(f"{film_named[0]} is the name of a film: write --video {film_named[0]}.")
     if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
         given = ", ".join(map(str, others)) or "none is given"
         raise typer.BadParameter(

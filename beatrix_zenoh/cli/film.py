@@ -21,6 +21,8 @@ if TYPE_CHECKING:  # importing numpy, rerun and av would delay every verb
     from beatrix_zenoh.recording.film import EyePictures, Frame
 
 FILM = ".mp4"
+OF_ONE_EYE = "with what the eyes saw (--eye left or --eye right: a film of one eye alone)"
+NO_PICTURES = "without pictures of the eyes, which were not recorded (`beatrix record --cameras 5`)"
 
 
 class EyeName(StrEnum):
@@ -54,7 +56,10 @@ def check_video(path: Path | None, eye: EyeName | None, on: Which | None) -> Non
     if path.suffix.lower() != FILM:
         raise typer.BadParameter(f"--video {path}: the name must end in {FILM}.")
     if on is not None and eye is None:
-        raise typer.BadParameter("--on chooses the robot of an eye: give --eye left or --eye right, too.")
+        raise typer.BadParameter(
+            "--on chooses the robot of an eye: give --eye left or --eye right, too. Without --eye the film shows "
+            "simulation and hardware."
+        )
     if on is Which.BOTH:
         raise typer.BadParameter(
             "--on both: a film shows an eye of one robot. Give sim or hw; without --eye both robots are beside each other."
@@ -85,7 +90,8 @@ def written_film(
     times: list[int] = []
     if eye is None:
         twins = [TWIN_TITLES[twin] for twin in TWINS if (name, twin) in table.robots]
-        shows, frames = f"{name}, {' and '.join(twins)}", side_by_side(table, name, eyes)
+        pictures = OF_ONE_EYE if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
+        shows, frames = f"{name}, {' and '.join(twins)}, {pictures}", side_by_side(table, name, eyes)
     else:
         shows, frames = of_eye(eyes, name, eye, on)
     with new_file(path) as unfinished:

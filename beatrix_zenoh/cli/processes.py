@@ -9,17 +9,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Container, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Container, Sequence
 from enum import Enum
 from pathlib import Path
-from types import FrameType
 from typing import Self
 
 from beatrix_zenoh.cli.output import CODES, FAILED, INTERRUPTED, USAGE, note
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.shutdown import SIGNALS
+from beatrix_zenoh.shutdown import signals_ignored
 
 READY_S = 20.0
 """Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""
@@ -252,33 +250,3 @@ class Supervisor:
                     self.check((Role.REQUIRED, Role.ROBOT))  # its end is the cause of the error
             finally:
                 self.end()
-
-
-@contextmanager
-def signals_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt in this block for every signal that requests a shutdown, also in a background job."""
-
-    def interrupt(_signal: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    with _handled(interrupt):
-        yield
-
-
-@contextmanager
-def signals_ignored() -> Iterator[None]:
-    """Ignore shutdown signals in this block, in which all children are ended within a bounded time."""
-    with _handled(signal.SIG_IGN):
-        yield
-
-
-@contextmanager
-def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
-    # SIGHUP stays ignored under nohup. SIGINT is handled even where a shell ignores it for background jobs.
-    numbers = [n for n in SIGNALS if n == signal.SIGINT or signal.getsignal(n) is not signal.SIG_IGN]
-    before = [(number, signal.signal(number, handler)) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, previous in before:
-            signal.signal(number, previous)

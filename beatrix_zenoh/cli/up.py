@@ -17,13 +17,14 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.listing import look_up, problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.cli.output import columns, note, print_json, say
-from beatrix_zenoh.cli.processes import Child, Role, Supervisor, signals_interrupt
+from beatrix_zenoh.cli.processes import Child, Role, Supervisor
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated.messages import Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
+from beatrix_zenoh.shutdown import signals_interrupt
 
 POLL_S = 0.2
 WINDOW = "window"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -44,6 +44,13 @@ class Span:
     to_s: float = float("inf")
 
 
+class Pause(NamedTuple):
+    """A time between two files in which no robot was recorded, in seconds from the start of the recording."""
+
+    from_s: float
+    lasts_s: float
+
+
 @dataclass(frozen=True)
 class Table:
     """The samples of a recording and the part of it that is exported."""
@@ -57,6 +64,8 @@ class Table:
     """last time of the exported part"""
     notes: tuple[Note, ...] = ()
     """notes of this part in the order of time; those before and after all samples belong to its ends"""
+    pauses: tuple[Pause, ...] = ()
+    """times of this part between two files without samples"""
 
     def grid(self) -> Iterator[Block]:
         """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
@@ -150,7 +159,18 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
         from_ns,
         to_ns,
         tuple(sorted(notes, key=lambda note: note.time_ns)),
+        tuple(pauses(parts, start_ns, from_ns, to_ns)),
     )
+
+
+def pauses(parts: Sequence[Recorded], start_ns: int, from_ns: int, to_ns: int) -> Iterator[Pause]:
+    """Yield the pauses between the files of a recording, within a part of it."""
+    spans = sorted(_span(part) for part in parts)
+    end_ns = spans[0][1]
+    for begin_ns, last_ns in spans:
+        if begin_ns - end_ns > GAP_NS and begin_ns > from_ns and end_ns < to_ns:
+            yield Pause(round((end_ns - start_ns) / 1e9, 3), round((begin_ns - end_ns) / 1e9, 3))
+        end_ns = max(end_ns, last_ns)
 
 
 def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:

@@ -47,5 +47,6 @@ def record_batch(block: Block) -> pa.RecordBatch:
             columns[name] = pa.array(values, pa.string())
         else:
             missing = values < 0 if name in ("seq", "repeats") else np.isnan(values)
-            columns[name] = pa.array(values, mask=missing)
+            # Adding 0 turns -0.0, which would be "-0" in a cell, into 0.
+            columns[name] = pa.array(values + values.dtype.type(0), mask=missing)
     return pa.RecordBatch.from_pydict(columns)

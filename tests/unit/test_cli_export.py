@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+import signal
 from dataclasses import replace
 from pathlib import Path
 
+import lesson_file
 import numpy as np
 import pandas as pd
 import pytest
 from lesson_file import BEGAN_NS, write_lesson
+from shell import settings_of_this_process
 
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording import table_files
 from beatrix_zenoh.recording.export import Span, table
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.table_files import write_table
+from beatrix_zenoh.shutdown import SIGNALS
 
 PLACES = ("ada", "sim"), ("ada", "hw"), ("bob", "sim")
 
@@ -77,6 +82,46 @@ def test_notes_of_any_text_are_read_back(lesson: Path) -> None:
     assert len(lesson.with_suffix(".csv").read_text(encoding="utf-8").splitlines()) == 301
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_leaves_no_incomplete_file(
+    lesson: Path, number: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(path: Path, _blocks: object) -> int:
+        path.write_text("time_s,")
+        signal.raise_signal(number)
+        return 1
+
+    monkeypatch.setattr(table_files, "write_table", interrupted)
+    with settings_of_this_process():
+        for each in SIGNALS:
+            signal.signal(each, lambda _signal, _frame: None)
+        assert app.run(["export", str(lesson), str(lesson.with_suffix(".csv"))]) == 130
+    assert [path.name for path in lesson.parent.iterdir()] == ["lesson.rrd"]
+
+
+def test_a_cell_is_never_minus_zero(tmp_path: Path) -> None:
+    path = tmp_path / "zero.csv"
+    write_table(path, [{"yaw_deg": np.array([-0.0, 0.0, -1.5, np.nan]), "time_ns": np.array([1, 2, 3, 4])}])
+    assert path.read_text() == "yaw_deg,time_ns\n0,1\n0,2\n-1.5,3\n,4\n"
+
+
+def test_the_pauses_between_files_are_named(
+    lesson: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    later, csv = lesson.with_name("later.rrd"), lesson.with_suffix(".csv")
+    monkeypatch.setattr(lesson_file, "BEGAN_NS", BEGAN_NS + 10_500_000_000)
+    write_lesson(later, PLACES, rows=50)
+    assert app.run(["export", str(lesson), str(later), str(csv)]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        f"{csv}: 575 rows of ada (hw), ada (sim), bob (sim).",
+        "Between the files nothing was recorded: 4.5 s from 6.0 s on.",
+    ]
+    assert app.run(["export", str(lesson), str(later), str(lesson.with_name("p.csv")), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["pauses"] == [{"from_s": 5.98, "lasts_s": 4.52}]
+    assert app.run(["export", str(lesson), str(later), str(lesson.with_name("q.csv")), "--to", "5"]) == 0
+    assert "nothing was recorded" not in capsys.readouterr().out
+
+
 def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
     csv = lesson.with_suffix(".csv")
     words = ["export", str(lesson), str(csv), "--from", "1", "--to", "2.5", "--name", "bob", "--json"]
@@ -95,6 +140,7 @@ def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) ->
         (["lesson.csv"], 2, "lesson.csv is not the name of a recording"),
         (["lesson.rrd"], 2, "must end with .csv or .parquet"),
         (["lesson.rrd", "lesson.xlsx"], 2, "must end with .csv or .parquet"),
+        (["lesson.rrd", "lesson.mp4"], 2, "is the name of a film: write --video lesson.mp4"),
         (["new.csv", "lesson.rrd"], 2, "named last"),
         (["lesson.rrd", "./lesson.rrd", "new.csv"], 2, "given twice"),
         (["lesson.rrd", "new.csv", "--from", "3", "--to", "2"], 2, "--to 2 is before --from 3"),

@@ -116,7 +116,10 @@ def test_a_film_of_the_only_robot_shows_one(
     monkeypatch.chdir(tmp_path)
     write_lesson(tmp_path / "hw.rrd", (HW,), rows=3)
     assert app.run(["export", "hw.rrd", "--video", "hw.mp4"]) == 0
-    assert capsys.readouterr().out == "hw.mp4: 2 frames, 0.0 s of ada, hardware.\n"
+    assert capsys.readouterr().out == (
+        "hw.mp4: 2 frames, 0.0 s of ada, hardware, without pictures of the eyes, which were not recorded "
+        "(`beatrix record --cameras 5`).\n"
+    )
     assert decoded(tmp_path / "hw.mp4").pictures[0].shape == (PANEL[1], PANEL[0], 3)
 
 
@@ -140,6 +143,16 @@ def test_a_robot_without_samples_is_not_drawn(tmp_path: Path, monkeypatch: pytes
     assert not drawn(last, PANEL[0])
 
 
+def test_a_film_without_eye_says_how_to_get_that_of_one(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run(["export", "lesson.rrd", "--video", "both.mp4", "--to", "0.1"]) == 0
+    assert capsys.readouterr().out == (
+        "both.mp4: 3 frames, 0.1 s of ada, simulation and hardware, with what the eyes saw "
+        "(--eye left or --eye right: a film of one eye alone).\n"
+    )
+
+
 def test_damaged_pictures_and_other_sizes_are_survived(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -158,7 +171,11 @@ def test_damaged_pictures_and_other_sizes_are_survived(
     [
         (["--video", "new.avi"], 2, "must end in .mp4"),
         (["--eye", "left"], 2, "give --video FILE.mp4, too"),
-        (["--video", "new.mp4", "--on", "hw"], 2, "give --eye left or --eye right, too"),
+        (
+            ["--video", "new.mp4", "--on", "hw"],
+            2,
+            "give --eye left or --eye right, too. Without --eye the film shows",
+        ),
         (["--video", "new.mp4", "--eye", "left", "--on", "both"], 2, "Give sim or hw"),
         (["--video", "new.mp4", "--eye", "right"], 1, "it has pictures of: left (ada, sim)"),
         (["--video", "new.mp4", "--eye", "left", "--from", "1.6"], 1, "it has pictures of: none"),
