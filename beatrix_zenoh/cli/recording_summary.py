@@ -45,9 +45,10 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
     return 0 if good else FAILED
 
 
-def outcome(one: Count) -> dict[str, int]:
-    """Return what became of publications, as data."""
-    return {"lost": one.lost, "dropped": one.unwritten, "late": one.late, "repeated": one.repeated}
+def outcome(one: Count) -> dict[str, int | None]:
+    """Return what became of publications, as data; None: unknown."""
+    lost = None if one.contested else one.lost
+    return {"lost": lost, "dropped": one.unwritten, "late": one.late, "repeated": one.repeated}
 
 
 def missing(counts: Mapping[Stream, Count]) -> str:
@@ -59,4 +60,7 @@ def missing(counts: Mapping[Stream, Count]) -> str:
         "dropped": others.unwritten,
         "pictures lost": pictures.lost + pictures.unwritten,
     }
-    return ", ".join(f"{number} {what}" for what, number in words.items() if number) or "nothing dropped"
+    known = [f"{number} {what}" for what, number in words.items() if number]
+    if others.contested:
+        known.append("losses unknown")
+    return ", ".join(known) or "nothing dropped"

@@ -12,13 +12,15 @@ from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
-from beatrix_zenoh.recording.samples import NUMBERS
+from beatrix_zenoh.contract.publishers import NUMBERS, Publishers, goes_back
 
 POSITIONS: Final = "positions"
 EVENTS: Final = "events"
 STATES: Final = "states"
 PICTURES: Final = "pictures of the"
 """Beginning of the kinds of pictures."""
+CONTESTED: Final = "contested"
+"""The cause of a sentence that has no number."""
 _KINDS: Final = {"positions": POSITIONS, "events": EVENTS, "status": STATES}
 
 Stream = tuple[Place, str]
@@ -41,6 +43,8 @@ class Count:
     """received publications that arrived more than 2 s after the time in their stamps"""
     repeated: int = 0
     """received positions that repeat those before them, because the node had no new telemetry"""
+    contested: int = 0
+    """streams of a robot for which two programs publish, so that lost publications cannot be counted: 0 or 1"""
 
     @property
     def published(self) -> int:
@@ -79,6 +83,8 @@ class Losses:
 
     def __init__(self) -> None:
         self._tallies: defaultdict[Stream, _Tally] = defaultdict(_Tally)
+        self._publishers: defaultdict[Place, Publishers] = defaultdict(Publishers)
+        self._contested: set[Place] = set()
 
     def received(self, stream: Stream, seq: int | None) -> None:
         """Count a publication that was received; `seq` is None if publications of this kind have no number."""
@@ -86,12 +92,13 @@ class Losses:
         tally.received += 1
         if seq is None:
             return
+        if stream[1] == POSITIONS and self._publishers[stream[0]].several(seq):
+            self._contested.add(stream[0])
         if tally.last is not None:
-            step = (seq - tally.last) % NUMBERS
-            if step >= NUMBERS // 2:
+            if goes_back(tally.last, seq):
                 self._restart(stream)
-            elif step:
-                tally.missing += step - 1
+            elif seq != tally.last:
+                tally.missing += (seq - tally.last) % NUMBERS - 1
         tally.last = seq
 
     def _restart(self, stream: Stream) -> None:
@@ -120,20 +127,25 @@ class Losses:
     def counts(self, dropped: Mapping[Stream, int]) -> dict[Stream, Count]:
         """Return the counts of each stream; `dropped`: publications that the subscriptions have dropped."""
         return {
-            stream: count(self._tallies.get(stream, _Tally()), dropped.get(stream, 0))
+            stream: count(
+                self._tallies.get(stream, _Tally()),
+                dropped.get(stream, 0),
+                contested=stream[0] in self._contested,
+            )
             for stream in sorted({*self._tallies, *dropped})
         }
 
 
-def count(tally: _Tally, dropped: int) -> Count:
+def count(tally: _Tally, dropped: int, *, contested: bool) -> Count:
     """Return the counts of a stream; what the subscription has dropped was not lost on the way."""
     return Count(
         tally.received - tally.overflowed,
-        max(0, tally.missing - dropped),
+        0 if contested else max(0, tally.missing - dropped),
         dropped + tally.overflowed,
         tally.impossible,
         tally.late,
         tally.repeated,
+        int(contested),
     )
 
 
@@ -176,6 +188,10 @@ def findings(counts: Mapping[Stream, Count]) -> dict[tuple[Stream, str], str]:
     found = {}
     for stream, one in counts.items():
         (name, twin), what = stream
+        if one.contested and what == POSITIONS:
+            found[stream, CONTESTED] = (
+                f"Two programs publish the positions of {name} ({twin}), so lost ones cannot be counted. End one of them."
+            )
         limited = " or left out by a router that limits pictures" * what.startswith(PICTURES)
         for cause, outcome in {
             "lost": f"were lost on the network{limited}",

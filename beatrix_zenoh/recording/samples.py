@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Final
 
 import msgspec
 import numpy as np
@@ -12,16 +11,17 @@ import numpy.typing as npt
 
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.contract._generated.messages import Event
+from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN
 from beatrix_zenoh.recording.about import About
 
-NUMBERS: Final = 2**32
-"""Sequence numbers are counted modulo this."""
 Floats = npt.NDArray[np.float64]
 Nanoseconds = npt.NDArray[np.int64]
 
 
 def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = None) -> int | None:
-    """Return how many sequence numbers are missing between the first and the last; None if any is unknown (-1).
+    """Return how many sequence numbers are missing between the first and the last.
+
+    None: any is unknown (-1), or two programs publish (`contract.publishers`), whose numbers alternate.
 
     A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
 
@@ -33,6 +33,9 @@ def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = Non
     if np.any(counted < 0):
         return None
     steps = np.diff(counted) % NUMBERS
+    back = np.flatnonzero(steps >= NUMBERS // 2)
+    if np.any(back[TIMES - 1 :] - back[: 1 - TIMES] < WITHIN):
+        return None
     steps -= 0 if repeats is None else repeats[1:]
     return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
 

@@ -36,6 +36,9 @@ FASTEST: Final = math.radians(360.0)
 """No arm turns at this velocity (rad/s): such positions do not come from a robot."""
 
 TOO_FAST: Final = "The hardware publishes impossible velocities. The simulation holds its place and waits."
+CONTESTED: Final = (
+    "Two programs publish the positions of the hardware: end one of them. The simulation holds its place and waits."
+)
 NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation holds its place and waits."
 NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
 
@@ -48,14 +51,16 @@ class Sample(NamedTuple):
     """monotonic clock of the hardware's computer"""
     commanded: SetPoint
     places: Places
+    contested: bool = False
+    """two programs publish positions of the hardware, and these are of one of them"""
 
     @classmethod
-    def of(cls, positions: Positions, arrived_s: float) -> Sample:
+    def of(cls, positions: Positions, arrived_s: float, *, contested: bool = False) -> Sample:
         """Return the sample of a message."""
         head = positions.head_measured or positions.head
         commanded = SetPoint(tuple3(positions.commanded), tuple3(positions.velocity))
         places = Places(tuple3(positions.position), commanded.velocity, (head.yaw, head.pitch, head.roll))
-        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places)
+        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places, contested)
 
 
 @dataclass(frozen=True)
@@ -99,8 +104,9 @@ class Follower:
         """Record the newest positions of the hardware; return whether it was silent before."""
         last = self._sample
         silent = last is None or sample.arrived_s - last.arrived_s > SILENT_S
+        silent |= last is not None and last.contested and not sample.contested
         if last is not None and silent:
-            # The node may have been started again, on another computer, and its home may be lost.
+            # Another node may publish now, on another computer, and its home may be lost.
             self._delays.clear()
             self._unready, self._status_due_s = NO_STATUS, sample.arrived_s + UNKNOWN_S
         self._before = (0.0, 0.0, 0.0) if last is None else last.commanded.velocity
@@ -121,6 +127,8 @@ class Follower:
             return NO_STATUS
         if sample is None or now_s - sample.arrived_s > SILENT_S:
             return NO_SET_POINTS
+        if sample.contested:
+            return CONTESTED
         if max(map(abs, sample.commanded.velocity)) > FASTEST:
             return TOO_FAST
         if self._unready == NO_STATUS and now_s > self._status_due_s:

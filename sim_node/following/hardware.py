@@ -11,6 +11,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Info, Positions, Status
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.publishers import Publishers
 from sim_node.following.follower import Sample
 
 ANSWER_S: Final = 5.0
@@ -25,6 +26,7 @@ class HardwareMessages:
     ) -> None:
         self._name, self._on_sample, self._on_status = name, on_sample, on_status
         self._ends: list[Callable[[], None]] = []
+        self._publishers = Publishers()
 
     def open(self, sessions: Sessions) -> None:
         """Subscribe."""
@@ -55,10 +57,11 @@ class HardwareMessages:
 
     def _positions(self, received: Received) -> None:
         try:
-            sample = Sample.of(codec.decode(received.payload, Positions), time.monotonic())
+            positions = codec.decode(received.payload, Positions)
         except BeatrixError:  # it does not come from a node of this version
             return
-        self._on_sample(sample)
+        contested = self._publishers.several(positions.seq)
+        self._on_sample(Sample.of(positions, time.monotonic(), contested=contested))
 
     def _status(self, received: Received) -> None:
         try:

@@ -143,6 +143,27 @@ def test_impossible_velocities_do_not_end_the_simulation_and_are_named() -> None
             fake.close()
 
 
+def test_while_two_programs_publish_it_holds_its_place() -> None:
+    with Stage() as stage:
+        stage.simulation("gil", "--follow", "--eyes-hz", "0")
+        simulation = stage.robot("gil", "sim")
+        fake = FakeHardware(stage, "gil", place=0.0)
+        try:
+            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
+            other = FakeHardware(stage, "gil", place=60.0)
+            try:
+                words = "Two programs publish the positions of the hardware"
+                wait_status(simulation, lambda status: words in " ".join(status.warnings), "the warning")
+                until(lambda: not simulation.status().moving, "it has braked")
+                assert simulation.positions().arms.short < 10
+            finally:
+                other.close()
+            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
+            until(lambda: abs(simulation.positions().arms.short) < 0.5, "it is back")
+        finally:
+            fake.close()
+
+
 def test_hardware_with_another_robot_file_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "robot.toml"
     path.write_text("[limits]\nspeed_default = 20.0\n", encoding="utf-8")

@@ -13,6 +13,7 @@ from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
 from sim_node.following.course import SetPoint
 from sim_node.following.follower import (
+    CONTESTED,
     FAR,
     NO_SET_POINTS,
     NO_STATUS,
@@ -114,6 +115,18 @@ def test_it_waits_when_the_hardware_is_silent_and_trusts_it_again_after_its_next
     assert step is not None
     assert step.straight
     assert follower.state(later) is FollowState.APPROACHING
+
+
+def test_it_holds_its_place_while_two_programs_publish_and_trusts_the_next_status(follower: Follower) -> None:
+    follower.hear(sample(10.02, 5.0)._replace(contested=True))
+    assert follower.step(10.02, SetPoint(REST, REST), LIMITS) is None
+    assert follower.state(10.02) is FollowState.WAITING
+    assert follower.warnings(10.02) == [CONTESTED]
+    assert not follower.hear(sample(10.04, 0.0)._replace(contested=True))
+    assert follower.hear(sample(10.06, 5.0)), "which of them has remained is not known"
+    assert follower.waits_for(10.06) == NO_STATUS
+    follower.hear_status(status())
+    assert follower.step(10.06, SetPoint(REST, REST), LIMITS) is not None
 
 
 def test_a_jump_of_the_set_point_is_reached_on_a_checked_path_at_the_default_speed(

@@ -7,7 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beatrix_zenoh.cli.recording_summary import missing, outcome
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract.publishers import NUMBERS
+from beatrix_zenoh.recording.loss_report import REPORT_S, LossReport
 from beatrix_zenoh.recording.losses import (
     EVENTS,
     POSITIONS,
@@ -19,7 +22,8 @@ from beatrix_zenoh.recording.losses import (
     stream_of_key,
     total,
 )
-from beatrix_zenoh.recording.samples import NUMBERS, Samples
+from beatrix_zenoh.recording.rows import Line, Numbers, Row
+from beatrix_zenoh.recording.samples import Samples
 
 BEA = ("bea", "hw")
 ARMS: Stream = (BEA, POSITIONS)
@@ -111,6 +115,27 @@ def test_streams_and_robots_are_counted_apart() -> None:
         "bea (hw): 1 of 5 positions were lost on the network.",
         "bea (hw): 1 of 5 positions were dropped here: this computer was too slow.",
     ]
+
+
+def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:
+    losses, said = Losses(), list[str]()
+    report = LossReport(said.append)
+    rows: list[Row] = []
+    for k in range(200):
+        for first in (1000, 7000):
+            losses.received(ARMS, first + k)
+            losses.received((BEA, EVENTS), first + 2 * k)
+        rows += report.rows(losses.counts({}), k, 10 * REPORT_S + k / 50, last=False)
+    counts = losses.counts({})
+    rows += report.rows(counts, 200, 200 * REPORT_S, last=True)
+    words = "Two programs publish the positions of bea (hw), so lost ones cannot be counted. End one of them."
+    assert said == [words]
+    assert [row.text for row in rows if isinstance(row, Line)] == [words]
+    assert not [row for row in rows if isinstance(row, Numbers) and row.path.endswith("lost")]
+    assert list(findings(counts).values()) == [words]
+    assert missing(counts) == "losses unknown"
+    assert outcome(total(counts))["lost"] is None
+    assert {one.lost for one in counts.values()} == {0}
 
 
 def test_a_repeated_sample_is_no_loss_for_a_reader_of_the_file() -> None:
