@@ -2,12 +2,16 @@
 
 A daemon thread that returns from Zenoh into a Python that has ended aborts the whole process, because Python ends the
 thread inside Rust (PyO3 issue 6084). So at the exit no thread may be inside Zenoh, nor may Zenoh call back.
+
+At a router that hangs Zenoh needs up to 15 s to close one session. Python would close the others when it deletes them,
+one after the other, and then abort, because by then it counts as not initialised (PyO3, gil.rs). So those are kept.
 """
 
 from __future__ import annotations
 
 import atexit
 import contextlib
+import ctypes
 import os
 import threading
 import time
@@ -20,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
 CLOSE_S: Final = 2.0
-"""After this time (s) no further session is closed, and no call is waited for; Zenoh needs up to 15 s to close one."""
+"""After this time (s) no further session is closed, and no call is waited for."""
 CALLBACK_S: Final = 0.05
 """How long (s) callbacks that were running when their session was closed have time to return to Zenoh."""
 
@@ -29,6 +33,15 @@ class Closes(Protocol):
     """An open session."""
 
     def close(self) -> None: ...
+
+    def objects(self) -> object:
+        """Return the objects of Zenoh that must be kept if the session is not closed."""
+        ...
+
+
+def keep(kept: object) -> None:
+    """Prevent the deletion of an object and of what it refers to, also at the end of Python."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
 
 
 class OpenSessions:
@@ -86,6 +99,8 @@ class OpenSessions:
         for session in opened:
             if time.monotonic() < deadline_s:
                 session.close()
+            else:
+                keep(session.objects())
         with self._changed:
             self._changed.wait_for(lambda: not self._calls, max(0.0, deadline_s - time.monotonic()))
         if opened:

@@ -132,6 +132,11 @@ class Declarations(ProcessBound):
         with self._lock:
             return sorted({declaration.key for declaration in self._made if declaration.kind == kind})
 
+    def objects(self) -> object:
+        """Return the session and its declarations, for the exit of a program that has no time to close them."""
+        with self._lock:
+            return self._session, self._made
+
     def close(self) -> None:
         """Close the session with all declarations; may be called twice. Does nothing in a forked child."""
         if self._inherited:

@@ -90,7 +90,8 @@ def test_a_program_ends_although_its_router_hangs(tmp_path: Path) -> None:
         child.say("")
         child.expect("begun")
         begin_s = time.monotonic()
-        assert child.wait(FROZEN_S + END_S) == 1
+        code = child.wait(FROZEN_S + END_S)
+        assert code == 1, child.lines
         assert time.monotonic() - begin_s < FROZEN_S
         assert child.lines[-1] == "RuntimeError: a mistake of the user"
     finally:
