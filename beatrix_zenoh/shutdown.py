@@ -63,14 +63,20 @@ def ignore_signals() -> None:
 
 
 @contextmanager
-def signals_interrupt() -> Iterator[None]:
-    """Raise KeyboardInterrupt in this block for every signal that requests a shutdown, also in a background job."""
+def signals_interrupt() -> Iterator[Shutdown]:
+    """Raise KeyboardInterrupt in this block for every signal that requests a shutdown, also in a background job.
+
+    The value of the block is requested, too: Python ignores an exception in a destructor or in a callback of the
+    garbage collector, so that a loop without end must also ask for it.
+    """
+    shutdown = Shutdown()
 
     def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        shutdown.request()
         raise KeyboardInterrupt
 
     with _handled(interrupt):
-        yield
+        yield shutdown
 
 
 @contextmanager

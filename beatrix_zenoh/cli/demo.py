@@ -51,7 +51,7 @@ def demo(
     from beatrix_zenoh.cli.demo_files import begin_recording
 
     make_folder(out)
-    with signals_interrupt(), Supervisor() as supervisor:
+    with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
         window = open_window(supervisor, settings) if gui else None
         supervisor.wait_ready()
@@ -65,7 +65,7 @@ def demo(
                 last = None if keep else window
                 if last is not None:
                     note("The robots run until the window is closed.")
-                watch(supervisor, last)
+                watch(supervisor, shutdown, last)
     if not good:
         raise typer.Exit(FAILED)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import time
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,7 @@ from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
-from beatrix_zenoh.shutdown import signals_interrupt
+from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 
 POLL_S = 0.2
 WINDOW = "window"
@@ -106,10 +105,10 @@ def up(
     places = {"sim": None if no_sim else "MuJoCo", "hw": hw}
     served = {twin: place for twin, place in places.items() if place is not None}
     options = UpOptions(served, ready, legacy, robot_file, log_file, target, gui)
-    with signals_interrupt(), Supervisor() as supervisor:
+    with signals_interrupt() as shutdown, Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
         start_robots(supervisor, settings, options)
-        report(supervisor, settings, options, router, as_json=as_json)
+        report(supervisor, settings, options, router, shutdown, as_json=as_json)
 
 
 def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions) -> None:
@@ -126,7 +125,13 @@ def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions)
 
 
 def report(
-    supervisor: Supervisor, settings: Settings, options: UpOptions, router: str, *, as_json: bool
+    supervisor: Supervisor,
+    settings: Settings,
+    options: UpOptions,
+    router: str,
+    shutdown: Shutdown,
+    *,
+    as_json: bool,
 ) -> None:
     """Print the running processes, then their output until Ctrl-C; raises Refused if the router ends."""
     with Client(settings, announce=False) as client:
@@ -142,7 +147,7 @@ def report(
             others = any(robot != settings.robot for robot, _ in found)
             by_name = f" --name {settings.robot}" if others else ""
             say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
-        watch(supervisor)
+        watch(supervisor, shutdown)
 
 
 def legacy_twin(twins: Container[str]) -> str:
@@ -258,11 +263,12 @@ def end_on_interrupt() -> Iterator[None]:
         note("Ending.")
 
 
-def watch(supervisor: Supervisor, last: Child | None = None) -> None:
+def watch(supervisor: Supervisor, shutdown: Shutdown, last: Child | None = None) -> None:
     """Print the output of the children and start crashed robots again, until Ctrl-C.
 
     Args:
         supervisor: the supervisor of the children.
+        shutdown: the value of `signals_interrupt`.
         last: return when this child has ended; None: only Ctrl-C ends the function.
 
     Raises:
@@ -271,4 +277,5 @@ def watch(supervisor: Supervisor, last: Child | None = None) -> None:
     while last is None or last.code is None:
         for line in (*supervisor.tend(), *supervisor.new_lines()):
             note(line)
-        time.sleep(POLL_S)
+        if shutdown.requested(POLL_S):
+            raise KeyboardInterrupt

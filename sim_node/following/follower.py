@@ -36,9 +36,7 @@ FASTEST: Final = math.radians(360.0)
 """No arm turns at this velocity (rad/s): such positions do not come from a robot."""
 
 TOO_FAST: Final = "The hardware publishes impossible velocities. The simulation holds its place and waits."
-CONTESTED: Final = (
-    "Two programs publish the positions of the hardware: end one of them. The simulation holds its place and waits."
-)
+CONTESTED: Final = "Two programs publish the positions of the hardware: end one of them. The simulation holds its place and waits."
 NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation holds its place and waits."
 NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
 

@@ -15,6 +15,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli.processes import Role, Supervisor
 from beatrix_zenoh.cli.up import watch
+from beatrix_zenoh.shutdown import Shutdown
 
 CLI = ("-m", "beatrix_zenoh.cli")
 
@@ -64,7 +65,7 @@ def test_a_demo_ends_with_its_window(capfd: pytest.CaptureFixture[str]) -> None:
         window = supervisor.start("window", "router", "--listen", endpoint, role=Role.WINDOW)
         supervisor.wait_ready()
         window.end()
-        watch(supervisor, last=window)
+        watch(supervisor, Shutdown(), last=window)
         assert not zbus.is_listening(endpoint)
 
 

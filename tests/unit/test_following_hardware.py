@@ -35,7 +35,7 @@ class Foreign:
         self.statuses: list[Status] = []
         self._handlers: dict[str, Callable[[Received], None]] = {}
         messages = HardwareMessages("bea", self.samples.append, self.statuses.append)
-        messages.open(cast(Sessions, self))
+        messages.open(cast("Sessions", self))
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         self._handlers[key] = handle

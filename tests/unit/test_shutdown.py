@@ -11,7 +11,9 @@ from collections.abc import Iterator
 import pytest
 from shell import settings_of_this_process
 
-from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.cli.processes import Supervisor
+from beatrix_zenoh.cli.up import watch
+from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 
 EVERY_S = 20e-6
 
@@ -79,3 +81,18 @@ def test_a_signal_may_arrive_at_any_point_of_the_program(signals_as_before: None
     while received < 2000:
         shutdown.requested(EVERY_S)
     assert shutdown.requested(0)
+
+
+class Interrupts:
+    """An object of a library: a signal arrives while it is deleted."""
+
+    def __del__(self) -> None:
+        signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_interrupt_that_python_ignores_still_ends_the_loop_of_up() -> None:
+    with signals_interrupt() as shutdown, Supervisor() as supervisor:
+        Interrupts()
+        with pytest.raises(KeyboardInterrupt):
+            watch(supervisor, shutdown)
