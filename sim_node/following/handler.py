@@ -166,8 +166,7 @@ class FollowHandler(Component):
         controller = self._context.controller
         self._follower, self._context.access.following = None, False
         self._messages.close()
-        if controller.follows and controller.moving:
-            controller.stop(replies.StopCause.STOP)  # the next motion begins where the arms come to rest
+        self._brake()  # the next motion begins where the arms come to rest
         controller.follows = False
         if why:
             text = f"The simulation no longer follows the hardware: {why}"
@@ -189,11 +188,15 @@ class FollowHandler(Component):
         held, self._holds = self._holds, bool(follower.waits_for(now_s))
         if self._holds:
             follower.hold()
-            controller = self._context.controller
-            if not held and controller.follows and controller.moving:
-                controller.stop(replies.StopCause.STOP)
-                self._arms = OwnArms(self._context)  # the same motion may be needed again
+            if not held:
+                self._brake()
         return self._holds
+
+    def _brake(self) -> None:
+        """Stop the arms if they follow; the telemetry may not show yet that they move."""
+        if self._context.controller.follows:
+            self._context.controller.stop(replies.StopCause.STOP)
+            self._arms = OwnArms(self._context)  # the same motion may be needed again
 
     def _check_allowed(self) -> None:
         """End following if the simulation was stopped or is no longer ready to move."""
@@ -227,6 +230,7 @@ class FollowHandler(Component):
                 follower.accepted()
             except BeatrixError as error:
                 follower.refused(now_s, error.message)
+                self._brake()  # the last path no longer leads to the hardware
         follower.compare(*self._arms.measured())
         self._show(follower, now_s)
 

@@ -1,0 +1,219 @@
+"""STOP and refusals while a simulation follows: whenever they come, the last frame to the board is no motion."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from callers import ANA
+from msgspec.structs import replace
+from statuses import READY
+
+from beatrix_zenoh.board.state import NO_TELEMETRY, Link, Sample
+from beatrix_zenoh.bus import Received, Sessions
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Steps
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight, State
+from beatrix_zenoh.node import Context, StatusFields
+from beatrix_zenoh.node.access import Access
+from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.diagnostics import Diagnostics
+from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.planner import Planner, vector
+from beatrix_zenoh.node.request_queue import Task
+from sim_node.following import follower
+from sim_node.following.handler import FollowHandler
+
+MOVE, STOP = "move", "stop"
+
+
+class FakeBoard:
+    """A board that records frames; its telemetry shows arms at rest, as in the first milliseconds of a motion."""
+
+    connected = True
+
+    def __init__(self) -> None:
+        self.frames: list[str] = []
+        self.reached: Callable[[], None] = lambda: None
+        """called before each use of the board"""
+        self._telemetry = NO_TELEMETRY._replace(state=State.ENABLED | State.CALIBRATED)
+
+    @property
+    def link(self) -> Link:
+        self.reached()
+        return Link(
+            "", connected=True, trouble="", hello=None, rejected=0, overflowed=0, retries=0, reset=False
+        )
+
+    @property
+    def sample(self) -> Sample:
+        self.reached()
+        return Sample(self._telemetry, time.monotonic_ns())
+
+    @property
+    def telemetry(self) -> object:
+        return self.sample.telemetry
+
+    @property
+    def state(self) -> int:
+        return self._telemetry.state
+
+    def move(self, _frame: Move | MoveStraight) -> None:
+        self.reached()
+        self.frames.append(MOVE)
+        self.reached()
+
+    def request(self, kind: FrameType) -> None:
+        assert kind is FrameType.STOP
+        self.frames.append(STOP)
+
+    def wake(self) -> None:
+        self.reached()
+
+
+class FakeQueue:
+    """The queue of the controller's thread; `run` is that thread."""
+
+    def __init__(self) -> None:
+        self._runs: list[Callable[[], None]] = []
+
+    def post_event(self, run: Callable[[], None]) -> None:
+        self._runs.append(run)
+
+    def post_latest(self, _key: str, task: Task) -> None:
+        self._runs.append(task.run)
+
+    def post_later(self, _due_s: float, _run: Callable[[], None]) -> None:
+        """Drop the periodic check: it would find the same as the step of the next sample."""
+
+    def run(self) -> None:
+        while self._runs:
+            self._runs.pop(0)()
+
+
+class Following:
+    """A simulation that follows, without threads, network and firmware."""
+
+    def __init__(self) -> None:
+        self.board, self.queue, self.access = FakeBoard(), FakeQueue(), Access()
+        board, events, planner = cast("Any", self.board), EventLog(), Planner(ROBOT)
+        self.controller = MotionController(board, planner, self.access, Diagnostics(events))
+        here = SimpleNamespace(positions=lambda: positions(0.0, 0))
+        context = Context(
+            "bea", "sim", cast("Any", None), planner, self.access, events, Diagnostics(events), cast("Any", self.queue),
+            cast("Any", SimpleNamespace(board=board)), self.controller, cast("Any", here),
+        )  # fmt: skip
+        self._handlers: dict[str, Callable[[Received], None]] = {}
+        self._seq = 0
+        self.handler = FollowHandler(context, at_start=True)
+        self.handler.start(cast("Sessions", self))
+        self.queue.run()
+        self.publish(keys.status("bea", "hw"), codec.encode(READY))
+        self.queue.run()
+
+    def serve(self, *_: object) -> None:
+        """Declare nothing: no client sends queries."""
+
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+        self._handlers[key] = handle
+        return lambda: None
+
+    def session(self, _name: str) -> Any:
+        query = SimpleNamespace(close=lambda: None, hand_over=lambda _: None)
+        return SimpleNamespace(query=lambda *_, **__: query)
+
+    def publish(self, key: str, payload: bytes) -> None:
+        self._handlers[key](Received(key, payload, "", None))
+
+    def place(self, angle_deg: float, velocity_deg_s: float = 0.0) -> None:
+        """Let the hardware publish that its set points are there."""
+        self._seq += 1
+        message = positions(angle_deg, self._seq, velocity_deg_s)
+        self.publish(keys.positions("bea", "hw"), codec.encode(message))
+        self.queue.run()
+
+    def press_stop(self) -> None:
+        """Do what the threads of Zenoh and of STOP do."""
+        self.access.stop_pressed(ANA, time.monotonic())
+        self.board.request(FrameType.STOP)
+
+    def settle_stop(self) -> None:
+        """Do what the handler of STOP then does on the controller's thread."""
+        if self.controller.driven:
+            self.controller.stop(cast("Any", None))
+
+    def status(self) -> StatusFields:
+        fields = StatusFields()
+        self.handler.contribute(fields)
+        return fields
+
+
+def positions(angle_deg: float, seq: int, velocity_deg_s: float = 0.0) -> Positions:
+    arms = vector((math.radians(angle_deg),) * 3)
+    velocity = vector((math.radians(velocity_deg_s),) * 3)
+    now_ns = time.monotonic_ns()
+    return Positions(
+        seq=seq, t_mono_ns=now_ns, t_wall_ns=now_ns, position=arms, velocity=velocity, commanded=arms,
+        steps=Steps(0, 0, 0), head=Head(arms.x, 0.0, 0.0),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def following(monkeypatch: pytest.MonkeyPatch) -> Following:
+    monkeypatch.setattr(follower, "PATH_S", 0.0)
+    made = Following()
+    made.place(80.0)
+    assert made.board.frames == [MOVE], "it is on its way"
+    return made
+
+
+def test_a_refused_path_brakes(following: Following) -> None:
+    following.place(250.0)
+    assert following.board.frames == [MOVE, STOP]
+    assert following.status().values["following"] is FollowState.WAITING
+    assert "cannot move to the place of the hardware" in following.status().warnings[0]
+
+
+def test_a_hardware_that_must_be_waited_for_brakes_even_before_the_telemetry_shows_the_motion(
+    following: Following,
+) -> None:
+    following.publish(keys.status("bea", "hw"), codec.encode(replace(READY, enabled=False)))
+    following.queue.run()
+    following.place(80.0)
+    following.place(80.0)
+    assert following.board.frames == [MOVE, STOP]
+
+
+@pytest.mark.parametrize("settled_first", [True, False])
+def test_a_stop_at_any_point_of_a_step_ends_with_a_stop(*, settled_first: bool) -> None:
+    points = 0
+    for point in range(1, 100):
+        following = Following()
+        left = point
+
+        def reached(following: Following = following) -> None:
+            nonlocal left
+            left -= 1
+            if left == 0:
+                following.press_stop()
+
+        following.board.reached = reached
+        following.place(80.0)
+        if left > 0:
+            break
+        points = point
+        if settled_first:
+            following.settle_stop()
+        following.place(80.0)
+        following.place(60.0)
+        if not settled_first:
+            following.settle_stop()
+        assert following.board.frames[-1] == STOP, f"STOP at point {point}: {following.board.frames}"
+        assert following.status().values["following"] is FollowState.OFF
+    assert points > 5
