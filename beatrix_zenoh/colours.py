@@ -14,6 +14,8 @@ Colour = tuple[int, int, int]
 ARMS: Final[dict[str, Colour]] = {"short": (219, 61, 54), "middle": (0, 158, 115), "long": (46, 107, 209)}
 AXES: Final[dict[str, Colour]] = {"yaw": (190, 120, 0), "pitch": (190, 110, 120), "roll": (0, 160, 200)}
 ALL: Final[dict[str, Colour]] = ARMS | AXES
+STYLES: Final = "hardware wide, simulation thin and pale"
+"""How plots of both robots draw the curves of one arm or axis (`pale`), as their titles say."""
 
 _PALE: Final = 0.65
 """Share of white."""

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from beatrix_zenoh.client.readings import Path
-from beatrix_zenoh.colours import ALL, hexadecimal
+from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.series import ARMS, AXES, Floats
 
@@ -52,16 +52,17 @@ def twin_figure(found: Comparison, title: str) -> Figure:
         "pale: as recorded;  dark: each motion moved by its lead and lag", fontsize=10, loc="left"
     )
     apart.set_xlabel("time (s)")
-    arms.set_title("wide and pale: hardware;  thin and dark: simulation", fontsize=10, loc="left")
+    arms.set_title(STYLES, fontsize=10, loc="left")
     return figure
 
 
 def draw_both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequence[str]) -> None:
-    """Draw the curves of the second wide and pale and those of the first thin on top, so that both remain visible."""
+    """Draw the curves of the second wide and those of the first thin and pale on top, so that both remain visible."""
     for column, name in zip(second.T, names, strict=True):
-        panel.plot(t, column, color=hexadecimal(ALL[name]), linewidth=6, alpha=0.3, solid_capstyle="round")
+        colour = hexadecimal(ALL[name])
+        panel.plot(t, column, color=colour, linewidth=5, label=name, solid_capstyle="round")
     for column, name in zip(first.T, names, strict=True):
-        panel.plot(t, column, color=hexadecimal(ALL[name]), linewidth=1.2, label=name)
+        panel.plot(t, column, color=hexadecimal(pale(ALL[name])), linewidth=1.5)
 
 
 def label_panel(panel: Axes, label: str) -> None:

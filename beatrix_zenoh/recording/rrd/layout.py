@@ -9,6 +9,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
 from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.colours import STYLES
 from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
@@ -29,7 +30,6 @@ TABS: Final = ("Overlay", "Side by side", "Plots", "Log")
 ARMS_DEG: Final = (-60.0, 60.0)
 HEAD_DEG: Final = (-60.0, 60.0)
 APART_DEG: Final = (-2.0, 2.0)
-STYLES: Final = ": hardware wide, simulation thin and pale"
 
 Part = rrb.Container | rrb.View
 
@@ -115,10 +115,11 @@ def eye_view(place: Place, side: str) -> rrb.View:
 def plots_of(shown: RobotSet, name: str) -> rrb.Container:
     """Return plots of arms and head, and with both twins also of the difference between hardware and simulation."""
     twins = shown.twins(name)
+    styles = f": {STYLES}" if len(twins) > 1 else ""
     # Two plots share the screen's height; with more the viewer would leave out the numbers on their axes.
     curves = rrb.Vertical(
-        plot([of_robot(place, "arms") for place in twins], f"arms (°){STYLES * (len(twins) > 1)}", ARMS_DEG),
-        plot([of_robot(place, "head") for place in twins], f"head (°){STYLES * (len(twins) > 1)}", HEAD_DEG),
+        plot([of_robot(place, "arms") for place in twins], f"arms (°){styles}", ARMS_DEG),
+        plot([of_robot(place, "head") for place in twins], f"head (°){styles}", HEAD_DEG),
     )
     if len(twins) == 1:
         return rrb.Horizontal(curves, name=name)
