@@ -1,0 +1,188 @@
+"""The size and the shape of the house, as a table: `python tools/house.py`, or `… house.py FOLDER` for another clone.
+
+A line of code has a token that is neither comment nor docstring. Imports for types only count, those inside functions
+do not. A floor is one module (or room) of the longest chain of imports; modules of a circle share one floor.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+import tokenize
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
+LAYOUT = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+}
+Graph = dict[str, set[str]]
+
+
+def docstring_lines(tree: ast.AST) -> set[int]:
+    """Return the numbers of the lines of all docstrings, those of attributes included."""
+    found: set[int] = set()
+    for node in ast.walk(tree):
+        for statement in getattr(node, "body", []) if not isinstance(node, ast.Lambda | ast.IfExp) else []:
+            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                found.update(range(statement.lineno, (statement.end_lineno or statement.lineno) + 1))
+    return found
+
+
+def code_lines(path: Path) -> int:
+    """Return the number of lines of code in a file."""
+    left_out = docstring_lines(ast.parse(path.read_text(encoding="utf-8")))
+    with tokenize.open(path) as file:
+        tokens = [token for token in tokenize.generate_tokens(file.readline) if token.type not in LAYOUT]
+    lines = {line for token in tokens for line in range(token.start[0], token.end[0] + 1)}
+    return len(lines - left_out)
+
+
+def modules(root: Path) -> dict[str, Path]:
+    """Return the files of the packages by the names of their modules."""
+    found = {}
+    for package in PACKAGES:
+        for path in sorted((root / package).rglob("*.py")):
+            parts = path.relative_to(root).with_suffix("").parts
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def at_import(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Yield the imports that are not inside a function."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+        elif not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            yield from at_import(node)
+
+
+def imported(tree: ast.AST, known: Mapping[str, Path]) -> set[str]:
+    """Return the modules of the packages that a module imports."""
+    found: set[str] = set()
+    for node in at_import(tree):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names if alias.name in known)
+        elif node.module in known:
+            for alias in node.names:
+                name = f"{node.module}.{alias.name}"
+                found.add(name if name in known else str(node.module))
+    return found
+
+
+def graph_of(found: Mapping[str, Path]) -> Graph:
+    """Return what each module imports."""
+    return {
+        name: imported(ast.parse(path.read_text(encoding="utf-8")), found) - {name}
+        for name, path in found.items()
+    }
+
+
+def circles(graph: Graph) -> list[set[str]]:
+    """Return the sets of modules that import each other, directly or through others."""
+
+    def reached(begin: str) -> set[str]:
+        seen, waiting = set(), list(graph[begin])
+        while waiting:
+            name = waiting.pop()
+            if name not in seen:
+                seen.add(name)
+                waiting.extend(graph[name])
+        return seen
+
+    reach = {name: reached(name) for name in graph}
+    found: list[set[str]] = []
+    for name in graph:
+        if name in reach[name] and not any(name in circle for circle in found):
+            found.append({other for other in reach[name] if name in reach[other]})
+    return found
+
+
+def floors(graph: Graph) -> int:
+    """Return the number of modules in the longest chain of imports; a circle counts as one module."""
+    of = {name: min(circle) for circle in circles(graph) for name in circle}
+    merged: Graph = defaultdict(set)
+    for name, others in graph.items():
+        own = of.get(name, name)
+        merged[own] |= {of.get(other, other) for other in others} - {own}
+    level: dict[str, int] = {}
+    for name in TopologicalSorter(merged).static_order():
+        level[name] = 1 + max((level[other] for other in merged.get(name, ())), default=0)
+    return max(level.values(), default=0)
+
+
+def inside(graph: Graph, room: str, *, rooms: bool) -> Graph:
+    """Return the part of the graph below a package; with `rooms`, its folders and files instead of modules."""
+    depth = room.count(".") + 2
+    part: Graph = defaultdict(set)
+    for name, others in graph.items():
+        for other in {name, *others}:
+            if name.startswith(f"{room}.") and other.startswith(f"{room}."):
+                one, two = (".".join(m.split(".")[:depth]) if rooms else m for m in (name, other))
+                part[one] |= {two} - {one}
+                part[two] |= set()
+    return dict(part)
+
+
+def classes(paths: Iterable[Path]) -> Iterator[tuple[str, int, int]]:
+    """Yield name, length in lines and number of methods of each class at the top of a module."""
+    for path in paths:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef):
+                methods = sum(isinstance(part, ast.FunctionDef) for part in node.body)
+                yield node.name, (node.end_lineno or node.lineno) - node.lineno + 1, methods
+
+
+def figures(root: Path) -> Iterator[tuple[str, object]]:
+    """Yield the rows of the table."""
+    found = modules(root)
+    graph = graph_of(found)
+    own = [path for path in found.values() if "_generated" not in path.parts]
+    total = 0
+    for package in PACKAGES:
+        lines = sum(code_lines(path) for name, path in found.items() if name.split(".")[0] == package)
+        total += lines
+        yield f"lines of code, {package}", lines
+    yield "lines of code, the four packages", total
+    yield "lines of code, generated", total - sum(map(code_lines, own))
+    yield "lines of code, tests", sum(map(code_lines, (root / "tests").rglob("*.py")))
+    yield "files", len(found)
+    importers = Counter(other for others in graph.values() for other in others)
+    yield "modules with at most one importer", sum(importers[name] <= 1 for name in graph)
+    yield "rooms and floors of beatrix_zenoh", _size(inside(graph, "beatrix_zenoh", rooms=True))
+    for room in ("node", "client"):
+        yield f"files and floors of {room}", _size(inside(graph, f"beatrix_zenoh.{room}", rooms=False))
+    known = list(classes(own))
+    names = Counter(name for name, _, _ in known if not name.startswith("_"))
+    yield "names of more than one class", sum(count > 1 for count in names.values())
+    yield "circles", len(circles(graph))
+    name, lines, methods = max(known, key=lambda row: row[1])
+    yield "longest class", f"{name}, {lines} lines, {methods} methods"
+
+
+def _size(graph: Graph) -> str:
+    return f"{len(graph)} on {floors(graph)}"
+
+
+def main(root: Path) -> None:
+    """Print the table, then circles and names of more than one class."""
+    for title, figure in figures(root):
+        print(f"{title:<40}{figure}")
+    found = modules(root)
+    for circle in circles(graph_of(found)):
+        print("circle:", ", ".join(sorted(circle)))
+    own = [path for path in found.values() if "_generated" not in path.parts]
+    names = Counter(name for name, _, _ in classes(own) if not name.startswith("_"))
+    print("classes:", ", ".join(f"{name} {count}" for name, count in names.most_common() if count > 1))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent))
