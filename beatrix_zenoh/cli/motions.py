@@ -167,17 +167,26 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
         return detached.begin(query).accepted.message
 
 
+MOVES = {
+    (False, False): "Both move now, the simulation first.",
+    (True, False): "Only the hardware moves now: the simulation is there already.",
+    (False, True): "Only the simulation moves now: the hardware is there already.",
+    (True, True): "Both are there already.",
+}
+"""What the user reads, by whether simulation and hardware stand at the end of the path already."""
+
+
 def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
     """Preview the motion on a copy of the simulation, print the result, then carry the motion out on both robots."""
     settings = targets.client.settings
     with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
         plan = twin.preview_query(structs.replace(query, source=Source.CLI))
-        twin.check_ready()  # raises before the note below says that both move
+        twin.check_ready()  # raises before the note below says what moves
         if lead_s:
             note(f"Preview: {plan.verdict} The simulation moves now.")
             count_down(plan, lead_s)
         else:
-            note(f"Preview: {plan.verdict} Both move now, the simulation first.")
+            note(f"Preview: {plan.verdict} {MOVES[plan.stands_at_end('sim'), plan.stands_at_end('hw')]}")
             plan.commit()
 
 

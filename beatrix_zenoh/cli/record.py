@@ -126,7 +126,7 @@ def record(
     if keep_rest:
         raise typer.BadParameter("--keep-rest needs --motion: a recording contains all rests.")
     if file.suffix != RECORDING:
-        raise typer.BadParameter(f"{file} is not the name of a recording: it must end with {RECORDING}.")
+        raise typer.BadParameter(not_a_recording(file, repair=repair))
     if repair:
         from beatrix_zenoh.cli.recording_files import repair_recording
 
@@ -137,6 +137,17 @@ def record(
         file, robots, seconds, rotate * 60, cameras, port if view else None, title, remark
     )
     write_recording(resolve(None, connect, who), options, as_json=as_json)
+
+
+def not_a_recording(file: Path, *, repair: bool) -> str:
+    """Return the sentence about a name with a wrong ending."""
+    text = f"{file} is not the name of a recording: it must end with {RECORDING}."
+    if repair or file.suffix.lower() not in (MOTION_FILE, ".parquet"):
+        return text
+    table = f"to get a table of a recording, record, and then `beatrix export FILE{RECORDING} {file}`"
+    if file.suffix.lower() != MOTION_FILE:
+        return f"{text} It is the name of a table: {table}."
+    return f"{text} To write a motion file for `beatrix replay`, add --motion; {table}."
 
 
 def write_recording(settings: Settings, options: RecordingOptions, *, as_json: bool) -> None:

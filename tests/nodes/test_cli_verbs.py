@@ -241,12 +241,6 @@ def test_move_accepts_negative_and_relative_angles(shell: Shell) -> None:
     assert list(row["arms_deg"].values()) == pytest.approx([-11, -3, -3.5], abs=0.5)
 
 
-def test_home_turns_all_arms_to_zero(shell: Shell) -> None:
-    shell.good("look", "--yaw", "10", "--on", "both")
-    rows = shell.json("home", "--on", "both")["robots"]
-    assert [row["arms_deg"]["short"] for row in rows] == pytest.approx([0, 0], abs=0.5)
-
-
 def test_disable_enable_and_calibrate_change_the_hardware(shell: Shell) -> None:
     assert "home is no longer known" in shell.good("disable", "--on", "hw")
     refused = shell.run("look", "--yaw", "5", "--on", "hw")
