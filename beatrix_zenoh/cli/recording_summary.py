@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.recording.file_output import FileOutput
-from beatrix_zenoh.recording.losses import PICTURES, Count, Stream, findings, total
+from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, Count, Stream, findings, total
 from beatrix_zenoh.recording.recorder import Recorder
 
 
@@ -32,8 +32,9 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
         })  # fmt: skip
     elif robots:
         files = ", ".join(map(str, output.files))
-        for text in findings(counts).values():
-            note(text)
+        for (_, cause), text in findings(counts).items():
+            if cause != CONTESTED:  # the line below says it
+                note(text)
         say(
             f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(counts)}, "
             f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
@@ -61,6 +62,7 @@ def missing(counts: Mapping[Stream, Count]) -> str:
         "pictures lost": pictures.lost + pictures.unwritten,
     }
     known = [f"{number} {what}" for what, number in words.items() if number]
-    if others.contested:
-        known.append("losses unknown")
+    contested = sorted({f"{name} ({twin})" for ((name, twin), _), one in counts.items() if one.contested})
+    if contested:
+        known.append(f"losses unknown, because two programs publish the positions of {', '.join(contested)}")
     return ", ".join(known) or "nothing dropped"

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 import typer
+from typer.core import TyperOption
 
 from beatrix_zenoh.cli.output import (
     FAILED,
@@ -64,7 +65,7 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except USAGE_ERROR as error:
-        error.message = _with_options(error)
+        error.message = _with_value(command, words, _with_options(error))
         if as_json:
             print_failure(Reason.BAD_VALUE, error.format_message())
         else:
@@ -81,13 +82,32 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
 
 def _check_repeated_options(command: object, words: Sequence[str]) -> None:
     """Raise BadParameter for an option with a value that is given twice: typer would silently use the last value."""
-    verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
-    for option in getattr(verb, "params", ()):
-        if option.param_type_name != "option" or option.multiple or option.is_flag:
+    for option in _options(command, words):
+        if option.multiple or option.is_flag:
             continue
         given = [name for name in (word.partition("=")[0] for word in words) if name in option.opts]
         if len(given) > 1:
             raise typer.BadParameter(f"{given[0]} is given {len(given)} times: give it once.")
+
+
+def _options(command: object, words: Sequence[str]) -> list[TyperOption]:
+    """Return the options of the verb."""
+    verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
+    return [parameter for parameter in getattr(verb, "params", ()) if isinstance(parameter, TyperOption)]
+
+
+def _with_value(command: object, words: Sequence[str], message: str) -> str:
+    """Return the message; add the form of the value if an option has none (`export lesson.rrd --video`)."""
+    for option in _options(command, words):
+        name = max(option.opts, key=len)
+        if message == f"Option {name!r} requires an argument.":
+            form = (
+                option.metavar
+                or "|".join(map(str, getattr(option.type, "choices", ())))
+                or option.type.name.upper()
+            )
+            return f"Option {name!r} needs a value: {name} {form}."
+    return message
 
 
 def _with_options(error: typer.BadParameter) -> str:

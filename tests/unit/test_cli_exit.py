@@ -127,6 +127,21 @@ def test_the_error_for_a_value_without_option_lists_the_options(capsys: pytest.C
     assert "A value follows the name of its option: --port, --camera, --legacy" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["export", "a.rrd", "--video"], "Option '--video' needs a value: --video FILE.mp4."),
+        (["export", "a.rrd", "--video", "a.mp4", "--eye"], "needs a value: --eye left|right."),
+        (["look", "--yaw"], "needs a value: --yaw FLOAT."),
+    ],
+)
+def test_the_error_for_an_option_without_value_shows_its_form(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run(words) == 2
+    assert says in capsys.readouterr().err
+
+
 def test_a_file_with_an_unknown_setting_is_wrong_usage(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
