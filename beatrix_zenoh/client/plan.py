@@ -154,7 +154,7 @@ class Plan(ProcessBound):
 
     def plot(self) -> Figure:
         """Return a figure of the path; needs the extra `plot`."""
-        from beatrix_zenoh.recording import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
+        from beatrix_zenoh.client import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
 
         return plot.path_figure(self.path)
 

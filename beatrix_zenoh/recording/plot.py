@@ -1,4 +1,4 @@
-"""Figures of movements. Only this module imports matplotlib; it needs no display."""
+"""The figure of a comparison. It imports matplotlib, so callers import it late; it needs no display."""
 
 from __future__ import annotations
 
@@ -8,29 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from beatrix_zenoh.client.readings import Path
+from beatrix_zenoh.client.plot import WIDTH_IN, label_panel
 from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.series import ARMS, AXES, Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-NAMES = ("arms", "head")
-WIDTH_IN = 10.0
-
-
-def path_figure(path: Path) -> Figure:
-    """Return a figure of a previewed path: arms and head over time."""
-    angles = np.array([(*arms, *head) for arms, head in zip(path.arms, path.head, strict=True)])
-    figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
-    panels = figure.subplots(2, 1, sharex=True)
-    for panel, name, part in zip(panels, NAMES, (slice(0, 3), slice(3, 6)), strict=True):
-        for column, axis in zip(angles[:, part].T, AXES[part], strict=True):
-            panel.plot(path.t, column, color=hexadecimal(ALL[axis]), label=axis)
-        label_panel(panel, f"{name} (°)")
-    panels[-1].set_xlabel("time (s)")
-    return figure
 
 
 def twin_figure(found: Comparison, title: str) -> Figure:
@@ -63,12 +47,3 @@ def draw_both(panel: Axes, t: Floats, first: Floats, second: Floats, names: Sequ
         panel.plot(t, column, color=colour, linewidth=5, label=name, solid_capstyle="round")
     for column, name in zip(first.T, names, strict=True):
         panel.plot(t, column, color=hexadecimal(pale(ALL[name])), linewidth=1.5)
-
-
-def label_panel(panel: Axes, label: str) -> None:
-    """Add label, grid and legend to a panel."""
-    panel.set_ylabel(label)
-    panel.grid(alpha=0.25)
-    panel.spines[["top", "right"]].set_visible(False)
-    panel.margins(x=0.01)
-    panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
