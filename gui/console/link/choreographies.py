@@ -16,8 +16,7 @@ from beatrix_zenoh.recording.choreography_check import check_choreography
 from beatrix_zenoh.recording.follow import follow, robots_of
 from beatrix_zenoh.recording.path import path_of
 from beatrix_zenoh.recording.replay import replay
-from gui.console.link.playing import POSES
-from gui.console.state.actions import Play
+from gui.console.state.actions import POSES, Play
 
 LARGEST_BYTES = 1 << 19
 """Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, in which STOP cannot end

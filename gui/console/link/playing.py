@@ -12,9 +12,8 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.outcomes import accepted, closed, done, failed, replaced
 from gui.console.link.worker import Worker
-from gui.console.state.actions import Outcome, Play
+from gui.console.state.actions import POSES, Outcome, Play
 
-POSES = "poses"
 END_S = 1.0
 """Longest time that a newer motion waits for the end of the play that it replaces."""
 

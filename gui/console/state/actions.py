@@ -105,6 +105,10 @@ class AbortPlan(Action):
     """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
+POSES = "poses"
+"""The name of a play that has no file."""
+
+
 @dataclass(frozen=True)
 class Play(Action):
     """Play a file, or poses (deg: short, middle, long) one after the other."""
