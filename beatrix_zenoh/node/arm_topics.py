@@ -14,8 +14,7 @@ from beatrix_zenoh.contract.names import ARM_TOPICS
 from beatrix_zenoh.node import motions, replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.own_key import check_own_key
-from beatrix_zenoh.node.request_handle import RequestHandle
+from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key
 from beatrix_zenoh.node.request_queue import Task
 
 ARMS: Final = ("short", "middle", "long")

@@ -23,8 +23,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node import lifecycle, replies
 from beatrix_zenoh.node.access import Action
 from beatrix_zenoh.node.component import Component, Context, StatusFields
-from beatrix_zenoh.node.own_key import check_own_key
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
 from beatrix_zenoh.node.request_queue import Task
 from beatrix_zenoh.node.stop import FRAMES, StopHandler
 

@@ -1,14 +1,147 @@
-"""The port of programs of 2023 as a component of the node."""
+"""The port of programs of 2023. The access rules also apply to their lines, which the firmware carries out."""
 
 from __future__ import annotations
 
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Final
+
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.legacy import Terminal, TextPort
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
+from beatrix_zenoh.contract._generated.serial import State
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.names import OLD_PROGRAMS
+from beatrix_zenoh.legacy import Cause, Effect, Terminal, TextPort
+from beatrix_zenoh.node.access import TEXT_SESSION, Action
 from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.commands import CommandHandler
 from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.stop import StopHandler
-from beatrix_zenoh.node.text_driving import TextDriving
+
+CALLER: Final = Caller(OLD_PROGRAMS, TEXT_SESSION)
+ACTIONS: Final = {
+    Effect.MOVE: Action.MOVE,
+    Effect.ENABLE: Action.ENABLE,
+    Effect.DISABLE: Action.DISABLE,
+    Effect.CALIBRATE: Action.CALIBRATE,
+}
+KINDS: Final = {Effect.MOVE: EventKind.MOTION, Effect.STOP: EventKind.STOP}
+"""Kinds of the events of these effects; events of other effects have the kind COMMAND."""
+
+
+class TextDriving:
+    """Implements `legacy.NodeInterface`.
+
+    `has_router` returns whether a router is connected; without a router no STOP arrives.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        stop: StopHandler,
+        commands: CommandHandler,
+        has_router: Callable[[], bool],
+    ) -> None:
+        self._context, self._stop, self._commands = context, stop, commands
+        self._has_router = has_router
+        self._moved = False
+        """Whether the arms have moved since a motion was last authorised."""
+        context.board_watch.observe(Observer(self._observe, lambda: False))
+
+    def _observe(self) -> None:
+        state = self._context.board_watch.board.state
+        self._moved |= self._context.controller.text_moves and bool(state & State.MOVING)
+
+    def program_began(self) -> None:
+        """End the pause of a stopped program: another program has opened the port."""
+        self._context.access.old_program_began()
+
+    def authorize(self, effect: Effect) -> None:
+        """Check that the program may act now; with MOVE it becomes the holder.
+
+        Raises:
+            Refused: as `Access.authorize`; BUSY while a motion of another seat is running.
+            NoAnswer: BOARD_LOST; NO_ROUTER for a motion, because no client could stop it.
+        """
+        access, controller = self._context.access, self._context.controller
+        access.authorize(ACTIONS[effect], CALLER, time.monotonic(), resting=not controller.moving)
+        self._context.board_watch.board.check_connected()
+        if effect is not Effect.MOVE:
+            return
+        if not self._has_router():
+            raise NoAnswer(Reason.NO_ROUTER, "The router is lost, so no client could stop a motion.")
+        if controller.running is not None:
+            raise refusals.motion_running(controller.running.caller.seat)
+        access.take(CALLER)
+        controller.last_goal = None
+        controller.text_moves, self._moved = True, False
+
+    def move_declined(self) -> None:
+        """Restart the pause after STOP: the text port refused a motion and did not call `authorize`."""
+        with contextlib.suppress(Refused):
+            self._context.access.authorize(Action.MOVE, CALLER, time.monotonic())
+
+    def move_refused(self) -> bool:
+        """Handle a motion that the firmware refused or ended; return whether no arm has moved.
+
+        If none has moved, restore the previous holder.
+        """
+        if self._context.controller.text_moves and not self._moved:
+            self._context.controller.text_moves = False
+            self._context.access.undo_take()
+        return not self._moved
+
+    def moves_ended(self) -> None:
+        """Record that no motion of the program is running or waiting, so that its lease expires."""
+        if self._context.controller.text_moves:
+            self._context.controller.text_moves = False
+            self._context.access.rested(time.monotonic())
+
+    def set_home(self) -> None:
+        """Prepare the robot for a @CALNOW that sets home, and count the calibration."""
+        self._context.hardware.straighten()
+        self._context.controller.last_goal = None
+        self._commands.calibrations += 1
+
+    def stop_pressed(self) -> None:
+        """Block new motions, because the program has sent @STOPALL; any thread may call it."""
+        self._context.access.stop_pressed(Caller(OLD_PROGRAMS, TEXT_SESSION), time.monotonic())
+
+    def stop_sent(self) -> None:
+        """Carry out step 3 of STOP (see `stop`) after @STOPALL was sent to the firmware."""
+        self._stop.settle(Command.STOP, [], None)
+
+    def warn(self, text: str) -> None:
+        """Show a sentence in the status for some seconds."""
+        self._context.diagnostics.warn(text)
+
+    def record(
+        self,
+        effect: Effect,
+        word: str,
+        outcome: Cause,
+        *,
+        phase: Phase | None = None,
+        detail: Detail | None = None,
+        duration_s: float = 0.0,
+    ) -> None:
+        """Record the outcome of a line that begins with `word` as an event of the seat of old programs."""
+        self._context.events.add(
+            KINDS.get(effect, EventKind.COMMAND),
+            action=word,
+            caller=CALLER,
+            phase=phase,
+            reason=outcome.reason,
+            message=outcome.message,
+            duration_s=duration_s,
+            detail=detail,
+            source=None if phase is Phase.DONE else Source.OLD_PROGRAM,
+            position=vector(self._context.controller.arms()) if phase is Phase.DONE else None,
+        )
 
 
 class LegacyPort(Component):

@@ -13,9 +13,8 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.own_key import check_own_key
 from beatrix_zenoh.node.planner import Goal
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
 from beatrix_zenoh.node.request_queue import Task
 
 RADIANS_HINT: Final = " (Over Zenoh angles are in rad: 10° = 0.1745 rad.)"

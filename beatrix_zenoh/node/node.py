@@ -25,11 +25,10 @@ from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.lease_queries import LeaseHandler
 from beatrix_zenoh.node.legacy_port import LegacyPort
-from beatrix_zenoh.node.log_events import LogEvents
+from beatrix_zenoh.node.logs import LogEvents
 from beatrix_zenoh.node.motions import MotionHandler
-from beatrix_zenoh.node.own_name import claim_name
 from beatrix_zenoh.node.planner import Planner
-from beatrix_zenoh.node.presence import Presence
+from beatrix_zenoh.node.presence import Presence, claim_name
 from beatrix_zenoh.node.publisher import Publisher
 from beatrix_zenoh.node.queries import StateQueries
 from beatrix_zenoh.node.request_queue import RequestQueue

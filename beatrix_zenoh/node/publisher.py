@@ -11,9 +11,38 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import NOT_ON_CHANGE
+from beatrix_zenoh.contract._generated.messages import NOT_ON_CHANGE, EventKind, Fault, Reason, Status
 from beatrix_zenoh.node.component import Component, Context
-from beatrix_zenoh.node.status_events import StatusEvents
+from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.lease import Caller
+
+
+class StatusEvents:
+    """Compares each status with the previous one, and records changes as events."""
+
+    def __init__(self, events: EventLog) -> None:
+        self._events = events
+        self._holder = ""
+        self._trouble = ""
+
+    def record(self, status: Status) -> None:
+        """Record another holder, and a lost or connected board, as events."""
+        if status.holder != self._holder:
+            text = f"{status.holder} drives." if status.holder else f"{self._holder} has freed the robot."
+            self._events.add(EventKind.LEASE, caller=Caller(status.holder, ""), message=text)
+        trouble = board_trouble(status)
+        if trouble != self._trouble:
+            reason = Reason.BOARD_LOST if trouble else Reason.OK
+            text = trouble or f"The board at {status.board.port} is connected."
+            self._events.add(EventKind.BOARD, reason=reason, message=text)
+        self._holder, self._trouble = status.holder, trouble
+
+
+def board_trouble(status: Status) -> str:
+    """Return why the board is not connected, as a sentence; empty if it is connected."""
+    lost = not status.board.connected or status.fault in (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
+    return status.warnings[0] if lost and status.warnings else ""
+
 
 PERIOD_S = 1 / keys.POSITIONS_HZ
 STATUS_S = 1 / keys.STATUS_HZ

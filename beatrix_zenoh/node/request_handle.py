@@ -1,13 +1,18 @@
-"""The handle of one request: its caller, and the functions that reply to it."""
+"""The handle of one request: its key, its caller, and the functions that reply to it.
+
+A query with wildcards may match several robots, so it moves none of them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import msgspec
 
 from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
     EventKind,
@@ -22,7 +27,38 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.own_key import own_key, seat_of
+
+ANONYMOUS = "anonymous"
+"""Seat in the key of a reply if the query had none."""
+CACHED_KEYS = 256
+
+
+@lru_cache(maxsize=CACHED_KEYS)
+def seat_of(key: str, served: str) -> str:
+    """Return the seat in a key: the chunk at the place of `*` in the served key; empty for a wildcard.
+
+    The key may have wildcards before and after the seat: `beatrix/**/stop/ana`, `beatrix/*/hw/cmd/ana/*`.
+    """
+    chunks, pattern = key.split("/"), served.split("/")
+    if "*" not in pattern:
+        return ""
+    place = pattern.index("*") - len(pattern)
+    named = len(chunks) > -place and chunks[place - 1] == pattern[place - 1]
+    return chunks[place] if named and "*" not in chunks[place] else ""
+
+
+@lru_cache(maxsize=CACHED_KEYS)
+def own_key(served: str, seat: str) -> str:
+    """Return the served key with the seat in place of `*`; ANONYMOUS for an empty seat."""
+    return served.replace("*", seat or ANONYMOUS)
+
+
+def check_own_key(key: str, served: str) -> None:
+    """Raise Refused (BAD_VALUE) unless `key` is the served key with a concrete seat."""
+    own = own_key(served, seat_of(key, served) or "me")
+    if key != own:
+        raise refusals.wildcard_key(key, own)
+
 
 Reply = MotionReply | CommandReply | LeaseReply | PreviewReply
 

@@ -30,8 +30,7 @@ from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.own_key import seat_of
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_handle import RequestHandle, request_handle, seat_of
 
 FRAMES: Final = {
     Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP,

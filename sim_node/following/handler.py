@@ -15,9 +15,8 @@ from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, Context, StatusFields, replies
 from beatrix_zenoh.node.access import Action
 from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.own_key import check_own_key
 from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
 from beatrix_zenoh.node.request_queue import Task
 from sim_node.following.arms import OwnArms, follows
 from sim_node.following.follower import NO_STATUS, Follower, Sample

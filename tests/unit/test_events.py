@@ -9,7 +9,7 @@ from statuses import BOARD, READY
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase
 from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, EventLog
 from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.status_events import StatusEvents
+from beatrix_zenoh.node.publisher import StatusEvents
 
 ANA = Caller("ana", "s1")
 
