@@ -90,10 +90,7 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        if self._during is None:
-            motion.measure(*now)
-        if lead_s:
-            motion.watch(self._check_both, self._twin.state.check_present, now[0].t, now[1].t)
+        motion.prepare(*now, self._check_both, self._twin.state.check_present, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
-import queue
 import threading
 import time
 from collections.abc import Callable
@@ -17,6 +15,7 @@ from msgspec.structs import replace
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import MotionBegin, lag_s
+from beatrix_zenoh.client.lead import POLL_S, Lead
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.slips import Suggesting, value_method
@@ -27,9 +26,6 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply,
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
 LOG = logging.getLogger("beatrix_zenoh.client")
-POLL_S = 0.02
-LATE_S = 1.5
-"""A motion that is overdue by more than this (s) is not sent to the hardware: its program was suspended."""
 CANCEL_S = 10.0
 """Longest wait (s) for robots that do not answer STOP."""
 REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
@@ -50,48 +46,39 @@ class TwinMotion(ProcessBound, Suggesting):
     """
 
     def __init__(self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead_s: float = 0.0) -> None:
-        self._sim, self._hw, self._query = sim, hw, replace(query, lead=lead_s)
-        self.lead_s = lead_s
-        self._begun: dict[Robot, Motion] = {}
-        self._sending: Robot | None = None
-        self._due_s: float | None = None
-        self._permit = threading.Lock()
-        """The thread that acquires it decides whether the motion is sent to the hardware. It is acquired without
-        waiting and never released, so that a signal handler may acquire it at any point."""
-        self._sent = False
-        self._end: BeatrixError | None = None
-        """The error with which the motion is to end."""
-        self._wakeups: queue.SimpleQueue[None] = queue.SimpleQueue()
+        self._sim, self._hw = sim, hw
         self._future: Future[TwinReplies] = Future()
-        self._thread = 0
-        self._begins: tuple[MotionBegin, MotionBegin] | None = None
-        self._check_both: Callable[[], None] = lambda: None
-        self._check_present: Callable[[], None] = lambda: None
-        self._stops: list[StopEvents] = []
-        """STOP events of both robots, during the lead."""
-        self.lag_s: float | None = None
-        """Lag of the hardware behind the simulation (s), from published positions; None until both have ended, for a
-        motion without a preview, and if one of them moved less than 0.5 deg."""
+        self._lead = Lead(lead_s)
+        self._run = TwinRun(sim, hw, replace(query, lead=lead_s), self._lead, self._future)
 
     def __repr__(self) -> str:
         if self.done():
             return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both have arrived'}>"
-        wait = "" if self._sent else f", the hardware in {self.countdown_s:.1f} s"
+        wait = "" if self.hardware_sent else f", the hardware in {self.countdown_s:.1f} s"
         return f"<motion of {self._sim} and {self._hw}{wait}>"
 
-    # -- as a future -----------------------------------------------------------------------------
+    @property
+    def lead_s(self) -> float:
+        """Seconds by which the hardware begins later than the simulation."""
+        return self._lead.lead_s
 
     @property
     def hardware_sent(self) -> bool:
         """Whether the motion was sent to the hardware."""
-        return self._sent
+        return self._lead.sent
 
     @property
     def countdown_s(self) -> float:
         """Seconds until the motion is sent to the hardware; 0 if it was sent or will not be sent."""
-        if self._due_s is None:
-            return 0.0 if self._permit.locked() else self.lead_s
-        return 0.0 if self._permit.locked() else max(0.0, self._due_s - time.monotonic())
+        return self._lead.countdown_s
+
+    @property
+    def lag_s(self) -> float | None:
+        """Lag of the hardware behind the simulation (s), from published positions.
+
+        None until both have ended, for a motion without a preview, and if one of them moved less than 0.5 deg.
+        """
+        return self._run.lag_s
 
     @value_method
     def done(self) -> bool:
@@ -151,7 +138,7 @@ class TwinMotion(ProcessBound, Suggesting):
             return False
         self.hold()
         self.end(Interrupted(Reason.STOPPED, "Cancelled by this program."))
-        if self._thread not in (0, threading.get_ident()):
+        if self._run.thread not in (0, threading.get_ident()):
             try:
                 self._wait(CANCEL_S)
             except TimeoutError:
@@ -174,40 +161,41 @@ class TwinMotion(ProcessBound, Suggesting):
 
         Returns at once: False if the simulation has not begun, or the motion was sent or cancelled before; else True.
         """
-        if self._due_s is None or self._permit.locked() or self.done():
-            return False
-        self._due_s = min(self._due_s, time.monotonic())
-        self._wakeups.put(None)
-        return True
+        return not self.done() and self._lead.send_now()
 
     # -- used by Twin, Plan and window -----------------------------------------------------------
 
-    def measure(self, sim: PlanPosition, hw: PlanPosition) -> None:
-        """Have the lag measured; the motion begins with both robots at rest at these positions."""
-        self._begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
-
-    def watch(
-        self, check: Callable[[], None], check_present: Callable[[], None], sim_t: float, hw_t: float
+    def prepare(
+        self,
+        sim: PlanPosition,
+        hw: PlanPosition,
+        check_both: Callable[[], None],
+        check_present: Callable[[], None],
+        *,
+        measured: bool,
     ) -> None:
-        """Have both robots checked until the motion is sent to the hardware; an exception of a check ends the motion.
+        """Have both robots checked until the motion is sent to the hardware, as `Lead.watch` does.
 
         Args:
-            check: called just before the motion is sent to the hardware.
-            check_present: called continuously, because a robot that was not on line may have been replaced.
-            sim_t: time at which the simulation was at rest (s, its own clock); a STOP since then ends the motion.
-            hw_t: as `sim_t`, for the hardware.
+            sim: position at which the simulation was at rest; a STOP since then ends the motion.
+            hw: as `sim`, for the hardware.
+            check_both: called just before the motion is sent to the hardware.
+            check_present: called continuously.
+            measured: whether both robots are at rest there, so that the lag is measured.
         """
-        self._check_both, self._check_present = check, check_present
-        self._stops = [StopEvents(self._sim, sim_t), StopEvents(self._hw, hw_t)]
+        if measured:
+            self._run.begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
+        if self.lead_s:
+            stops = StopEvents(self._sim, sim.t), StopEvents(self._hw, hw.t)
+            self._lead.watch(check_both, check_present, stops)
 
     def hold(self) -> bool:
         """Keep other threads from sending the motion to the hardware; return False if it was sent or held before."""
-        return self._permit.acquire(blocking=False)
+        return self._lead.claim()
 
     def end(self, why: BeatrixError) -> None:
         """Request that the motion ends with this error; only the first call has an effect."""
-        self._end = self._end or why
-        self._wakeups.put(None)
+        self._run.end(why)
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
         """Send the motion to the simulation, call `begun`, and without a lead send it to the hardware, too.
@@ -217,13 +205,40 @@ class TwinMotion(ProcessBound, Suggesting):
         Raises:
             BeatrixError: as `result`; without `wait` only the errors before it returns.
         """
-        self._thread = threading.get_ident()
+        self._run.start(wait=wait, begun=begun)
+
+
+class TwinRun:
+    """Carries out a motion of both robots, and stops both if one fails."""
+
+    def __init__(
+        self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead: Lead, future: Future[TwinReplies]
+    ) -> None:
+        self._sim, self._hw, self._query, self._lead, self._future = sim, hw, query, lead, future
+        self._begun: dict[Robot, Motion] = {}
+        self._sending: Robot | None = None
+        self._end: BeatrixError | None = None
+        """The error with which the motion is to end."""
+        self.thread = 0
+        """Identity of the thread that carries the motion out; 0: not started."""
+        self.begins: tuple[MotionBegin, MotionBegin] | None = None
+        """Begin of both motions; None: not measured."""
+        self.lag_s: float | None = None
+
+    def end(self, why: BeatrixError) -> None:
+        """Request that the motion ends with this error; only the first call has an effect."""
+        self._end = self._end or why
+        self._lead.wake()
+
+    def start(self, *, wait: bool, begun: Callable[[], None]) -> None:
+        """Start the motion; see `TwinMotion.start`."""
+        self.thread = threading.get_ident()
         try:
             self._raise_end()
             self._send(self._sim)
             begun()
-            self._due_s = time.monotonic() + self.lead_s
-            if not self.lead_s:
+            self._lead.begin()
+            if not self._lead.lead_s:
                 self._send_to_hardware()
             if wait:
                 self._settle(self._follow())
@@ -233,48 +248,29 @@ class TwinMotion(ProcessBound, Suggesting):
                 raise
             raise failure from error
         if not wait:
-            threads.start(self._run, "twin-motion")
+            threads.start(self._continue, "twin-motion")
 
-    # -- the thread that carries it out ----------------------------------------------------------
-
-    def _run(self) -> None:
-        self._thread = threading.get_ident()
+    def _continue(self) -> None:
+        self.thread = threading.get_ident()
         try:
             self._settle(self._follow())
         except BaseException as error:  # noqa: BLE001  # it is raised by `result`
             self._failed(error)
 
     def _settle(self, replies: TwinReplies) -> None:
-        self._measured()
+        self._measure()
         self._close()
         self._future.set_result(replies)
 
     def _follow(self) -> TwinReplies:
-        if not self._sent:
-            self._wait_for_lead()
+        while not self._lead.sent:
+            self._lead.wait()
+            self._poll(0.0)
+            if self._lead.due():
+                self._send_to_hardware()
         while not self._poll(POLL_S):
             pass
         return TwinReplies(self._begun[self._sim].result(0), self._begun[self._hw].result(0))
-
-    def _wait_for_lead(self) -> None:
-        while not self._sent:
-            left_s = (self._due_s or 0.0) - time.monotonic()
-            self._poll(max(0.001, min(left_s, POLL_S)))
-            self._check_stopped()
-            self._check_present()
-            if left_s < -LATE_S:
-                raise Interrupted(
-                    Reason.STOPPED,
-                    f"This program was suspended for {-left_s:.1f} s: the motion is too late for the hardware and was not sent.",
-                )
-            if left_s <= 0 and not self._permit.locked():
-                self._check_both()
-                self._send_to_hardware()
-
-    def _check_stopped(self) -> None:
-        """Raise Interrupted (STOPPED) if a client has stopped one of the robots, even at rest."""
-        for stops in self._stops:
-            stops.check(" before the motion was sent to the hardware")
 
     def _poll(self, limit_s: float) -> bool:
         """Wait up to `limit_s` (s); return whether all begun motions have arrived; raise the error that ends them."""
@@ -283,14 +279,9 @@ class TwinMotion(ProcessBound, Suggesting):
             raise NoAnswer(
                 Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
             )
-        for begin in self._begins or ():
+        for begin in self.begins or ():
             begin.read()
-        arrived = [
-            ended(robot, motion, limit_s if self._sent else 0.0) for robot, motion in self._begun.items()
-        ]
-        if not self._sent:
-            with contextlib.suppress(queue.Empty):
-                self._wakeups.get(timeout=limit_s)
+        arrived = [ended(robot, motion, limit_s) for robot, motion in self._begun.items()]
         return all(arrived)
 
     def _raise_end(self) -> None:
@@ -304,21 +295,21 @@ class TwinMotion(ProcessBound, Suggesting):
         self._sending = None
 
     def _send_to_hardware(self) -> None:
-        if self.hold():
-            self._raise_end()  # a signal handler may have cancelled the motion just after `hold`
-            self._sent = True
+        if self._lead.claim():
+            self._raise_end()  # a signal handler may have cancelled the motion just after `claim`
+            self._lead.sent = True
             self._send(self._hw)
 
     def _failed(self, error: BaseException) -> BaseException:
         """Stop running motions and return the error to raise; `result` raises it, too."""
-        self.hold()
+        self._lead.claim()
         try:
             moving = [robot for robot, motion in self._begun.items() if runs(motion)]
             if isinstance(error, KeyboardInterrupt) and self._sending is not None:
                 moving.append(
                     self._sending
                 )  # it may have accepted the motion, although its reply was not read
-            kept = self.lead_s and not self._sent
+            kept = self._lead.lead_s and not self._lead.sent
             failure = stopped(error, moving, f"{self._hw}: not moved." if kept else "")
         except BaseException as again:
             failure = again
@@ -335,23 +326,22 @@ class TwinMotion(ProcessBound, Suggesting):
 
     def _close(self) -> None:
         """End the subscriptions."""
-        for begin in self._begins or ():
+        for begin in self.begins or ():
             begin.close()
-        for stops in self._stops:
-            stops.close()
+        self._lead.close()
 
-    def _measured(self) -> None:
-        if self._begins is None:
+    def _measure(self) -> None:
+        if self.begins is None:
             return
-        for begin in self._begins:
+        for begin in self.begins:
             begin.read()
-        self.lag_s = lag_s(*self._begins)
+        self.lag_s = lag_s(*self.begins)
         if self.lag_s is not None:
             LOG.info(
                 "%s: the hardware began %.3f s after the simulation; lead %.3f s.",
                 self._hw.name,
                 self.lag_s,
-                self.lead_s,
+                self._lead.lead_s,
             )
 
 
