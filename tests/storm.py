@@ -17,11 +17,11 @@ from stage import Process, free_endpoint, start_router
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli import network
 from beatrix_zenoh.cli.listing import look_up
 from beatrix_zenoh.cli.top import rows_of
-from beatrix_zenoh.client import Client, network
-from beatrix_zenoh.client.monitor import Monitor
-from beatrix_zenoh.client.seats import Seats
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.monitor import Monitor, Seats
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
 

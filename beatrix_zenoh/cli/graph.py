@@ -9,10 +9,10 @@ from typing import Annotated
 
 import typer
 
+from beatrix_zenoh.cli import network
+from beatrix_zenoh.cli.network import Program, short
 from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import print_json, say
-from beatrix_zenoh.client import network
-from beatrix_zenoh.client.network import Program, short
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.settings import resolve
 

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from beatrix_zenoh.client.stop_events import StopEvents
+from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Interrupted
 

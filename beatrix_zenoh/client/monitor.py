@@ -1,19 +1,22 @@
-"""Live state of all robots at a router: presence, status, positions, rates, ages, events."""
+"""Live state of all robots and seats at a router: presence, status, positions, rates, ages, events."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
-from typing import Self
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, Self
 
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.clocks import Offsets, clock_offsets
 from beatrix_zenoh.client.request import Place, own_place
 from beatrix_zenoh.client.robot_state import Record, RobotState
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
+
+SESSIONS = 1000
+"""Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""
 
 ASK_S = 1.0
 """Time limit (s) of the queries for the state that was published before the monitor began."""
@@ -176,3 +179,44 @@ class Monitor(ProcessBound):
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+class Seats:
+    """The connected seats, live until the client is closed; any thread may read them."""
+
+    def __init__(self, client: Client) -> None:
+        self._sessions: dict[str, str] = {}
+        client.bus.watch_tokens(keys.seat("*", "*"), self._on_token)
+
+    def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001
+        """Record on Zenoh's thread that a session of a seat has begun or ended."""
+        parts = keys.parse(key)
+        if parts is not None and alive:
+            if len(self._sessions) < SESSIONS:
+                self._sessions[parts.session] = parts.who
+        elif parts is not None:
+            self._sessions.pop(parts.session, None)
+
+    def names(self) -> list[str]:
+        """Return each seat once, sorted."""
+        return sorted({*self._sessions.copy().values()})
+
+
+class SeatStops(NamedTuple):
+    """The STOPs of one seat."""
+
+    seat: str
+    """empty: unknown"""
+    total: int
+    robots: dict[Place, int]
+    """STOPs of each robot. Its own events report them, so those of a student's simulation prove nothing."""
+
+
+def stops_by_seat(robots: Iterable[RobotState]) -> list[SeatStops]:
+    """Return the STOPs of all seats in the events of these robots, the most frequent seat first."""
+    found: dict[str, dict[Place, int]] = {}
+    for robot in robots:
+        for seat, count in robot.stops:
+            found.setdefault(seat, {})[robot.robot, robot.twin] = count
+    stops = [SeatStops(seat, sum(counts.values()), counts) for seat, counts in found.items()]
+    return sorted(stops, key=lambda one: (-one.total, one.seat))

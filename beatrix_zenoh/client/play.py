@@ -16,7 +16,7 @@ from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.queries import wait_s
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.stop_events import StopEvents
+from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source

@@ -23,11 +23,18 @@ from beatrix_zenoh.client.request import GroupRequest, Place, Request
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.silence import publishing, title
-from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Detail, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    CommandQuery,
+    CommandReply,
+    Detail,
+    EventKind,
+    Reason,
+)
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused
 
 ROBOT_S: Final = 2.0
 """Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""
@@ -113,6 +120,27 @@ class SentGroupStop:
         replies = self.replies()
         silent = sorted(place for place in expected if matches(self._place, place) and place not in replies)
         return replies | silences(self._client.bus, silent)
+
+
+class StopEvents:
+    """A subscription to one robot's events since `since_s` (s, the robot's monotonic clock), by default from now on."""
+
+    def __init__(self, robot: RobotBase, since_s: float | None = None) -> None:
+        """Subscribe; without `since_s` raises NoAnswer if the robot is not on line."""
+        self._robot = robot
+        self._events = robot.events()
+        self._since_s = robot.positions().t if since_s is None else since_s
+
+    def check(self, when: str = "") -> None:
+        """Raise Interrupted (STOPPED) if STOP was pressed; its message contains the seat and `when`."""
+        for event in self._events.take():
+            if event.kind is EventKind.STOP and event.t_mono_ns / 1e9 > self._since_s:
+                presser = event.seat or "A client"
+                raise Interrupted(Reason.STOPPED, f"{self._robot}: {presser} pressed STOP{when}.")
+
+    def close(self) -> None:
+        """End the subscription."""
+        self._events.close()
 
 
 def matches(wanted: Place, place: Place) -> bool:

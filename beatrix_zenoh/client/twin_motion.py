@@ -19,8 +19,7 @@ from beatrix_zenoh.client.lead import POLL_S, Lead
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.slips import Suggesting, value_method
-from beatrix_zenoh.client.stop_events import StopEvents
-from beatrix_zenoh.client.stopping import sentence, stop_robots
+from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
 from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.play import stopping
 from beatrix_zenoh.client.queries import motion_query, wait_s
 from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.stop_events import StopEvents
+from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source, Vector3

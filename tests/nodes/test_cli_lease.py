@@ -9,7 +9,7 @@ from shell import NAME, Shell
 from stage import Stage, until
 
 from beatrix_zenoh.bus import Incoming
-from beatrix_zenoh.client.govern import govern
+from beatrix_zenoh.client.lease import govern
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, Reason
 

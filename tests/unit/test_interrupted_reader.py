@@ -10,8 +10,7 @@ from types import FrameType
 import pytest
 
 from beatrix_zenoh.bus import Received
-from beatrix_zenoh.client.subscription import Inbox
-from beatrix_zenoh.client.wakeup import Wakeup
+from beatrix_zenoh.client.subscription import Inbox, Wakeup
 
 CALLS = 200
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.govern import govern
+from beatrix_zenoh.client.lease import govern
 from beatrix_zenoh.contract._generated.messages import LeaseQuery
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.connection import Session

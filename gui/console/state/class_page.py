@@ -9,7 +9,7 @@ from typing import Final
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
-from beatrix_zenoh.client.stop_events import SeatStops, stops_by_seat
+from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
