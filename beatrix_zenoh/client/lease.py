@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.queries import number
+from beatrix_zenoh.client.queries import checked_number
 from beatrix_zenoh.client.request import Place, Request
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import refusals
@@ -125,7 +125,7 @@ def unmute(robot: Robot, seat: str) -> LeaseReply:
 
 def limit_of(speed: float) -> float:
     """Return a speed limit in rad/s from one in deg/s; raises WrongUsage (BAD_VALUE) unless it is above 0."""
-    if number("speed", speed, "deg/s") <= 0:
+    if checked_number("speed", speed, "deg/s") <= 0:
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"A speed limit of {speed:g}°/s is not allowed: give more than 0. `beatrix freeze` stops all robots; "

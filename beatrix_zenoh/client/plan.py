@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.lag import furthest
-from beatrix_zenoh.client.queries import true_or_false, wait_s
+from beatrix_zenoh.client.queries import checked_wait, true_or_false
 from beatrix_zenoh.client.readings import Path, RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion
@@ -79,7 +79,7 @@ class Plan(ProcessBound):
             NoAnswer: one robot is not on line, or has lost its board.
             Interrupted: the motion of one robot was stopped, or this one was aborted or replaced.
         """
-        lead_s, waits = wait_s("lead_s", lead_s), true_or_false("wait", wait)
+        lead_s, waits = checked_wait("lead_s", lead_s), true_or_false("wait", wait)
         self._check_open()
         sim, hw = self._twin.sim, self._twin.hw
         motion = self._motion = TwinMotion(sim, hw, self._query, lead_s)  # from here on `abort` can cancel it

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.plan import Plan
-from beatrix_zenoh.client.queries import wait_s
+from beatrix_zenoh.client.queries import checked_wait
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Twin
@@ -49,7 +49,7 @@ def play(
         WrongUsage: `lead_s` is not a valid time, or is given with lockstep or for one robot.
         Refused, Interrupted, NoAnswer: the error of the first motion that failed.
     """
-    lead_s = wait_s("lead_s", lead_s)
+    lead_s = checked_wait("lead_s", lead_s)
     if lead_s and (lockstep or isinstance(robots, Robot)):
         raise WrongUsage(
             Reason.BAD_VALUE,

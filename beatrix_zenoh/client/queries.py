@@ -53,11 +53,11 @@ def per_arm(speed: Speed) -> Sequence[float]:
 
 
 def to_rad(what: str, angle: float, unit: str = "degrees") -> float:
-    """Convert degrees or degrees/s to rad or rad/s; raises the errors of `number`."""
-    return math.radians(number(what, angle, unit))
+    """Convert degrees or degrees/s to rad or rad/s; raises the errors of `checked_number`."""
+    return math.radians(checked_number(what, angle, unit))
 
 
-def number(what: str, value: float, unit: str) -> float:
+def checked_number(what: str, value: float, unit: str) -> float:
     """Return the value as a float; raise WrongUsage unless it is a finite number that fits into a message."""
     if not isinstance(value, Real) or isinstance(value, bool):
         raise WrongUsage(Reason.BAD_VALUE, f"{what} is {value!r}: give a number of {unit}.")
@@ -79,7 +79,7 @@ def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
     raise WrongUsage(Reason.BAD_VALUE, f"{what} is {on!r}: give True or False.")
 
 
-def seconds(what: str, value: float) -> float:
+def checked_seconds(what: str, value: float) -> float:
     """Return a timeout in s; raises WrongUsage unless it is a number above 0 and at most a day."""
     if isinstance(value, Real) and not isinstance(value, bool) and 0 < float(value) <= DAY_S:
         return float(value)
@@ -88,7 +88,7 @@ def seconds(what: str, value: float) -> float:
     )
 
 
-def wait_s(what: str, value: float) -> float:
+def checked_wait(what: str, value: float) -> float:
     """Return a time to wait in s; raises WrongUsage unless it is a number from 0 to a day."""
     if isinstance(value, Real) and not isinstance(value, bool) and 0 <= float(value) <= DAY_S:
         return float(value)

@@ -11,13 +11,13 @@ from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.queries import (
     DAY_S,
     Speed,
+    checked_number,
+    checked_seconds,
+    checked_wait,
     motion_query,
-    number,
     pose_query,
-    seconds,
     true_or_false,
 )
-from beatrix_zenoh.client.queries import wait_s as wait_seconds
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.slips import value_method
@@ -119,7 +119,7 @@ class Robot(RobotBase):
         query = CommandQuery(
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
-        timeout_s = self.timeout_s if timeout_s is None else seconds("timeout_s", timeout_s)
+        timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
         return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
 
     @value_method
@@ -131,7 +131,7 @@ class Robot(RobotBase):
         Raises:
             Refused: NOT_HOLDER if another seat holds the robot, or the robot's reason, such as FROZEN.
         """
-        return Lease(self, wait_seconds("wait_s", wait_s))
+        return Lease(self, checked_wait("wait_s", wait_s))
 
     def follow(self, on: bool = True) -> CommandReply:  # noqa: FBT001, FBT002 - `follow(False)` reads well
         """Let the simulation of this name follow the hardware, or end this.
@@ -156,7 +156,9 @@ class Robot(RobotBase):
         x (forward), y (left) and z (up) are the distances (m) from the neck's centre to the middle of the person's
         eyes. Raises Refused for a position outside the room.
         """
-        query = TargetQuery(x=number("x", x, "m"), y=number("y", y, "m"), z=number("z", z, "m"))
+        query = TargetQuery(
+            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
+        )
         reply = self._ask_target(query)
         if not reply.result:
             raise Refused(reply.reason, reply.message, reply.detail)

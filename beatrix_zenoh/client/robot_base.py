@@ -7,7 +7,7 @@ from typing import Self
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import camera, streams
 from beatrix_zenoh.client.camera import CameraImage
-from beatrix_zenoh.client.queries import seconds
+from beatrix_zenoh.client.queries import checked_seconds
 from beatrix_zenoh.client.readings import Reading, RobotInfo, reading, robot_info
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
@@ -36,7 +36,7 @@ class RobotBase(ProcessBound, Suggesting):
     ) -> None:
         if twin not in names.TWINS:
             raise WrongUsage(Reason.BAD_VALUE, f"twin={twin!r}: choose 'sim' or 'hw'.")
-        self.twin, self.timeout_s = twin, seconds("timeout_s", timeout_s)
+        self.twin, self.timeout_s = twin, checked_seconds("timeout_s", timeout_s)
         self._shared = client is not None
         self.client = Client(resolve(name, connect, who)) if client is None else client
         self.name = names.check_name(name or self.client.settings.robot)

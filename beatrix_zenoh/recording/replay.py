@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import stopping
-from beatrix_zenoh.client.queries import motion_query, wait_s
+from beatrix_zenoh.client.queries import checked_wait, motion_query
 from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
@@ -163,7 +163,7 @@ def replay(
         WrongUsage: `lead_s` is not a valid time, or is given for one robot.
         Refused, Interrupted, NoAnswer: the motion to the start or a target failed.
     """
-    lead_s = wait_s("lead_s", lead_s)
+    lead_s = checked_wait("lead_s", lead_s)
     if lead_s and isinstance(robots, Robot):
         raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
     _go_to_start(robots, following)
