@@ -12,11 +12,12 @@ from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.component import Component, Context
 from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
+from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.readiness import ready_telemetry
 from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
 
@@ -44,15 +45,15 @@ class PreviewHandler(Component):
         try:
             self._waiting.put_nowait((incoming.raw, handle))
         except queue.Full:
-            handle.end(replies.preview_refusal(refusals.queue_full(CAPACITY)))
+            handle.end(preview_refusal(refusals.queue_full(CAPACITY)))
 
     def _run(self) -> None:
         while (entry := self._waiting.get()) is not None:
             raw, handle = entry
             try:
-                reply = replies.preview_reply(self._preview(raw))
+                reply = preview_reply(self._preview(raw))
             except BeatrixError as error:
-                reply = replies.preview_refusal(error)
+                reply = preview_refusal(error)
             handle.end(reply)
 
     def _preview(self, raw: RawQuery) -> Preview:
@@ -73,7 +74,38 @@ class PreviewHandler(Component):
             except queue.Empty:
                 break
             if entry is not None:
-                entry[1].end(replies.preview_refusal(refusals.node_closing()))
+                entry[1].end(preview_refusal(refusals.node_closing()))
         self._waiting.put(None)
         if self._thread is not None:
             self._thread.join(timeout=2.0)
+
+
+def preview_reply(preview: Preview) -> PreviewReply:
+    """Return the reply to a preview."""
+    return PreviewReply(
+        result=True,
+        reason=Reason.OK,
+        message=f"Possible: {preview.duration_s:.1f} s.",
+        duration=preview.duration_s,
+        tilt_max=preview.tilt_max,
+        gap_min=preview.gap_min,
+        t=preview.t,
+        arms=[vector(arms) for arms in preview.arms],
+        head=[Head(*head) for head in preview.head],
+    )
+
+
+def preview_refusal(error: BeatrixError) -> PreviewReply:
+    """Return the reply to a refused preview."""
+    return PreviewReply(
+        result=False,
+        reason=error.reason,
+        message=error.message,
+        duration=0.0,
+        tilt_max=0.0,
+        gap_min=0.0,
+        t=[],
+        arms=[],
+        head=[],
+        detail=error.detail,
+    )

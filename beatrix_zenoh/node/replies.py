@@ -8,16 +8,13 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
     Detail,
-    Head,
     MotionReply,
     Phase,
-    PreviewReply,
     Reason,
 )
 from beatrix_zenoh.contract._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, Outcome, State
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.node.hardware import Preview
 from beatrix_zenoh.node.planner import degrees, vector
 
 
@@ -83,37 +80,6 @@ def command_reply(reason: Reason, text: str, position: Arms, detail: Detail | No
 def command_refusal(error: BeatrixError, position: Arms) -> CommandReply:
     """Return the reply to a refused command; `position`: set points of the arms (rad)."""
     return command_reply(error.reason, error.message, position, error.detail)
-
-
-def preview_reply(preview: Preview) -> PreviewReply:
-    """Return the reply to a preview."""
-    return PreviewReply(
-        result=True,
-        reason=Reason.OK,
-        message=f"Possible: {preview.duration_s:.1f} s.",
-        duration=preview.duration_s,
-        tilt_max=preview.tilt_max,
-        gap_min=preview.gap_min,
-        t=preview.t,
-        arms=[vector(arms) for arms in preview.arms],
-        head=[Head(*head) for head in preview.head],
-    )
-
-
-def preview_refusal(error: BeatrixError) -> PreviewReply:
-    """Return the reply to a refused preview."""
-    return PreviewReply(
-        result=False,
-        reason=error.reason,
-        message=error.message,
-        duration=0.0,
-        tilt_max=0.0,
-        gap_min=0.0,
-        t=[],
-        arms=[],
-        head=[],
-        detail=error.detail,
-    )
 
 
 def motion_end(code: int, cause: StopCause, arms: Arms, presser: str = "") -> tuple[Reason, str]:
