@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from typing import Annotated, TypeVar
@@ -23,7 +23,8 @@ from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
 
 T = TypeVar("T")
@@ -63,7 +64,7 @@ def echo(
             robot.status()  # raises NoAnswer for a robot that is not on line
         if stream is Stream.EVENTS:
             past = count or PAST
-            for place, event in limited(streams.follow_events(list(robots.values()), past), count):
+            for place, event in limited(follow_events(list(robots.values()), past), count):
                 show_event(place, event, as_json=as_json)
         elif stream is Stream.POSITIONS:
             positions = streams.positions(targets.client, targets.name, twin_key(targets)).arrivals()
@@ -130,3 +131,35 @@ def event_line(place: Place, event: Event) -> str:
     clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
     milliseconds = event.t_wall_ns // 1_000_000 % 1000
     return f"{clock}.{milliseconds:03d}  {place[0]} ({place[1]})  {sentence(event)}"
+
+
+def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, Event]]:
+    """Yield the last `past` events of robots of one name, oldest first, then each new event.
+
+    Args:
+        robots: simulation, hardware or both, of one client.
+        past: number of earlier events to begin with.
+
+    Raises:
+        NoAnswer: a robot is not on line, or is lost meanwhile.
+    """
+    first = robots[0]
+    twin = first.twin if len(robots) == 1 else "*"
+    with streams.events(first.client, first.name, twin, timeout_s=streams.SILENCE_S) as coming:
+        before = [(robot.place, event) for robot in robots for event in robot.past_events()]
+        # An event that is published during the query for past events arrives twice; `known` drops the second.
+        known = {(place, event.t_mono_ns, event.seq) for place, event in before}
+        before.sort(key=lambda row: row[1].t_wall_ns)
+        yield from before[max(0, len(before) - past) :]
+        while True:
+            try:
+                arrival = coming.next_arrival()
+            except NoAnswer as error:
+                if error.reason is not Reason.TIMED_OUT:
+                    raise
+                for robot in robots:  # `status` raises NoAnswer if the robot is lost
+                    robot.status()
+                continue
+            place = arrival.robot, arrival.twin
+            if (place, arrival.value.t_mono_ns, arrival.value.seq) not in known:
+                yield place, arrival.value

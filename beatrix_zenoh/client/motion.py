@@ -9,7 +9,7 @@ from functools import partial
 from typing import Protocol, cast
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.dispatcher import Dispatcher
+from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer

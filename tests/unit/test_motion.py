@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from beatrix_zenoh.client.dispatcher import Dispatcher
 from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
 from beatrix_zenoh.contract.errors import Interrupted, NoAnswer
 
