@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.camera import CameraImage as CameraImage
     from beatrix_zenoh.client.monitor import Monitor as Monitor
     from beatrix_zenoh.client.motion import Motion as Motion
-    from beatrix_zenoh.client.plan import Plan as Plan
     from beatrix_zenoh.client.readings import suggestion as suggestion
     from beatrix_zenoh.client.robot import Robot as Robot
     from beatrix_zenoh.client.subscription import Subscription as Subscription
-    from beatrix_zenoh.client.twin import Twin as Twin
+    from beatrix_zenoh.client.twin.plan import Plan as Plan
+    from beatrix_zenoh.client.twin.twin import Twin as Twin
     from beatrix_zenoh.contract.errors import BeatrixError as BeatrixError
     from beatrix_zenoh.contract.errors import Interrupted as Interrupted
     from beatrix_zenoh.contract.errors import NoAnswer as NoAnswer
@@ -48,11 +48,11 @@ else:
         "Monitor": "client.monitor",
         "Motion": "client.motion",
         "NoAnswer": "contract.errors",
-        "Plan": "client.plan",
+        "Plan": "client.twin.plan",
         "Refused": "contract.errors",
         "Robot": "client.robot",
         "Subscription": "client.subscription",
-        "Twin": "client.twin",
+        "Twin": "client.twin.twin",
         "suggestion": "client.readings",
     }
 

@@ -20,7 +20,7 @@ from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PlantStatus, PoseQuery, Positions
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison, compare

@@ -17,7 +17,7 @@ from beatrix_zenoh.client import choreography
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.play import play as perform
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin.twin import Twin
 
 MANY = 1000
 """Number of poses above which a note is printed before the check, which then takes seconds."""

@@ -9,7 +9,6 @@ from beatrix_zenoh.client.clocks import clock_offset as clock_offset
 from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
 from beatrix_zenoh.client.monitor import Monitor as Monitor
 from beatrix_zenoh.client.motion import Motion as Motion
-from beatrix_zenoh.client.plan import Plan as Plan
 from beatrix_zenoh.client.request import Place as Place
 from beatrix_zenoh.client.robot import Robot as Robot
 from beatrix_zenoh.client.robot_state import Presence as Presence
@@ -17,4 +16,5 @@ from beatrix_zenoh.client.robot_state import RobotState as RobotState
 from beatrix_zenoh.client.session import Client as Client
 from beatrix_zenoh.client.subscription import Arrival as Arrival
 from beatrix_zenoh.client.subscription import Subscription as Subscription
-from beatrix_zenoh.client.twin import Twin as Twin
+from beatrix_zenoh.client.twin.plan import Plan as Plan
+from beatrix_zenoh.client.twin.twin import Twin as Twin

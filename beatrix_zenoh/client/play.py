@@ -13,12 +13,12 @@ from msgspec.structs import replace
 
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.queries import checked_wait
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
-from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.client.twin_motion import ended, runs, stopped
+from beatrix_zenoh.client.twin.motion import ended, runs, stopped
+from beatrix_zenoh.client.twin.plan import Plan
+from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage, naming
 

@@ -10,7 +10,7 @@ from linked import Linked
 from stage import Stage, until
 
 from beatrix_zenoh.client.readings import ArmAngles
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin.twin import Twin
 from gui.console.state import intents
 from gui.console.state.intents import Intent, Jog, SetDestination
 from gui.console.state.state import State

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.lag import furthest
 from beatrix_zenoh.client.queries import checked_wait, true_or_false
 from beatrix_zenoh.client.readings import Path, RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin_motion import TwinMotion
-from beatrix_zenoh.client.twin_state import PlanPosition, query_plan_position
+from beatrix_zenoh.client.twin.lag import furthest
+from beatrix_zenoh.client.twin.motion import TwinMotion
+from beatrix_zenoh.client.twin.state import PlanPosition, query_plan_position
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from beatrix_zenoh.client.twin import Twin
+    from beatrix_zenoh.client.twin.twin import Twin
 
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
@@ -151,7 +151,7 @@ class Plan(ProcessBound):
 
     def plot(self) -> Figure:
         """Return a figure of the path; needs the extra `plot`."""
-        from beatrix_zenoh.client import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
+        from beatrix_zenoh.client.twin import plot  # noqa: PLC0415  # matplotlib only where a plan is plotted
 
         return plot.path_figure(self.path)
 

@@ -14,13 +14,13 @@ from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.lag import MotionBegin, lag_s
-from beatrix_zenoh.client.lead import POLL_S, Lead
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
-from beatrix_zenoh.client.twin_state import PlanPosition
+from beatrix_zenoh.client.twin.lag import MotionBegin, lag_s
+from beatrix_zenoh.client.twin.lead import POLL_S, Lead
+from beatrix_zenoh.client.twin.state import PlanPosition
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
