@@ -17,7 +17,7 @@ from beatrix_zenoh.cli.motions import reading_row
 from beatrix_zenoh.cli.options import Connect, Name, On, Who
 from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
-from beatrix_zenoh.client import streams
+from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.camera import START_S, CameraImage, images
 from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.client.request import Place
@@ -67,11 +67,13 @@ def echo(
             for place, event in limited(follow_events(list(robots.values()), past), count):
                 show_event(place, event, as_json=as_json)
         elif stream is Stream.POSITIONS:
-            positions = streams.positions(targets.client, targets.name, twin_key(targets)).arrivals()
+            positions = subscription.positions(targets.client, targets.name, twin_key(targets)).arrivals()
             for arrival in limited(positions, count):
                 show_positions(robots[arrival.robot, arrival.twin], arrival.value, as_json=as_json)
         elif stream is Stream.STATUS:
-            for update in limited(streams.status(targets.client, targets.name, twin_key(targets)), count):
+            for update in limited(
+                subscription.status(targets.client, targets.name, twin_key(targets)), count
+            ):
                 show_status(update, as_json=as_json)
         else:
             eye = stream.removeprefix("camera/")
@@ -145,7 +147,7 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
     """
     first = robots[0]
     twin = first.twin if len(robots) == 1 else "*"
-    with streams.events(first.client, first.name, twin, timeout_s=streams.SILENCE_S) as coming:
+    with subscription.events(first.client, first.name, twin, timeout_s=subscription.SILENCE_S) as coming:
         before = [(robot.place, event) for robot in robots for event in robot.past_events()]
         # An event that is published during the query for past events arrives twice; `known` drops the second.
         known = {(place, event.t_mono_ns, event.seq) for place, event in before}

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client import camera, streams
+from beatrix_zenoh.client import camera, subscription
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.queries import checked_seconds
 from beatrix_zenoh.client.readings import Reading, RobotInfo, reading, robot_info
 from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
-from beatrix_zenoh.client.streams import SILENCE_S
-from beatrix_zenoh.client.subscription import Subscription, message
+from beatrix_zenoh.client.subscription import SILENCE_S, Subscription, message
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
@@ -85,17 +84,17 @@ class RobotBase(ProcessBound, Suggesting):
     @value_method
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
         """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
-        return streams.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     @value_method
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
         """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
-        return streams.status(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.status(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     @value_method
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:
         """Subscribe to events; see `stream` for arguments and errors."""
-        return streams.events(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.events(self.client, self.name, self.twin, timeout_s=timeout_s)
 
     @value_method
     def camera(self, eye: str, timeout_s: float | None = camera.START_S) -> Subscription[CameraImage]:

@@ -16,9 +16,12 @@ from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import view_title
+
+SILENCE_S = 3.0
+"""A robot without publications for this long (s) hangs or is lost, because it publishes its status once a second."""
 
 LENGTH = 3000
 """Length of the queue: one minute of positions."""
@@ -289,3 +292,29 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def same(value: T) -> T:
+    """Return the message unchanged."""
+    return value
+
+
+def positions(
+    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
+) -> Subscription[Positions]:
+    """Subscribe to positions (rad); reading raises NoAnswer if none arrives for `timeout_s` (s), with None never."""
+    return Subscription(client, keys.positions(robot, twin), message(Positions, same), timeout_s=timeout_s)
+
+
+def status(
+    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
+) -> Subscription[Status]:
+    """Subscribe to status, on change and once a second; see `positions` for arguments and errors."""
+    return Subscription(client, keys.status(robot, twin), message(Status, same), timeout_s=timeout_s)
+
+
+def events(
+    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = None
+) -> Subscription[Event]:
+    """Subscribe to events; see `positions` for arguments and errors."""
+    return Subscription(client, keys.events(robot, twin), message(Event, same), timeout_s=timeout_s)

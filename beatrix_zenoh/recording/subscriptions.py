@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh.client import streams
 from beatrix_zenoh.client.camera import CameraImage, images
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.subscription import Arrival, Subscription
+from beatrix_zenoh.client.subscription import Arrival, Subscription, events, positions, status
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.losses import Stream, stream_of_key
@@ -35,9 +34,9 @@ class RobotSubscriptions:
         ] = []
         for name in names or ["*"]:
             self._subscriptions += [
-                streams.status(client, name, timeout_s=None),
-                streams.events(client, name),
-                streams.positions(client, name, timeout_s=None),
+                status(client, name, timeout_s=None),
+                events(client, name),
+                positions(client, name, timeout_s=None),
             ]
             if cameras:
                 self._subscriptions += [

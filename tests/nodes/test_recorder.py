@@ -19,7 +19,7 @@ from stage import Process, Stage, ready, until
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.client import streams
+from beatrix_zenoh.client.subscription import positions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions
@@ -59,7 +59,7 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
     process = recorder(stage, path)
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
-    with streams.positions(stage.client("witness")) as subscription:
+    with positions(stage.client("witness")) as subscription:
         robots = [ready(stage.robot("bea", twin)) for twin in ("sim", "hw")]
         for robot in robots:
             for camera in robot.status().cameras:
@@ -99,9 +99,9 @@ def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
         samples = lesson.recorded.robots[place]
         assert len(published) > 30
         written = {stamp: row for row, stamp in enumerate(samples.robot_ns.tolist())}
-        assert {positions.t_wall_ns for positions in published} <= written.keys()
-        for positions in published:
-            row, arms = written[positions.t_wall_ns], positions.position
+        assert {message.t_wall_ns for message in published} <= written.keys()
+        for message in published:
+            row, arms = written[message.t_wall_ns], message.position
             np.testing.assert_allclose(samples.arms[row], np.degrees([arms.x, arms.y, arms.z]), atol=1e-9)
 
 
@@ -193,7 +193,7 @@ def test_a_killed_recorder_loses_no_more_than_a_second(
     path = tmp_path / "killed.rrd"
     process = recorder(stage, path, "--name", "bea", "--cameras", "0")
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
-    with streams.positions(stage.client("witness"), "bea", "hw") as subscription:
+    with positions(stage.client("witness"), "bea", "hw") as subscription:
         begun = subscription.next(1.0).t_wall_ns
         until(
             lambda: subscription.latest is not None and subscription.latest.t_wall_ns > begun + 1_500_000_000,
@@ -287,7 +287,7 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
     process = recorder(stage, path, "--name", "guest", "--cameras", "0")
     for _ in range(2):
         guest = stage.hardware("guest")
-        with streams.positions(stage.client("witness"), "guest") as subscription:
+        with positions(stage.client("witness"), "guest") as subscription:
             until(lambda subscription=subscription: len(subscription.take(0.5)) > 0, "positions")  # type: ignore[misc]
             guest.end()
             until(lambda subscription=subscription: not subscription.take(0.8), "silence")  # type: ignore[misc]
