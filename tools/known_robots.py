@@ -57,6 +57,8 @@ class Act:
     """both, sim or hw"""
     refused: str = ""
     """sentence of the refusal by the hardware"""
+    late_s: float = 0.0
+    """delay (s) of this request to the hardware alone"""
 
 
 def acts(lead_s: float | None = 0.0, period_s: float = 2.2) -> list[Act]:
@@ -132,7 +134,7 @@ class Known:
 
     def _time(self, act: Act) -> float:
         """Return the time (s) at which this robot receives a request."""
-        return act.t + (self.late_s + (act.lead_s or 0.0) if self.twin == "hw" else 0.0)
+        return act.t + (self.late_s + act.late_s + (act.lead_s or 0.0) if self.twin == "hw" else 0.0)
 
     def _asked(self, act: Act, at: float, refused: str) -> int:
         """Add the event of a request; return the number of the motion, 0 if it was refused."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, lag
+from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, gains, lag
 from beatrix_zenoh.recording.requests import Alone, Request, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import (
     ARMS,
@@ -126,10 +126,8 @@ def aligned(first: Recording, second: Recording) -> Alignment:
         matched, single = shared(both), list(alone(both, float(first.t[0])))
     expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
-    parts = tuple(
-        measured(first, second, replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))))
-        for motion in expected
-    )
+    expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
+    parts = all_measured(first, second, expected)
     known = [part.shift_s for part in parts if part.measured and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
     early = tuple(motion for motion in matched if ended_early(motion))
@@ -141,6 +139,23 @@ def aligned(first: Recording, second: Recording) -> Alignment:
         if part.measured or not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
     )
     return replace(plain, parts=kept, apart=left_out)
+
+
+def all_measured(first: Recording, second: Recording, expected: Sequence[Expected]) -> tuple[MovedPart, ...]:
+    """Measure the shift of each motion; if none is found, with each arm of the second in the scale of the first."""
+    parts = tuple(measured(first, second, motion) for motion in expected)
+    if any(part.measured for part in parts):
+        return parts
+    t = np.concatenate([np.empty(0), *(window(first, second, part) for part in parts)])
+    if len(t) < 2:
+        return parts
+    one, other = (chosen(each, range(len(ARMS))) for each in (first, second))
+    shifts = np.concatenate([np.full(len(window(first, second, part)), part.shift_s) for part in parts])
+    factors = gains(one, other, t, t + shifts)
+    rescaled = tuple(
+        measured(first, replace(other, angles=other.angles / factors), motion) for motion in expected
+    )
+    return rescaled if any(part.measured for part in rescaled) else parts
 
 
 def within(recorded: Recording) -> list[Request]:

@@ -164,7 +164,7 @@ def median_lag(first: Recording, second: Recording, found: Alignment, axes: tupl
     for part in found.parts:
         if math.isnan(part.lag_s):
             continue
-        shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S)
+        shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S, scaled=True)
         if shift.left < EXPLAINED and not math.isnan(shift.s):
             lags.append(shift.s - (part.lead_s or 0.0))
     return float(np.median(lags)) if lags else math.nan

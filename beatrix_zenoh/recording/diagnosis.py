@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.recording.circumstances import clocks, lost_samples, not_asked, stopped
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs
@@ -30,16 +29,8 @@ BETTER: Final = 0.2
 """A cause explains the differences if it leaves less than this share of them."""
 SCALE: Final = 0.01
 """Smallest error of scale that is reported."""
-SCALE_MOST: Final = 0.3
-"""Largest error of scale that is reported: beyond it the robots make different movements."""
-DRIFT: Final = 0.002
-"""Smallest drift (s per s) that is reported."""
-CLOCK_S: Final = 1.0
-"""All motions late by more than this: clocks that differ, or a lead that no request says."""
-FEWEST: Final = 5
-"""Number of motions from which a drift can be told from chance."""
-EQUAL_S: Final = 0.05
-"""Lags that differ by less than this (s) are equal."""
+SCALES: Final = -0.6, 1.5
+"""Errors of scale that are reported: beyond them the robots make different movements."""
 AFTER_S: Final = 1.0
 """The other robot must move later than this (s) after an arm stood still."""
 MOTIONS: Final = 2
@@ -98,52 +89,6 @@ def after(seen: Seen, t: float) -> Seen:
     """Return the samples after a time (s)."""
     kept = seen.t > t
     return Seen(seen.t[kept], seen.first[kept], seen.second[kept], seen.rest[kept])
-
-
-def lost_samples(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding for each robot of which samples are missing."""
-    for name, regular in zip(("simulation", "hardware"), found.regularity, strict=True):
-        if regular.lost:
-            share = regular.lost / (regular.lost + regular.samples)
-            yield Finding(
-                Cause.LOSS,
-                f"{regular.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
-                value=share,
-            )
-
-
-def not_asked(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding for each reason for which only one robot made a motion."""
-    groups: dict[tuple[bool, str], list[float]] = {}
-    for each in found.alone:
-        groups.setdefault((each.hardware, each.why), []).append(each.request.t - float(found.t[0]))
-    for (hardware, why), times in groups.items():
-        one = "hardware" if hardware else "simulation"
-        made = f"Only the {one} made {count(len(times), 'motion')}"
-        when = ", ".join(f"{t:.1f} s" for t in times[:4]) + (", ..." if len(times) > 4 else "")
-        yield Finding(
-            Cause.NOT_ASKED,
-            f"{made} (at {when}), because {why}; the figures leave out the time until both stand together again.",
-            value=len(times),
-            t=times[0],
-        )
-
-
-def stopped(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding for the motions that only one robot carried out to the end."""
-    for one, ends in (
-        ("hardware", [motion for motion in found.early if motion.sim.end is Reason.OK]),
-        ("simulation", [motion for motion in found.early if motion.sim.end is not Reason.OK]),
-    ):
-        if ends:
-            ended = ends[0].hw if one == "hardware" else ends[0].sim
-            yield Finding(
-                Cause.STOPPED,
-                f"Only the {one} ended {count(len(ends), 'motion')} before the goal ({ended.end}, at "
-                f"{ends[0].sim.t - found.t[0]:.1f} s); the figures leave out the time until both stand together again.",
-                value=len(ends),
-                t=ends[0].sim.t - float(found.t[0]),
-            )
 
 
 def stood_still(found: Comparison, seen: Seen) -> list[Finding]:
@@ -278,7 +223,8 @@ def cause_of(seen: Seen, arm: int) -> Finding | None:
     slope, left_scale = scaled(mine, around)
     step, at, left_step = stepped(seen, apart)
     if (
-        SCALE < abs(slope) < SCALE_MOST
+        abs(slope) > SCALE
+        and SCALES[0] <= slope <= SCALES[1]
         and abs(slope) * float(np.ptp(mine)) > 2 * APART_DEG
         and left_scale < min(2 * BETTER * spread, left_step)
     ):
@@ -340,38 +286,3 @@ def scale(arms: tuple[str, ...], value: float) -> Finding:
         arms,
         value,
     )
-
-
-def clocks(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding if the lags grow steadily, or are all so large that clocks must differ."""
-    known = [part for part in found.moved if not math.isnan(part.lag_s)]
-    if not known:
-        return
-    lags = np.array([part.lag_s for part in known])
-    begins = np.array([part.begin_s for part in known])
-    if len(known) >= FEWEST:
-        since = begins - begins[0]
-        line = np.polyfit(since, lags, 1)
-        growth, left = line[0], lags - np.polyval(line, since)
-        if (
-            abs(growth) > DRIFT
-            and abs(lags[-1] - lags[0]) > EQUAL_S
-            and np.sum(left**2) < BETTER * np.sum((lags - lags.mean()) ** 2)
-        ):
-            way = "fast" if growth > 0 else "slow"
-            yield Finding(
-                Cause.DRIFT,
-                f"The hardware's clock runs {abs(growth):.1%} {way}: the lag changes from {lags[0] * 1e3:.0f} to "
-                f"{lags[-1] * 1e3:.0f} ms.",
-                value=float(growth),
-            )
-            return
-    typical = float(np.median(lags))
-    if abs(typical) > CLOCK_S and np.ptp(lags) < EQUAL_S:
-        side = "late" if typical > 0 else "early"
-        yield Finding(
-            Cause.CLOCK,
-            f"Every motion of the hardware is {abs(typical):.2f} s {side}: its clock differs, or it had a lead that no "
-            "request names.",
-            value=typical,
-        )

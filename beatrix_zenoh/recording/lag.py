@@ -17,7 +17,12 @@ FAR_S = 5.0
 """Largest lag of the second search (s), made if no lag of the first search explains the second recording."""
 EXPLAINED = 0.1
 """A lag explains the second recording if it leaves less than this share of the variance; no other lag is reported."""
+GAINS = 0.4, 2.5
+"""An arm of the second recording may turn less or more than that of the first by a factor between these: a wrong scale
+hides no lag."""
 STEP_FINE_S = 0.001
+TINY = 1e-9
+"""Avoids a division by 0."""
 MOST = 20_000
 """The largest number of samples that are compared; of longer recordings every n-th sample is used."""
 
@@ -28,6 +33,7 @@ class Shift(NamedTuple):
     s: float
     """NaN: the first rests, or the best shift is the longest or shortest of the search, so that it may be another"""
     left: float
+    """inf: the first rests, or the second was not recorded"""
 
 
 NO_SHIFT = Shift(math.nan, math.inf)
@@ -57,8 +63,20 @@ def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
     return replace(recorded, angles=recorded.angles[:, list(columns)], commanded=None)
 
 
-def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float) -> Shift:
-    """Return the best shift of the second at times t (s), within `limit_s` of `around_s`, where it was recorded."""
+def gains(first: Recording, second: Recording, t: Floats, seconds: Floats) -> Floats:
+    """Return for each axis how much further the second turns at times `seconds` (s) than the first at times t, in GAINS."""
+    one, other = resample(first, t), resample(second, seconds)
+    one, other = one - one.mean(axis=0), other - other.mean(axis=0)
+    return np.asarray(np.clip(np.sum(one * other, axis=0) / np.maximum(np.sum(one**2, axis=0), TINY), *GAINS))
+
+
+def best_shift(
+    first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float, *, scaled: bool = False
+) -> Shift:
+    """Return the best shift of the second at times t (s), within `limit_s` of `around_s`, where it was recorded.
+
+    With `scaled` each axis of the second may turn further, or less far, than that of the first, within GAINS.
+    """
     t = t[:: 1 + len(t) // MOST]
     if len(t) < 2:
         return NO_SHIFT
@@ -66,6 +84,7 @@ def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, 
     if np.max(np.ptp(still, axis=0)) < REST_DEG:
         return NO_SHIFT
     still -= still.mean(axis=0)
+    power = np.sum(still**2, axis=0)
     lowest = max(around_s - limit_s, float(second.t[0] - t[0]))
     highest = min(around_s + limit_s, float(second.t[-1] - t[-1]))
     if highest - lowest < 2 * GRID_S:
@@ -73,14 +92,17 @@ def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, 
 
     def apart(shift_s: float) -> float:
         moved = resample(second, t + shift_s)
-        return float(np.sum((moved - moved.mean(axis=0) - still) ** 2))
+        moved -= moved.mean(axis=0)
+        if scaled:
+            moved /= np.clip(np.sum(moved * still, axis=0) / np.maximum(power, TINY), *GAINS)
+        return float(np.sum((moved - still) ** 2))
 
     shifts = np.arange(lowest, highest, GRID_S)
     coarse = int(np.argmin([apart(shift_s) for shift_s in shifts]))
     fine = shifts[coarse] + STEP_FINE_S * np.arange(-11, 12)
     costs = [apart(shift_s) for shift_s in fine]
     best = int(np.argmin(costs))
-    left = costs[best] / float(np.sum(still**2))
+    left = costs[best] / float(np.sum(power))
     if best in (0, len(costs) - 1) or coarse in (0, len(shifts) - 1):
         return Shift(math.nan, left)
     before, at, after = costs[best - 1 : best + 2]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import known_errors
+import known_cases
 import numpy as np
 import pytest
-from known_errors import VARIANTS, Case, Variant, compared, wrong
+from known_cases import Case
+from known_errors import VARIANTS, Variant, compared, wrong
 from known_robots import Act, Known, acts, as_recordings
 
 from beatrix_zenoh.recording.compare import compare
@@ -17,7 +18,7 @@ from beatrix_zenoh.recording.requests import Request, why_alone
 from beatrix_zenoh.recording.series import Recording, part_of
 from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
 
-CASES = {case.name: case for case in known_errors.cases()}
+CASES = {case.name: case for case in known_cases.cases()}
 MEMORY = [variant for variant in VARIANTS if not variant.file]
 (FILE,) = (variant for variant in VARIANTS if variant.file)
 FROM_FILE = ("none", "long misses a step at 13 s", "short and middle exchanged", "leads of 0, 0.5 and 1.5 s")
