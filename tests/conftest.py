@@ -133,14 +133,6 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
         return (yield)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Remove all marks `no_cover` for tools/mutate.py, which needs to know the code that each test executes."""
-    if config.getoption("cov_context", None):
-        for node in {node for item in items for node in item.listchain()}:
-            node.own_markers[:] = [mark for mark in node.own_markers if mark.name != "no_cover"]
-
-
 def own_user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Hide the folder of the developer: accounts are read there, and nodes keep the teacher's decisions there."""
     with pytest.MonkeyPatch.context() as patch:
